@@ -1,0 +1,34 @@
+# Two commands do all set-up on a fresh Debian machine with Python 3.11 or newer: make demo, make test.
+PYTHON ?= python3
+BIN := .venv/bin
+PROJECT := pyproject.toml constraints.txt
+
+.PHONY: demo test check docs-figures clean
+
+demo: .venv/ready
+	$(BIN)/irtiming demo
+
+test: .venv/ready-for-tests check
+	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox
+	$(BIN)/pytest -n 2
+
+check: .venv/ready-for-tests
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+.venv/ready: $(PROJECT)
+	scripts/make-venv $(PYTHON)
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+.venv/ready-for-tests: .venv/ready
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test]'
+	touch $@
+
+docs-figures: .venv/ready
+	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
+
+clean:
+	rm -rf .venv build demo

@@ -1,0 +1,40 @@
+"""Every error that irtiming raises on purpose.
+
+IrTimingError
+    UnitError            a number or unit that cannot be read
+    PlanError            no trigger scheme meets the wishes
+    GeometryError        a rig whose numbers cannot be
+    ArchiveError         a file that cannot be read or written
+    ReductionError       a recording that cannot be reduced
+    EstimationError      reduced data that do not determine the measurand
+
+A message says what is, what must be and what to do, in one line. The command line prints it and exits with 2.
+"""
+
+
+class IrTimingError(Exception):
+    """Root of all errors that a user can cause and cure."""
+
+
+class UnitError(IrTimingError):
+    """A number or unit that cannot be read."""
+
+
+class PlanError(IrTimingError):
+    """No trigger scheme meets the wishes."""
+
+
+class GeometryError(IrTimingError):
+    """A rig whose numbers cannot be."""
+
+
+class ArchiveError(IrTimingError):
+    """A file that cannot be read or written."""
+
+
+class ReductionError(IrTimingError):
+    """A recording that cannot be reduced."""
+
+
+class EstimationError(IrTimingError):
+    """Reduced data that do not determine the measurand."""

@@ -1,0 +1,84 @@
+"""One uninterrupted series of triggered frames with the timestamps taken beside it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, Protocol, final
+
+from irtiming.records.arrays import Array, Pixels, Ticks
+
+CameraType = Literal["photon", "microbolometer"]
+ReadoutMode = Literal["snapshot", "rolling"]
+
+
+class FrameStack(Protocol):
+    """Frames that are read block by block: a recording is never in memory as a whole."""
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of frames, rows and columns."""
+        ...
+
+    def blocks(self) -> Iterator[tuple[int, Pixels]]:
+        """Index of the first frame and values (frame, row, column), block after block, in order.
+
+        A block is valid until the next one is asked for.
+        """
+        ...
+
+    def pick(self, indices: list[int]) -> Pixels:
+        """The named frames, shape (len(indices), row, column)."""
+        ...
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NonuniformityReference:
+    """Mean frames of the bare blackbody at two temperatures, shape (row, column), DN.
+
+    ``low_noise_dn`` and ``high_noise_dn`` are the standard deviations over the reference frames, same shape.
+    ``low_frames`` and ``high_frames`` are the raw stacks, where they are at hand: an archive is written from them.
+    """
+
+    low_dn: Array
+    high_dn: Array
+    low_noise_dn: Array
+    high_noise_dn: Array
+    n_frames: int
+    low_temperature_k: float | None = None
+    high_temperature_k: float | None = None
+    low_frames: FrameStack | None = None
+    high_frames: FrameStack | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recording:
+    """One recording; all ticks are values of one free-running counter.
+
+    ``frame_number[i]`` is the index in ``camera_trigger_ticks`` of the trigger that made frame i: a gap is a lost frame.
+    ``camera_trigger_ticks`` are nominal triggers, before ``trigger_delay_time_set_s`` is added.
+    ``start_time`` is text in ISO 8601, empty where unknown. Shapes: frame_number (n_frame,), each ticks array (n_edge,).
+    """
+
+    name: str
+    camera_type: CameraType
+    readout_mode: ReadoutMode
+    frames: FrameStack
+    frame_number: Ticks
+    clock_frequency_hz: float
+    camera_trigger_ticks: Ticks
+    control_slot_ticks: Ticks
+    application_slot_ticks: Ticks
+    application_edge_ticks: Ticks | None = None
+    rotation_speed_hz: float
+    integration_time_s: float | None = None
+    trigger_delay_time_set_s: float = 0.0
+    bit_depth: int = 16
+    camera_period_ticks: int | None = None
+    wheel_period_ticks: int | None = None
+    blackbody_temperature_k: float | None = None
+    nonuniformity: NonuniformityReference | None = None
+    start_time: str = ""
+    source: str = ""
+    sha256: str = ""
+    warnings: tuple[str, ...] = ()

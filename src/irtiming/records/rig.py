@@ -1,0 +1,69 @@
+"""The rig as its owner measured it: wheel, light gates and mask opening (rig.toml in SI units)."""
+
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+Rotation = Literal["clockwise", "counterclockwise"]
+"""Direction of the wheel as the camera sees it."""
+
+
+@final
+@dataclass(frozen=True)
+class Measured:
+    """A number that somebody measured, with its standard uncertainty in the same unit.
+
+    ``standard_uncertainty`` is 0 where rig.toml states none; the number then counts as exact.
+    """
+
+    value: float
+    standard_uncertainty: float = 0.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Wheel:
+    """Chopper wheel: two cutouts between four edges, and a ring of control slots.
+
+    ``cutout_edges_rad`` are alpha_0 .. alpha_3, the wheel angles at which the edges pass the application gate;
+    None where rig.toml leaves them out: then they come from the recording or are ideal.
+    """
+
+    control_slots: int = 100
+    rotation: Rotation = "clockwise"
+    cutout_edges_rad: tuple[Measured, Measured, Measured, Measured] | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LightGates:
+    """The two light beams below the axle; figure 1 of the definitions.
+
+    The application gate lies ``half_separation_m`` (d) beside the vertical through the axle, the control gate as far
+    on the other side and ``height_difference_m`` (dh) nearer the axle. ``whole_slots_between`` is the whole number of
+    control slots between them, floor(dbeta / slot pitch).
+    """
+
+    half_separation_m: Measured
+    height_difference_m: Measured
+    whole_slots_between: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class MaskOpening:
+    """Annular sector behind the wheel: opening angle gamma and direction phi_M of its bisector."""
+
+    opening_angle_rad: Measured
+    centre_angle_rad: Measured
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Rig:
+    """All that a person measured on the rig; ``source`` and ``sha256`` say where it was read."""
+
+    wheel: Wheel = field(default_factory=Wheel)
+    light_gates: LightGates
+    mask_opening: MaskOpening
+    source: str = ""
+    sha256: str = ""

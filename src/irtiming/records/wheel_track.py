@@ -1,0 +1,44 @@
+"""Where the wheel was at every moment of one recording."""
+
+from dataclasses import dataclass
+from typing import final
+
+from irtiming.records.arrays import Array, Ticks
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WheelTrack:
+    """Wheel angle at each control-slot edge of one recording; between edges it is linear in time.
+
+    Parameters
+    ----------
+    edge_ticks, edge_angle_rad
+        Shape (n_edge,); times of the control-slot edges and the unwrapped wheel angle there. Zero (mod 2 pi) when the
+        reference edge passes the application gate.
+    clock_frequency_hz
+        Ticks per second.
+    angular_frequency_rad_per_s
+        Mean over the recording; always positive.
+    gate_separation_rad, u_gate_separation_rad
+        Angle dbeta between the two gates, with its standard uncertainty (Schatz 2023, 2.5).
+    slot_deviation_rad, u_slot_deviation_rad
+        Shape (control_slots,); angle of slot j minus 2 pi j / control_slots, mean zero, as used for
+        ``edge_angle_rad``; all zero where the slots are taken as equal.
+    application_edges_rad, u_application_edges_rad
+        Angles of edges 0..3 at the application gate, from the timestamps of all four; None where not recorded.
+    findings
+        What was missing, doubled or spurious and what was done about it.
+    """
+
+    edge_ticks: Ticks
+    edge_angle_rad: Array
+    clock_frequency_hz: float
+    angular_frequency_rad_per_s: float
+    gate_separation_rad: float
+    u_gate_separation_rad: float
+    slot_deviation_rad: Array
+    u_slot_deviation_rad: Array
+    application_edges_rad: tuple[float, float, float, float] | None = None
+    u_application_edges_rad: tuple[float, float, float, float] | None = None
+    findings: tuple[str, ...] = ()

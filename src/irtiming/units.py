@@ -1,0 +1,43 @@
+"""Ticks, seconds and text: the one place where numbers get or lose their unit."""
+
+import re
+
+from irtiming.errors import UnitError
+
+_FACTORS = {
+    "": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9,
+    "min": 60.0, "h": 3600.0,
+}  # fmt: skip
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ]*)\s*")
+
+
+def seconds(text: str) -> float:
+    """Seconds from text such as ``"250 us"``, ``"25ms"``, ``"0.025"`` or ``"20 min"``.
+
+    Raises
+    ------
+    UnitError
+        If the text is not a number followed by s, ms, us, ns, min or h.
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None or match[2] not in _FACTORS:
+        raise UnitError(f"'{text}' is not a time; write a number and s, ms, us, ns, min or h, such as '250 us'")
+    return float(match[1]) * _FACTORS[match[2]]
+
+
+def ticks_to_seconds(ticks: int, clock_frequency_hz: float) -> float:
+    """Duration of a whole number of clock ticks, in seconds."""
+    return ticks / clock_frequency_hz
+
+
+def readable_time(time_s: float) -> str:
+    """Seconds as people read them: ``"250 us"``, ``"33 s"``, ``"11 min"``."""
+    size = abs(time_s)
+    if size == 0:
+        return "0 s"
+    if size >= 300:
+        return f"{time_s / 60:.4g} min"
+    for limit, factor, unit in ((1, 1, "s"), (1e-3, 1e3, "ms"), (1e-6, 1e6, "µs")):
+        if size >= limit:
+            return f"{time_s * factor:.6g} {unit}"
+    return f"{time_s * 1e9:.4g} ns"
