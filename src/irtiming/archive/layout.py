@@ -1,0 +1,223 @@
+"""Every path, class, unit, range and version of the recording file, in one table."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Literal, final
+
+VERSION = 1
+"""Version of this layout, the attribute ``irtiming_layout`` of the entry; readers refuse a later one."""
+
+VERSION_ATTRIBUTE = "irtiming_layout"
+SUFFIX = ".nxs"
+REFERENCE_PAGE = "docs/reference/recording-file.md"
+
+Kind = Literal["text", "number", "integer", "ticks", "index", "frames"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """One dataset of the file.
+
+    ``unit`` is the SI unit a number has inside the program; ``lowest`` and ``highest`` are limits in that
+    unit, both allowed. ``fewest`` is the least number of entries of a tick stream.
+    """
+
+    path: str
+    kind: Kind
+    meaning: str
+    unit: str = ""
+    required: bool = False
+    choices: tuple[str, ...] = ()
+    lowest: float = -inf
+    highest: float = inf
+    fewest: int = 1
+
+    @property
+    def name(self) -> str:
+        """Last part of the path."""
+        return self.path.rsplit("/", 1)[1]
+
+    @property
+    def group(self) -> str:
+        """Path without its last part."""
+        return self.path.rsplit("/", 1)[0]
+
+
+ENTRY = "/entry"
+INSTRUMENT = f"{ENTRY}/instrument"
+CAMERA = f"{INSTRUMENT}/camera"
+CHOPPER = f"{INSTRUMENT}/chopper"
+TRIGGER_GENERATOR = f"{INSTRUMENT}/trigger_generator"
+BLACKBODY = f"{INSTRUMENT}/blackbody"
+REFERENCE = f"{ENTRY}/nonuniformity_reference"
+PLOT = f"{ENTRY}/data"
+TRUTH = f"{ENTRY}/truth"
+
+GROUPS = {
+    ENTRY: "NXentry",
+    INSTRUMENT: "NXinstrument",
+    CAMERA: "NXdetector",
+    CHOPPER: "NXdisk_chopper",
+    TRIGGER_GENERATOR: "NXcollection",
+    BLACKBODY: "NXcollection",
+    REFERENCE: "NXcollection",
+    PLOT: "NXdata",
+    TRUTH: "NXcollection",
+}
+"""Path of each group and its NeXus class."""
+
+TITLE = Field(path=f"{ENTRY}/title", kind="text", meaning="name of the recording; default: the file's name")
+START_TIME = Field(path=f"{ENTRY}/start_time", kind="text", meaning="ISO 8601")
+
+FRAMES = Field(path=f"{CAMERA}/data", kind="frames", required=True, meaning="frames as the camera gave them")
+CAMERA_TYPE = Field(
+    path=f"{CAMERA}/type",
+    kind="text",
+    required=True,
+    choices=("photon", "microbolometer"),
+    meaning="kind of detector",
+)
+READOUT_MODE = Field(
+    path=f"{CAMERA}/readout_mode",
+    kind="text",
+    required=True,
+    choices=("snapshot", "rolling"),
+    meaning="all rows at once, or one after the other",
+)
+INTEGRATION_TIME = Field(
+    path=f"{CAMERA}/count_time",
+    kind="number",
+    unit="s",
+    lowest=1e-9,
+    highest=10.0,
+    meaning="integration time of a photon detector",
+)
+TRIGGER_DELAY_TIME_SET = Field(
+    path=f"{CAMERA}/trigger_delay_time_set",
+    kind="number",
+    unit="s",
+    lowest=0.0,
+    highest=60.0,
+    meaning="extra delay set in the trigger generator; default 0",
+)
+BIT_DEPTH = Field(
+    path=f"{CAMERA}/bit_depth_readout",
+    kind="integer",
+    lowest=1,
+    highest=16,
+    meaning="bits of a pixel value; default 16",
+)
+FRAME_NUMBER = Field(
+    path=f"{CAMERA}/frame_number",
+    kind="index",
+    meaning="index of the trigger that made each frame; default: frame i belongs to trigger i",
+)
+ROTATION_SPEED = Field(
+    path=f"{CHOPPER}/rotation_speed",
+    kind="number",
+    unit="Hz",
+    required=True,
+    lowest=1e-3,
+    highest=1e4,
+    meaning="nominal turns of the wheel per second",
+)
+CLOCK_FREQUENCY = Field(
+    path=f"{TRIGGER_GENERATOR}/clock_frequency",
+    kind="number",
+    unit="Hz",
+    required=True,
+    lowest=1e3,
+    highest=1e12,
+    meaning="ticks per second of the counter",
+)
+CAMERA_TRIGGER = Field(
+    path=f"{TRIGGER_GENERATOR}/camera_trigger",
+    kind="ticks",
+    unit="ticks",
+    required=True,
+    meaning="nominal trigger, before trigger_delay_time_set is added",
+)
+CONTROL_SLOT = Field(
+    path=f"{TRIGGER_GENERATOR}/control_slot",
+    kind="ticks",
+    unit="ticks",
+    required=True,
+    fewest=2,
+    meaning="control slots passing their light gate",
+)
+APPLICATION_SLOT = Field(
+    path=f"{TRIGGER_GENERATOR}/application_slot",
+    kind="ticks",
+    unit="ticks",
+    required=True,
+    fewest=2,
+    meaning="cutout edges 0 and 2 passing the application gate",
+)
+APPLICATION_EDGES = Field(
+    path=f"{TRIGGER_GENERATOR}/application_edges",
+    kind="ticks",
+    unit="ticks",
+    fewest=2,
+    meaning="all four cutout edges passing the application gate",
+)
+CAMERA_PERIOD = Field(
+    path=f"{TRIGGER_GENERATOR}/camera_period",
+    kind="integer",
+    unit="ticks",
+    lowest=1,
+    highest=2.0**62,
+    meaning="ticks from trigger to trigger, C of the trigger scheme",
+)
+WHEEL_PERIOD = Field(
+    path=f"{TRIGGER_GENERATOR}/wheel_period",
+    kind="integer",
+    unit="ticks",
+    lowest=1,
+    highest=2.0**62,
+    meaning="ticks of a turn of the wheel, T of the trigger scheme",
+)
+BLACKBODY_TEMPERATURE = Field(
+    path=f"{BLACKBODY}/temperature",
+    kind="number",
+    unit="K",
+    lowest=100.0,
+    highest=5000.0,
+    meaning="blackbody temperature while recording",
+)
+REFERENCE_LOW = Field(path=f"{REFERENCE}/low", kind="frames", meaning="bare blackbody, colder")
+REFERENCE_HIGH = Field(path=f"{REFERENCE}/high", kind="frames", meaning="bare blackbody, warmer")
+
+ACQUISITION_MODE = f"{CAMERA}/acquisition_mode"
+NEXUS_NEIGHBOURS = ("trigger_delay_time", "trigger_internal_delay_time", "frame_start_number", "frame_time")
+"""Names of NeXus that resemble a field of ours but are not meant as one."""
+
+TEMPERATURE_ATTRIBUTE = "temperature"
+TEMPERATURE_UNITS_ATTRIBUTE = "temperature_units"
+
+FIELDS = (
+    TITLE, START_TIME,
+    FRAMES, CAMERA_TYPE, READOUT_MODE, INTEGRATION_TIME, TRIGGER_DELAY_TIME_SET, BIT_DEPTH, FRAME_NUMBER,
+    ROTATION_SPEED,
+    CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES,
+    CAMERA_PERIOD, WHEEL_PERIOD,
+    BLACKBODY_TEMPERATURE,
+    REFERENCE_LOW, REFERENCE_HIGH,
+)  # fmt: skip
+"""Every field that this program reads, in the order in which it is checked."""
+
+UNITS: dict[str, dict[str, float]] = {
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9},
+    "Hz": {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},
+    "K": {"K": 1.0, "mK": 1e-3},
+}
+"""Spellings of each unit that the attribute ``units`` may have, and the factor to SI."""
+
+TICK_UNITS = ("", "1", "tick", "ticks", "count", "counts")
+"""What the attribute ``units`` of a tick stream may say."""
+
+HDF5_FORMAT = ("v110", "v110")
+"""Oldest and newest HDF5 format that is written: every HDF5 since 1.10 (2016) reads it."""
+
+BLOCK_BYTES = 32 * 2**20
+"""At most this much of a stack of frames is in memory at a time (a larger chunk excepted)."""

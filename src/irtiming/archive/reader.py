@@ -1,0 +1,194 @@
+"""From a recording file to a checked `Recording`; its frames stay in the file and are streamed."""
+
+from pathlib import Path
+from typing import Any, cast
+
+import h5py
+import numpy as np
+
+from irtiming.archive import consistency, layout
+from irtiming.archive.checksum import sha256_of
+from irtiming.archive.consistency import Contents
+from irtiming.archive.fields import as_text, near_misses, read_field, read_temperature
+from irtiming.archive.finding import Complaint, archive_error, refuse
+from irtiming.archive.frame_stack import FileFrames
+from irtiming.archive.hdf5_file import damage_at, opened
+from irtiming.archive.layout import Field
+from irtiming.records.arrays import Array, read_only
+from irtiming.records.recording import FrameStack, NonuniformityReference, Recording
+
+
+def read(path: str | Path) -> Recording:
+    """Recording in a file, every field checked; only its frames stay in the file.
+
+    Optional fields that are absent get the defaults of `Recording`: no extra trigger delay, 16 bits, frame i
+    made by trigger i, None for the others. Oddities that do not stop an analysis stand in ``warnings``.
+
+    Returns
+    -------
+    The recording; ``frames`` opens the file anew for each pass.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or a field is missing, of the wrong type, shape or unit, out of range, or
+        contradicts another. One line: file, field, what is, what to do.
+    """
+    try:
+        with opened(path) as file:
+            check_version(file)
+            contents: Contents = {field: read_field(file, field) for field in layout.FIELDS}
+            temperatures = _temperatures(file, contents)
+            findings = near_misses(file)
+    except Complaint as complaint:
+        raise complaint.as_error(path) from complaint
+    findings += [*consistency.check(contents), *consistency.check_temperatures(temperatures)]
+    for finding in findings:
+        if finding.severity == "error":
+            raise archive_error(path, finding)
+    warnings = tuple(finding.sentence() for finding in findings if finding.severity == "warning")
+    nonuniformity = _nonuniformity(Path(path), contents, temperatures=temperatures)
+    return _recording(Path(path), contents, nonuniformity=nonuniformity, warnings=warnings)
+
+
+def read_truth(path: str | Path) -> dict[str, Any]:
+    """What a simulation knows about its recording, by name (the unit is the suffix of the name).
+
+    Returns
+    -------
+    Numbers, texts and arrays as they were given to the writer; empty for a recording of a real camera.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read.
+    """
+    truth: dict[str, Any] = {}
+    try:
+        with opened(path) as file, damage_at(layout.TRUTH):
+            for name, dataset in (file.get(layout.TRUTH) or {}).items():
+                value = dataset[()]
+                text = as_text(value)
+                truth[name] = value if text is None else text
+                if isinstance(value, np.generic) and text is None:
+                    truth[name] = value.item()
+    except Complaint as complaint:
+        raise complaint.as_error(path) from complaint
+    return truth
+
+
+def check_version(file: h5py.File) -> None:
+    """Refuse a file of a later layout than this program knows; a file without a version is taken as it is.
+
+    Raises
+    ------
+    Complaint
+        If the version is later than `layout.VERSION`, or no number.
+    """
+    where = f"{layout.ENTRY}@{layout.VERSION_ATTRIBUTE}"
+    with damage_at(where):
+        entry = file.get(layout.ENTRY)
+        version = None if entry is None else entry.attrs.get(layout.VERSION_ATTRIBUTE)
+    if version is None:
+        return
+    if not isinstance(version, (int, np.integer)):
+        raise refuse(where, f"is {as_text(version) or version!r}", cure="it must be an integer")
+    if version > layout.VERSION:
+        raise refuse(where, f"= {version} is later than {layout.VERSION}", cure="update irtiming to read this file")
+
+
+def reduce_reference(low: FrameStack, high: FrameStack) -> tuple[Array, Array, Array, Array]:
+    """Mean and standard deviation over the frames of two reference stacks, streamed.
+
+    Returns
+    -------
+    Mean of low and of high, standard deviation of low and of high (0 for a single frame); shape
+    (row, column), DN.
+    """
+    low_mean, low_noise = _mean_and_deviation(low)
+    high_mean, high_noise = _mean_and_deviation(high)
+    return low_mean, high_mean, low_noise, high_noise
+
+
+def _mean_and_deviation(frames: FrameStack) -> tuple[Array, Array]:
+    n_frames, rows, columns = frames.shape
+    origin = np.zeros((rows, columns))
+    total = np.zeros((rows, columns))
+    squares = np.zeros((rows, columns))
+    for first, block in frames.blocks():
+        if first == 0:
+            origin = block[0].astype(np.float64)
+        for frame in block:
+            offset = frame - origin
+            total += offset
+            squares += offset * offset
+    mean = origin + total / n_frames
+    variance = (squares - total * total / n_frames) / max(n_frames - 1, 1)
+    return mean, np.sqrt(np.maximum(variance, 0.0))
+
+
+def _temperatures(file: h5py.File, contents: Contents) -> dict[Field, float | None]:
+    both = (layout.REFERENCE_LOW, layout.REFERENCE_HIGH)
+    return {field: read_temperature(file, field) if contents[field] else None for field in both}
+
+
+def _nonuniformity(
+    path: Path, contents: Contents, *, temperatures: dict[Field, float | None]
+) -> NonuniformityReference | None:
+    low_shape, high_shape = contents[layout.REFERENCE_LOW], contents[layout.REFERENCE_HIGH]
+    if low_shape is None:
+        return None
+    low_frames = FileFrames(path, layout.REFERENCE_LOW.path, shape=low_shape)
+    high_frames = FileFrames(path, layout.REFERENCE_HIGH.path, shape=high_shape)
+    low, high, low_noise, high_noise = (read_only(a) for a in reduce_reference(low_frames, high_frames))
+    return NonuniformityReference(
+        low_dn=low,
+        high_dn=high,
+        low_noise_dn=low_noise,
+        high_noise_dn=high_noise,
+        n_frames=min(low_shape[0], high_shape[0]),
+        low_temperature_k=temperatures[layout.REFERENCE_LOW],
+        high_temperature_k=temperatures[layout.REFERENCE_HIGH],
+        low_frames=low_frames,
+        high_frames=high_frames,
+    )
+
+
+def _recording(
+    path: Path,
+    contents: Contents,
+    *,
+    nonuniformity: NonuniformityReference | None,
+    warnings: tuple[str, ...],
+) -> Recording:
+    def _value(field: Field) -> Any:
+        return contents[field]
+
+    shape = cast("tuple[int, int, int]", _value(layout.FRAMES))
+    frame_number = _value(layout.FRAME_NUMBER)
+    if frame_number is None:
+        frame_number = read_only(np.arange(shape[0], dtype=np.int64))
+    return Recording(
+        name=_value(layout.TITLE) or path.stem,
+        start_time=_value(layout.START_TIME) or "",
+        camera_type=_value(layout.CAMERA_TYPE),
+        readout_mode=_value(layout.READOUT_MODE),
+        frames=FileFrames(path, shape=shape),
+        frame_number=frame_number,
+        clock_frequency_hz=_value(layout.CLOCK_FREQUENCY),
+        camera_trigger_ticks=_value(layout.CAMERA_TRIGGER),
+        control_slot_ticks=_value(layout.CONTROL_SLOT),
+        application_slot_ticks=_value(layout.APPLICATION_SLOT),
+        application_edge_ticks=_value(layout.APPLICATION_EDGES),
+        rotation_speed_hz=_value(layout.ROTATION_SPEED),
+        integration_time_s=_value(layout.INTEGRATION_TIME),
+        trigger_delay_time_set_s=_value(layout.TRIGGER_DELAY_TIME_SET) or 0.0,
+        bit_depth=_value(layout.BIT_DEPTH) or 16,
+        camera_period_ticks=_value(layout.CAMERA_PERIOD),
+        wheel_period_ticks=_value(layout.WHEEL_PERIOD),
+        blackbody_temperature_k=_value(layout.BLACKBODY_TEMPERATURE),
+        nonuniformity=nonuniformity,
+        source=str(path),
+        sha256=sha256_of(path),
+        warnings=warnings,
+    )

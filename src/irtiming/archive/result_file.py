@@ -1,0 +1,77 @@
+"""Result JSON, written whole or not at all."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irtiming.errors import ArchiveError
+
+
+def write_result(result: Mapping[str, Any], path: str | Path) -> None:
+    """Write a result as strict JSON; an existing file is replaced only when the new one is complete.
+
+    Numpy numbers and arrays, tuples and paths become plain numbers, lists and text. A number that JSON does
+    not have (not-a-number, infinity) becomes null.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written, or the result holds something that JSON cannot express.
+    """
+    text = json.dumps(plain(result), indent=1, ensure_ascii=False, allow_nan=False)
+    write_atomically(text + "\n", path)
+
+
+def plain(value: Any) -> Any:
+    """The same value of types that JSON has: dict, list, str, int, float, bool, None.
+
+    Raises
+    ------
+    ArchiveError
+        If it holds an object of another type.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, Path):
+        return str(value)
+    raise ArchiveError(f"a result holds {type(value).__name__} {value!r:.60}; JSON has numbers, text and lists only")
+
+
+def write_atomically(text: str, path: str | Path) -> None:
+    """Write text as UTF-8 under a temporary name and rename it when it is complete.
+
+    Raises
+    ------
+    ArchiveError
+        If the folder does not exist, or the file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")
+    if target.is_dir():
+        raise ArchiveError(f"{target}: is a folder; name a file to write")
+    try:
+        part.write_text(text, encoding="utf-8", newline="\n")
+        part.replace(target)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise unwritable(target, error) from error
+
+
+def unwritable(path: Path, error: OSError) -> ArchiveError:
+    """Error for a file that could not be written, with the reason and the cure."""
+    if not path.parent.is_dir():
+        return ArchiveError(f"{path}: cannot be written: there is no folder {path.parent}; make it first")
+    return ArchiveError(f"{path}: cannot be written ({error.strerror or error}); choose another place")

@@ -1,0 +1,181 @@
+"""Checks of the timestamps against each other: wheel speed, slots per turn, triggers, lost frames."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from irtiming.archive import layout
+from irtiming.archive.finding import Finding
+from irtiming.units import readable_time
+
+if TYPE_CHECKING:
+    from irtiming.archive.consistency import Contents
+    from irtiming.archive.layout import Field
+    from irtiming.records.arrays import Ticks
+
+_SPEED_TOLERANCE = 0.02
+_TRIGGER_TOLERANCE_TICKS = 1
+
+
+def check_ticks(contents: "Contents") -> list[Finding]:
+    """Warnings and errors about triggers, slots and edges; fields that are None or go back are left out."""
+    contents = {field: None if _goes_back(field, value) else value for field, value in contents.items()}
+    return [
+        *_triggers_within(contents),
+        *_trigger_intervals(contents),
+        *_rotation_speed(contents),
+        *_wheel_period(contents),
+        *_half_turns(contents),
+        *_slots_per_turn(contents),
+        *_slots_among_edges(contents),
+        *_lost_frames(contents),
+    ]
+
+
+def _goes_back(field: "Field", value: object) -> bool:
+    return field.kind in ("ticks", "index") and value is not None and bool(np.any(np.diff(np.asarray(value)) < 0))
+
+
+def _triggers_within(contents: "Contents") -> Iterator[Finding]:
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    if triggers is None:
+        return
+    for field in (layout.CONTROL_SLOT, layout.APPLICATION_SLOT):
+        edges: Ticks | None = contents.get(field)
+        if edges is None:
+            continue
+        outside = int(np.count_nonzero((triggers < edges[0]) | (triggers > edges[-1])))
+        if outside:
+            yield Finding(
+                severity="error" if outside == triggers.size else "warning",
+                where=layout.CAMERA_TRIGGER.path,
+                what=f"has {outside} of {triggers.size} triggers outside the ticks of {field.path}",
+                cure="start the timestamps before the first trigger and stop them after the last",
+            )
+
+
+def _trigger_intervals(contents: "Contents") -> Iterator[Finding]:
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    period = contents.get(layout.CAMERA_PERIOD)
+    if triggers is None or period is None or triggers.size < 2:
+        return
+    off = np.abs(np.diff(triggers) - period) > _TRIGGER_TOLERANCE_TICKS
+    if n_off := int(np.count_nonzero(off)):
+        at = int(np.argmax(off))
+        yield _warning(
+            layout.CAMERA_TRIGGER,
+            f"has {n_off} intervals other than camera_period = {period} ticks, the first of "
+            f"{triggers[at + 1] - triggers[at]} ticks after trigger {at}",
+            cure="check the trigger generator; the analysis uses the ticks as they are",
+        )
+
+
+def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
+    edges: Ticks | None = contents.get(layout.APPLICATION_SLOT)
+    clock, nominal = contents.get(layout.CLOCK_FREQUENCY), contents.get(layout.ROTATION_SPEED)
+    if edges is None or clock is None or nominal is None or edges.size < 3:
+        return
+    speed = clock / (2 * float(np.median(np.diff(edges))))
+    if abs(speed / nominal - 1) > _SPEED_TOLERANCE:
+        yield Finding(
+            severity="error",
+            where=layout.ROTATION_SPEED.path,
+            what=f"= {nominal:g} Hz, but the application slots pass at {speed:.6g} turns per second",
+            cure="correct rotation_speed or clock_frequency; two edges belong to a turn",
+        )
+
+
+def _wheel_period(contents: "Contents") -> Iterator[Finding]:
+    period, clock = contents.get(layout.WHEEL_PERIOD), contents.get(layout.CLOCK_FREQUENCY)
+    nominal = contents.get(layout.ROTATION_SPEED)
+    if period is None or clock is None or nominal is None:
+        return
+    if abs(clock / period / nominal - 1) > _SPEED_TOLERANCE:
+        yield _warning(
+            layout.WHEEL_PERIOD,
+            f"= {period} ticks is {clock / period:.6g} Hz, rotation_speed is {nominal:g} Hz",
+            cure="one of the two is wrong; correct it",
+        )
+
+
+def _half_turns(contents: "Contents") -> Iterator[Finding]:
+    edges: Ticks | None = contents.get(layout.APPLICATION_SLOT)
+    if edges is None or edges.size < 3:
+        return
+    intervals = np.diff(edges)
+    usual = float(np.median(intervals))
+    for odd, name in ((intervals > 1.5 * usual, "missing"), (intervals < 0.5 * usual, "doubled or spurious")):
+        if n_odd := int(np.count_nonzero(odd)):
+            yield _warning(
+                layout.APPLICATION_SLOT,
+                f"has {n_odd} {name} edges, the first after entry {int(np.argmax(odd))}",
+                cure="check the application light gate",
+            )
+
+
+def _slots_per_turn(contents: "Contents") -> Iterator[Finding]:
+    slots: Ticks | None = contents.get(layout.CONTROL_SLOT)
+    edges: Ticks | None = contents.get(layout.APPLICATION_SLOT)
+    if slots is None or edges is None or edges.size < 3:
+        return
+    counts = np.diff(np.searchsorted(slots, edges[::2]))
+    usual = int(np.bincount(counts).argmax())
+    if usual == 0:
+        yield Finding(
+            severity="error",
+            where=layout.CONTROL_SLOT.path,
+            what="has no ticks between the application slots",
+            cure="both must be values of one counter; check the control light gate",
+        )
+    elif n_odd := int(np.count_nonzero(counts != usual)):
+        turn = int(np.argmax(counts != usual))
+        yield _warning(
+            layout.CONTROL_SLOT,
+            f"has {n_odd} of {counts.size} turns without the usual {usual} slots, the first is turn {turn} "
+            f"with {counts[turn]}",
+            cure="check the control light gate",
+        )
+
+
+def _slots_among_edges(contents: "Contents") -> Iterator[Finding]:
+    slots: Ticks | None = contents.get(layout.APPLICATION_SLOT)
+    edges: Ticks | None = contents.get(layout.APPLICATION_EDGES)
+    if slots is None or edges is None:
+        return
+    inside = slots[(slots >= edges[0]) & (slots <= edges[-1])]
+    strange = inside[~np.isin(inside, edges)]
+    if strange.size:
+        yield _warning(
+            layout.APPLICATION_EDGES,
+            f"lacks {strange.size} ticks of application_slot, the first is {strange[0]}",
+            cure="edges 0 and 2 belong to all four; check the modified circuit",
+        )
+
+
+def _lost_frames(contents: "Contents") -> Iterator[Finding]:
+    numbers: Ticks | None = contents.get(layout.FRAME_NUMBER)
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    if numbers is None or triggers is None or numbers.size == 0:
+        return
+    if n_lost := triggers.size - numbers.size:
+        gaps = np.flatnonzero(np.diff(numbers) > 1)
+        first = 0 if numbers[0] > 0 else int(numbers[gaps[0]]) + 1 if gaps.size else int(numbers[-1]) + 1
+        yield _warning(
+            layout.FRAME_NUMBER,
+            f"leaves out {n_lost} of {triggers.size} triggers, the first is {first}: lost frames",
+            cure="check the link to the camera; the analysis goes on without them",
+        )
+
+
+def duration(contents: "Contents") -> str:
+    """Time from the first to the last trigger, as people read it; empty where it is not known."""
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    clock = contents.get(layout.CLOCK_FREQUENCY)
+    if triggers is None or clock is None:
+        return ""
+    return readable_time(int(triggers[-1] - triggers[0]) / clock)
+
+
+def _warning(field: "Field", what: str, *, cure: str) -> Finding:
+    return Finding(severity="warning", where=field.path, what=what, cure=cure)

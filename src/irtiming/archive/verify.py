@@ -1,0 +1,208 @@
+"""Everything that is wrong with a recording file, at once."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeAlias
+
+import h5py
+import numpy as np
+
+from irtiming.archive import consistency, layout
+from irtiming.archive.consistency import Contents
+from irtiming.archive.fields import near_misses, read_field, read_temperature
+from irtiming.archive.finding import Complaint, Finding
+from irtiming.archive.frame_stack import FileFrames
+from irtiming.archive.frame_survey import FrameSurvey, survey
+from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.layout import Field
+from irtiming.archive.reader import check_version, reduce_reference
+from irtiming.archive.tick_checks import check_ticks, duration
+from irtiming.errors import ArchiveError
+
+Progress: TypeAlias = Callable[[int, int], None]
+"""Called with frames seen and all frames."""
+
+_MUCH_CLIPPED = 0.01
+_SOME_CLIPPED = 0.001
+_LARGE_CHUNK = 64 * 2**20
+
+
+def verify(path: str | Path, *, progress: Progress | None = None) -> list[Finding]:
+    """Read a whole recording file and list every complaint, errors first.
+
+    Never raises because of the file. Without an error the list begins with one finding "ok" that says what
+    the file holds.
+
+    Parameters
+    ----------
+    path
+        The recording.
+    progress
+        Called with frames seen and all frames while the frames are streamed.
+    """
+    findings: list[Finding] = []
+    contents: Contents = {}
+    try:
+        with opened(path) as file:
+            findings += _of_fields(file, contents)
+            findings += _strangers(file)
+            findings += _storage(file, contents)
+    except Complaint as complaint:
+        return [complaint.finding]
+    except H5_ERRORS as error:
+        what = f"cannot be read ({reason_of(error)})"
+        return [Finding(severity="error", where="", what=what, cure="the file is damaged; copy or record it again")]
+    findings += consistency.check(contents)
+    findings += check_ticks(contents)
+    findings += _what_a_photon_detector_needs(contents)
+    findings += _of_frames(Path(path), contents, progress=progress)
+    order = ("error", "warning", "info")
+    findings.sort(key=lambda finding: order.index(finding.severity))
+    if not any(finding.severity == "error" for finding in findings):
+        findings.insert(0, _summary(contents))
+    return findings
+
+
+def _of_fields(file: h5py.File, contents: Contents) -> Iterator[Finding]:
+    """Read every field into ``contents`` and complain about each that cannot be."""
+    try:
+        check_version(file)
+    except Complaint as complaint:
+        yield complaint.finding
+    for field in layout.FIELDS:
+        contents[field] = None
+        try:
+            contents[field] = read_field(file, field)
+        except Complaint as complaint:
+            yield complaint.finding
+    temperatures: dict[Field, float | None] = {}
+    for field in (layout.REFERENCE_LOW, layout.REFERENCE_HIGH):
+        try:
+            temperatures[field] = None if contents[field] is None else read_temperature(file, field)
+        except Complaint as complaint:
+            yield complaint.finding
+    yield from consistency.check_temperatures(temperatures)
+    yield from near_misses(file)
+
+
+def _strangers(file: h5py.File) -> list[Finding]:
+    """Datasets that no reader of this program looks at."""
+    known = {field.path for field in layout.FIELDS} | {layout.ACQUISITION_MODE}
+    findings: list[Finding] = []
+
+    def _look(name: str, item: object) -> None:
+        path = f"/{name}"
+        ours = path in known or path.startswith((f"{layout.TRUTH}/", f"{layout.PLOT}/"))
+        if isinstance(item, h5py.Dataset) and not ours:
+            findings.append(Finding(severity="info", where=path, what="is not read by irtiming"))
+
+    file.visititems(_look)
+    return findings
+
+
+def _storage(file: h5py.File, contents: Contents) -> Iterator[Finding]:
+    """Ways of storing frames that are allowed but slow."""
+    if contents[layout.FRAMES] is None:
+        return
+    chunks = file[layout.FRAMES.path].chunks
+    where, cure = layout.FRAMES.path, "store one frame per chunk"
+    if chunks is None:
+        return
+    if tuple(chunks[1:]) != tuple(contents[layout.FRAMES][1:]):
+        what = f"has chunks of {chunks} that are not whole frames: reading is slow"
+        yield Finding(severity="warning", where=where, what=what, cure=cure)
+    elif (size := 2 * math.prod(chunks)) > _LARGE_CHUNK and chunks[0] > 1:
+        what = f"has chunks of {chunks[0]} frames, {size // 2**20} MiB: reading is slow and takes memory"
+        yield Finding(severity="warning", where=where, what=what, cure=cure)
+
+
+def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
+    if contents[layout.CAMERA_TYPE] != "photon":
+        return
+    needed = (
+        (layout.INTEGRATION_TIME, "the middle of the integration cannot be given"),
+        (layout.REFERENCE_LOW, "the frames cannot be corrected for non-uniformity"),
+    )
+    for field, consequence in needed:
+        if contents[field] is None:
+            what = f"is absent or unreadable in a photon recording: {consequence}"
+            yield Finding(severity="warning", where=field.path, what=what, cure="write it if it is known")
+
+
+def _of_frames(path: Path, contents: Contents, *, progress: Progress | None) -> Iterator[Finding]:
+    """Stream all stacks and complain about their values."""
+    for field in (layout.FRAMES, layout.REFERENCE_LOW, layout.REFERENCE_HIGH):
+        shape = contents[field]
+        if shape is None:
+            continue
+        frames = FileFrames(path, field.path, shape=shape)
+        bit_depth = contents[layout.BIT_DEPTH] or 16
+        try:
+            seen = survey(frames, bit_depth=bit_depth, progress=progress if field is layout.FRAMES else None)
+        except ArchiveError as error:
+            cause = error.__cause__
+            wrong = Finding(severity="error", where=field.path, what=str(error))
+            yield cause.finding if isinstance(cause, Complaint) else wrong
+            continue
+        yield from _of_survey(seen, field, bit_depth=bit_depth)
+    yield from _of_reference(path, contents)
+
+
+def _of_survey(seen: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[Finding]:
+    highest = 2**bit_depth - 1
+    where = field.path
+    if (largest := int(seen.highest_dn.max())) > highest:
+        what = f"reaches {largest}, which does not fit into bit_depth_readout = {bit_depth} bits"
+        yield Finding(severity="error", where=where, what=what, cure="correct bit_depth_readout")
+    if seen.dead_frames.size:
+        first = int(seen.dead_frames[0])
+        what = (
+            f"has {seen.dead_frames.size} dead frames, the first is frame {first}: "
+            f"all pixels are {int(seen.lowest_dn[first])}"
+        )
+        yield Finding(severity="error", where=where, what=what, cure="check camera and link, record again")
+    living = np.setdiff1d(seen.repeated_frames, seen.dead_frames)
+    if living.size:
+        what = f"has {living.size} frames equal to the one before, the first is frame {living[0]}"
+        yield Finding(severity="error", where=where, what=what, cure="the camera missed triggers; record again")
+    for share, name in ((seen.saturated_share, f"saturated ({highest})"), (seen.zero_share, "clipped at 0")):
+        if share > _SOME_CLIPPED:
+            yield Finding(
+                severity="error" if share > _MUCH_CLIPPED else "warning",
+                where=where,
+                what=f"has {share:.2%} of its values {name}",
+                cure="choose another integration time, gain or blackbody temperature",
+            )
+
+
+def _of_reference(path: Path, contents: Contents) -> Iterator[Finding]:
+    low, high = contents[layout.REFERENCE_LOW], contents[layout.REFERENCE_HIGH]
+    if low is None or high is None or low[1:] != high[1:]:
+        return
+    low_frames = FileFrames(path, layout.REFERENCE_LOW.path, shape=low)
+    high_frames = FileFrames(path, layout.REFERENCE_HIGH.path, shape=high)
+    try:
+        low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low_frames, high_frames)
+    except ArchiveError:
+        return  # the survey has told
+    noise = math.hypot(float(np.median(low_noise_dn)), float(np.median(high_noise_dn)))
+    step = float(np.median(high_dn - low_dn))
+    if step <= 3 * noise:
+        yield Finding(
+            severity="warning",
+            where=layout.REFERENCE,
+            what=f"rises by {step:.4g} DN from low to high at a noise of {noise:.2g} DN",
+            cure="high must be clearly brighter; record the two further apart, or swap them",
+        )
+
+
+def _summary(contents: Contents) -> Finding:
+    n_frames, rows, columns = contents[layout.FRAMES]
+    camera = f"{contents[layout.CAMERA_TYPE]}, {contents[layout.READOUT_MODE]}"
+    n_triggers, n_edges = contents[layout.CAMERA_TRIGGER].size, contents[layout.APPLICATION_SLOT].size
+    what = (
+        f"{camera}: {n_frames} frames of {rows} x {columns} for {n_triggers} triggers in {duration(contents)}, "
+        f"{(n_edges - 1) // 2} turns"
+    )
+    return Finding(severity="ok", where="", what=what)

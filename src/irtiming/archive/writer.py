@@ -1,0 +1,314 @@
+"""From a recording, block by block, to a file that is whole or not there."""
+
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Literal, Self, final
+
+import h5py
+import hdf5plugin
+import numpy as np
+
+from irtiming.archive import consistency, layout
+from irtiming.archive.fields import read_field
+from irtiming.archive.finding import Complaint, archive_error
+from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.layout import Field
+from irtiming.archive.result_file import unwritable
+from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Pixels
+from irtiming.records.recording import FrameStack, Recording
+
+Stack = Literal["frames", "low", "high"]
+
+_STACKS: dict[Stack, Field] = {
+    "frames": layout.FRAMES,
+    "low": layout.REFERENCE_LOW,
+    "high": layout.REFERENCE_HIGH,
+}
+_TRUTH_UNITS = {
+    "s": "s", "rad": "rad", "hz": "Hz", "k": "K", "m": "m", "px": "px", "dn": "DN", "rows": "rows",
+    "ticks": "ticks",
+}  # fmt: skip
+
+
+def write(
+    recording: Recording,
+    path: str | Path,
+    *,
+    truth: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write a recording, streaming its frames and those of its non-uniformity reference.
+
+    Parameters
+    ----------
+    recording
+        Its ``frames`` may be any `FrameStack`; a ``nonuniformity`` must carry its raw stacks.
+    path
+        The file to make; its suffix should be ``.nxs``.
+    truth
+        What a simulation knows: flat, name to number, text or array, the unit as suffix of the name. Readers
+        ignore it, `reader.read_truth` gives it back.
+    overwrite
+        Replace a file of that name.
+    progress
+        Called with frames written and all frames after each block.
+
+    Raises
+    ------
+    ArchiveError
+        If the file exists, cannot be written, or would be one that the reader refuses.
+    """
+    with RecordingWriter(path, overwrite=overwrite) as writer:
+        writer.describe(recording, truth=truth)
+        for first, block in recording.frames.blocks():
+            writer.append(block)
+            if progress is not None:
+                progress(first + len(block), recording.frames.shape[0])
+        for stack, frames in _reference_stacks(recording, path):
+            for _, block in frames.blocks():
+                writer.append(block, stack=stack)
+
+
+@final
+class RecordingWriter:
+    """Streams a recording into a new file; use it in a ``with`` statement.
+
+    The file has the suffix ``.part`` until everything is in it and on the disk: a name without it is a whole
+    file. If the ``with`` block raises, nothing is left behind.
+
+    ``path`` is the file to make; ``overwrite`` allows to replace one of that name.
+    """
+
+    def __init__(self, path: str | Path, *, overwrite: bool = False) -> None:
+        self._path = Path(path)
+        self._part = self._path.with_name(f"{self._path.name}.part")
+        self._overwrite = overwrite
+        self._described = False
+        self._temperatures: dict[Field, float | None] = {}
+        self._file: h5py.File | None = None
+
+    def __enter__(self) -> Self:
+        """Create the file under its temporary name.
+
+        Raises
+        ------
+        ArchiveError
+            If a file of this name exists, or none can be made.
+        """
+        self._refuse_existing()
+        try:
+            self._file = h5py.File(self._part, "w", libver=layout.HDF5_FORMAT)
+        except BlockingIOError as error:
+            raise ArchiveError(f"{self._part}: another program is writing it; wait, or use another name") from error
+        except OSError as error:
+            raise unwritable(self._path, error) from error
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Check the file, bring it to the disk and give it its name; after an error, remove it."""
+        if self._file is None:
+            return
+        try:
+            if kind is None:
+                self._finish()
+        finally:
+            with suppress(*H5_ERRORS):  # a full disk makes closing fail too; the first error is the one to tell
+                self._file.close()
+            self._file = None
+            self._part.unlink(missing_ok=True)
+
+    def append(self, block: Pixels, *, stack: Stack = "frames") -> None:
+        """Add frames, uint16 of shape (frame, row, column), to the recording or one of its reference stacks.
+
+        Raises
+        ------
+        ArchiveError
+            If the block is not uint16, its frames have another size than those before, or the disk is full.
+        """
+        field = _STACKS[stack]
+        if block.dtype != np.uint16 or block.ndim != 3:
+            raise self._error(field, f"got a block of {block.dtype} {block.shape}; give uint16 (frame, row, column)")
+        file = self._opened()
+        if field.path not in file:
+            self._create_stack(file, field, size=(block.shape[1], block.shape[2]))
+        dataset = file[field.path]
+        if dataset.shape[1:] != block.shape[1:]:
+            before, now = dataset.shape[1:], block.shape[1:]
+            raise self._error(field, f"got frames of {now} after frames of {before}; all must have one size")
+        n_before = dataset.shape[0]
+        try:
+            dataset.resize(n_before + len(block), axis=0)
+            dataset[n_before:] = block
+        except H5_ERRORS as error:
+            raise self._error(field, f"could not be written ({reason_of(error)}); is the disk full?") from error
+
+    def describe(self, recording: Recording, *, truth: Mapping[str, Any] | None = None) -> None:
+        """Write everything of a recording except its frames; once, before the ``with`` block ends.
+
+        Raises
+        ------
+        ArchiveError
+            If a value cannot be stored.
+        """
+        file = self._opened()
+        self._described = True
+        for field, value in _values(recording).items():
+            if value is not None:
+                dataset = _group(file, field.group).create_dataset(field.name, data=value)
+                _set_units(dataset, field.unit)
+        file.create_dataset(layout.ACQUISITION_MODE, data="triggered")
+        if recording.nonuniformity is not None:
+            self._temperatures = {
+                layout.REFERENCE_LOW: recording.nonuniformity.low_temperature_k,
+                layout.REFERENCE_HIGH: recording.nonuniformity.high_temperature_k,
+            }
+        for name, value in (truth or {}).items():
+            self._write_truth(_group(file, layout.TRUTH), name, value=value)
+
+    def _finish(self) -> None:
+        file = self._opened()
+        if not self._described:
+            raise ArchiveError(f"{self._path}: describe(recording) was never called; call it before closing")
+        for field, temperature in self._temperatures.items():
+            if temperature is not None and field.path in file:
+                file[field.path].attrs[layout.TEMPERATURE_ATTRIBUTE] = float(temperature)
+                file[field.path].attrs[layout.TEMPERATURE_UNITS_ATTRIBUTE] = "K"
+        self._check(file)
+        _describe_for_viewers(file)
+        try:
+            file.flush()
+            file.close()
+            _bring_to_disk(self._part)
+            self._refuse_existing()
+            self._part.replace(self._path)
+        except OSError as error:
+            raise unwritable(self._path, error) from error
+
+    def _check(self, file: h5py.File) -> None:
+        try:
+            file.flush()
+            contents = {field: read_field(file, field) for field in layout.FIELDS}
+        except Complaint as complaint:
+            raise complaint.as_error(self._path) from complaint
+        findings = [*consistency.check(contents), *consistency.check_temperatures(self._temperatures)]
+        for finding in findings:
+            if finding.severity == "error":
+                raise archive_error(self._path, finding)
+
+    def _write_truth(self, group: h5py.Group, name: str, *, value: Any) -> None:
+        try:
+            dataset = group.create_dataset(name, data=value)
+        except H5_ERRORS as error:
+            what = f"truth '{name}' is {type(value).__name__}; give a number, text or array of numbers"
+            raise ArchiveError(f"{self._path}: {what}") from error
+        _set_units(dataset, _TRUTH_UNITS.get(name.rsplit("_", 1)[-1], ""))
+
+    def _opened(self) -> h5py.File:
+        if self._file is None:
+            raise ArchiveError(f"{self._path}: the writer is closed; use it inside its 'with' block")
+        return self._file
+
+    def _create_stack(self, file: h5py.File, field: Field, *, size: tuple[int, int]) -> None:
+        _group(file, field.group).create_dataset(
+            field.name,
+            shape=(0, *size),
+            maxshape=(None, *size),
+            chunks=(1, *size),
+            dtype=np.uint16,
+            fletcher32=True,
+            **hdf5plugin.Bitshuffle(cname="lz4"),
+        )
+
+    def _refuse_existing(self) -> None:
+        if self._path.is_dir():
+            raise ArchiveError(f"{self._path}: is a folder; name a file in it")
+        if self._path.exists() and not self._overwrite:
+            raise ArchiveError(f"{self._path}: exists already; choose another name, or allow it to be overwritten")
+
+    def _error(self, field: Field, what: str) -> ArchiveError:
+        return ArchiveError(f"{self._path}: {field.path} {what}")
+
+
+def _values(recording: Recording) -> dict[Field, Any]:
+    return {
+        layout.TITLE: recording.name,
+        layout.START_TIME: recording.start_time or None,
+        layout.CAMERA_TYPE: recording.camera_type,
+        layout.READOUT_MODE: recording.readout_mode,
+        layout.INTEGRATION_TIME: recording.integration_time_s,
+        layout.TRIGGER_DELAY_TIME_SET: recording.trigger_delay_time_set_s,
+        layout.BIT_DEPTH: recording.bit_depth,
+        layout.FRAME_NUMBER: recording.frame_number,
+        layout.ROTATION_SPEED: recording.rotation_speed_hz,
+        layout.CLOCK_FREQUENCY: recording.clock_frequency_hz,
+        layout.CAMERA_TRIGGER: recording.camera_trigger_ticks,
+        layout.CONTROL_SLOT: recording.control_slot_ticks,
+        layout.APPLICATION_SLOT: recording.application_slot_ticks,
+        layout.APPLICATION_EDGES: recording.application_edge_ticks,
+        layout.CAMERA_PERIOD: recording.camera_period_ticks,
+        layout.WHEEL_PERIOD: recording.wheel_period_ticks,
+        layout.BLACKBODY_TEMPERATURE: recording.blackbody_temperature_k,
+    }
+
+
+def _reference_stacks(recording: Recording, path: str | Path) -> list[tuple[Stack, FrameStack]]:
+    reference = recording.nonuniformity
+    if reference is None:
+        return []
+    if reference.low_frames is None or reference.high_frames is None:
+        raise ArchiveError(
+            f"{path}: {layout.REFERENCE} cannot be written from its mean alone; "
+            "give the raw stacks low_frames and high_frames"
+        )
+    return [("low", reference.low_frames), ("high", reference.high_frames)]
+
+
+def _group(file: h5py.File, path: str) -> h5py.Group:
+    """Group of that path, made with its NeXus class and its parents where it is not there yet."""
+    if path not in file:
+        parent = path.rsplit("/", 1)[0]
+        if parent:
+            _group(file, parent)
+        file.create_group(path).attrs["NX_class"] = layout.GROUPS[path]
+    return file[path]
+
+
+def _set_units(dataset: h5py.Dataset, unit: str) -> None:
+    if unit:
+        dataset.attrs["units"] = unit
+
+
+def _describe_for_viewers(file: h5py.File) -> None:
+    """NeXus attributes by which a viewer finds the frames and plots them against their number."""
+    file.attrs["default"] = "entry"
+    file.attrs["creator"] = f"irtiming {_version()}"
+    entry = file[layout.ENTRY]
+    entry.attrs["default"] = "data"
+    entry.attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
+    plot = _group(file, layout.PLOT)
+    for field in (layout.FRAMES, layout.FRAME_NUMBER):
+        file[field.path].attrs["target"] = field.path
+        plot[field.name] = file[field.path]
+    plot.attrs["signal"] = layout.FRAMES.name
+    plot.attrs["axes"] = [layout.FRAME_NUMBER.name, ".", "."]
+    plot.attrs[f"{layout.FRAME_NUMBER.name}_indices"] = 0
+
+
+def _version() -> str:
+    try:
+        return version("irtiming")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _bring_to_disk(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
