@@ -1,0 +1,87 @@
+"""Random numbers by name, and the detector: fixed pattern, noise, whole numbers, clipping.
+
+Every random number hangs on (seed, purpose, index), so that any frame can be made again by itself.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias, final, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from irtiming.records.arrays import Pixels
+from irtiming.twin.scene import Detector
+
+Values: TypeAlias = npt.NDArray[np.float32]
+"""Detector signal before it becomes whole numbers; shape (row, column), DN."""
+
+Purpose = Literal[
+    "rig",
+    "motion",
+    "edges",
+    "faults",
+    "exposure",
+    "frame",
+    "pattern",
+    "reference_low",
+    "reference_high",
+    "run",
+]
+"""What a series of random numbers is for; the order counts, so add at the end."""
+
+
+def generator(seed: int, purpose: Purpose, *, index: int = 0) -> np.random.Generator:
+    """Random numbers that depend on these three and nothing else."""
+    return np.random.Generator(np.random.SFC64([seed, get_args(Purpose).index(purpose), index]))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FixedPattern:
+    """Gain and offset (DN) of each pixel and where it is dead; shape (row, column)."""
+
+    gain: Values
+    offset_dn: Values
+    highest_dn: float
+    noise_dn: float
+
+
+def fixed_pattern(detector: Detector) -> FixedPattern:
+    """Pattern of this detector: value = offset + gain x signal.
+
+    A dead pixel has no gain and sits at 0 or at the top.
+    """
+    shape = (detector.rows, detector.columns)
+    random = generator(detector.pattern_seed, "pattern")
+    gain = 1 + detector.gain_spread * random.standard_normal(shape, dtype=np.float32)
+    offset = detector.offset_spread_dn * random.standard_normal(shape, dtype=np.float32)
+    highest = min(2.0**detector.bits - 1, detector.saturation_dn)
+    dead = random.choice(gain.size, size=min(detector.dead_pixels, gain.size), replace=False)
+    gain.flat[dead] = 0
+    offset.flat[dead] = np.where(random.random(dead.size) < 0.5, -1e3, highest + 1e3)
+    return FixedPattern(gain=gain, offset_dn=offset, highest_dn=highest, noise_dn=detector.noise_dn)
+
+
+def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Generator, out: Pixels) -> None:
+    """Whole numbers that the detector gives for a signal, written into ``out``.
+
+    Parameters
+    ----------
+    signal_dn
+        Shape (row, column), DN of a mean pixel; overwritten.
+    pattern
+        Gain, offset, noise and highest value.
+    random
+        Source of the noise of this frame.
+    out
+        Shape (row, column).
+    """
+    signal_dn *= pattern.gain
+    signal_dn += pattern.offset_dn
+    if pattern.noise_dn > 0:
+        noise = random.standard_normal(signal_dn.shape, dtype=np.float32)
+        noise *= np.float32(pattern.noise_dn)
+        signal_dn += noise
+    np.clip(signal_dn, 0, pattern.highest_dn, out=signal_dn)
+    signal_dn += np.float32(0.5)
+    out[...] = signal_dn

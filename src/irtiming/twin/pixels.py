@@ -1,0 +1,180 @@
+"""Light on each pixel while the wheel turns: rays that get past the wheel are counted, instant by instant."""
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from irtiming.records.arrays import Array
+from irtiming.twin.noise import Values
+from irtiming.twin.rays import Indices, Offsets, RayTable, trace
+from irtiming.twin.scene import Scene
+
+Weights: TypeAlias = npt.NDArray[np.float32]
+"""DN that a pixel gains when all its rays get past the wheel; shape (n_live,)."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Picture:
+    """A scene ready to be exposed at any wheel angle.
+
+    ``closed_dn`` (row, column) is the signal behind solid wheel; ``opening_dn`` and ``plate_dn`` (n_live,)
+    are what a pixel of the table gains where it sees the blackbody or the mask plate instead. ``open_rad``
+    (3, 2) are the intervals of phi_A + theta - phi in [0, 2 pi) at which a cutout lies over phi.
+    """
+
+    table: RayTable
+    closed_dn: Values
+    opening_dn: Weights
+    plate_dn: Weights
+    open_rad: Array
+    gate_rad: float
+
+
+def picture(scene: Scene) -> Picture:
+    """Trace the scene's rays and give everything in it its brightness."""
+    table = trace(scene)
+    closed = _solid_wheel(scene)
+    behind = closed.ravel()[table.pixel]
+    radiance = scene.radiance
+    edge = scene.wheel.cutout_edges_rad
+    turn = 2 * math.pi
+    opened = [(edge[3] - turn, edge[0]), (edge[1], edge[2]), (edge[3], edge[0] + turn)]
+    return Picture(
+        table=table,
+        closed_dn=closed,
+        opening_dn=np.float32(radiance.level_dn(radiance.blackbody_k)) - behind,
+        plate_dn=np.float32(radiance.level_dn(radiance.mask_k)) - behind,
+        open_rad=np.array(opened),
+        gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
+    )
+
+
+def _solid_wheel(scene: Scene) -> Values:
+    """Signal of the solid wheel, DN: its radiation less the cold detector's mirror image in the middle."""
+    rows, columns = scene.detector.rows, scene.detector.columns
+    row = (np.arange(rows) - (rows - 1) / 2)[:, None]
+    column = np.arange(columns) - (columns - 1) / 2
+    away = np.hypot(row, column) * scene.optics.pixel_pitch_m / scene.radiance.narcissus_radius_m
+    level = scene.radiance.level_dn(scene.radiance.wheel_k)
+    return np.asarray(level - scene.radiance.narcissus_dn * np.exp(-0.5 * away**2), dtype=np.float32)
+
+
+def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
+    """Signal of one frame, written into ``out``.
+
+    Parameters
+    ----------
+    shot
+        The scene.
+    wheel_angles_rad
+        Shape (n_instant,): wheel angle at equally spaced instants of the integration window, in order.
+    out
+        Shape (row, column), DN of a mean pixel.
+    """
+    out[...] = shot.closed_dn
+    table = shot.table
+    angles = np.asarray(wheel_angles_rad, dtype=np.float64)
+    _add_open_rays(
+        out.reshape(-1),
+        (angles + shot.gate_rad, shot.open_rad),
+        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad),
+        (shot.opening_dn, shot.plate_dn),
+        1.0 / (table.rays_per_pixel * angles.size),
+    )
+
+
+@njit(cache=True, nogil=True)
+def _add_open_rays(
+    flat: Weights,
+    wheel: tuple[Array, Array],
+    table: tuple[Indices, Array, Indices, Indices, Offsets],
+    gain: tuple[Weights, Weights],
+    share: float,
+) -> None:
+    """Add to each live pixel what its rays past the wheel bring, averaged over the instants."""
+    angles, opened = wheel
+    pixel, reference, n_opening, n_plate, offset = table
+    turn = 2 * math.pi
+    middle = 0.5 * (angles[0] + angles[-1])
+    swing = 0.5 * (angles[-1] - angles[0])
+    for live in range(pixel.size):
+        first, second = n_opening[live], n_opening[live] + n_plate[live]
+        low, high = _span(offset[live], first, second)
+        mean = (middle - reference[live]) / turn
+        mean = (mean - math.floor(mean)) * turn
+        if _untouched(opened, mean - swing - high, mean + swing - low):
+            if _is_open(opened, mean - 0.5 * (low + high)):
+                share_open = share * angles.size
+                flat[pixel[live]] += share_open * (first * gain[0][live] + n_plate[live] * gain[1][live])
+            continue
+        past_opening, past_plate = 0, 0
+        for angle in angles:
+            edge = (angle - reference[live]) / turn
+            edge = (edge - math.floor(edge)) * turn
+            past_opening += _count_open(offset[live, :first], opened, edge)
+            past_plate += _count_open(offset[live, first:second], opened, edge)
+        flat[pixel[live]] += share * (past_opening * gain[0][live] + past_plate * gain[1][live])
+
+
+@njit(cache=True, nogil=True)
+def _span(offset: Offsets, first: int, second: int) -> tuple[float, float]:
+    """Smallest and largest offset of a pixel's rays."""
+    low, high = math.inf, -math.inf
+    if first > 0:
+        low, high = offset[0], offset[first - 1]
+    if second > first:
+        low, high = min(low, offset[first]), max(high, offset[second - 1])
+    return low, high
+
+
+@njit(cache=True, nogil=True)
+def _untouched(opened: Array, low: float, high: float) -> bool:
+    """Whether no edge passes any ray of a pixel; a span too wide to be sure counts as touched."""
+    if high - low > 1.0:
+        return False
+    for interval in range(opened.shape[0]):
+        if low <= opened[interval, 0] <= high or low <= opened[interval, 1] <= high:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _is_open(opened: Array, seen: float) -> bool:
+    """Whether a cutout lies over a point that has this phi_A + theta - phi."""
+    inside = False
+    for interval in range(opened.shape[0]):
+        inside = inside or opened[interval, 0] <= seen < opened[interval, 1]
+    return inside
+
+
+@njit(cache=True, nogil=True)
+def _count_open(offset: Offsets, opened: Array, edge: float) -> int:
+    """Rays, given in order of angle, that lie within a cutout."""
+    count = 0
+    for interval in range(opened.shape[0]):
+        count += _count_up_to(offset, edge - opened[interval, 0])
+        count -= _count_up_to(offset, edge - opened[interval, 1])
+    return count
+
+
+@njit(cache=True, nogil=True)
+def _count_up_to(offset: Offsets, limit: float) -> int:
+    """How many sorted values are at most the limit."""
+    n = offset.size
+    if n == 0 or limit < offset[0]:
+        return 0
+    if limit >= offset[n - 1]:
+        return n
+    low, high = 0, n - 1  # offset[low] <= limit < offset[high]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if offset[middle] <= limit:
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,293 @@
+"""Rays from sub-pixels through the lens to the rig plane, and what each of them can ever see.
+
+Each pixel owns the same number of rays. A ray belongs to a sub-pixel of the image, one for each, and is
+handed to the pixel to which the blur carries its light: blur moves light between pixels and keeps its sum
+exactly. Inside its sub-pixel a ray lies at random, so that no edge runs along a row of rays.
+"""
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from os import cpu_count
+from typing import Any, NamedTuple, TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+from scipy.special import ndtri
+
+from irtiming.records.arrays import Array
+from irtiming.twin.scene import ChopperWheel, MaskPlate, Optics, Scene
+
+Offsets: TypeAlias = npt.NDArray[np.float32]
+Indices: TypeAlias = npt.NDArray[np.int32]
+
+_RAY_BUDGET = 3.4e7
+_MOST_ALONG_PIXEL = 32
+_NEWTON_STEPS = 6
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RayTable:
+    """The pixels that ever change, with the wheel-frame angles of their rays.
+
+    Shapes (n_live,): pixel, flat index; reference_rad, angle of the pixel's centre; n_opening and n_plate,
+    how many rays meet the mask's opening or its plate behind a cutout. offset_rad (n_live, n_ray): angle of
+    each ray minus the reference; the first n_opening in order, then the next n_plate in order, the rest
+    always meets solid wheel.
+    """
+
+    pixel: Indices
+    reference_rad: Array
+    n_opening: Indices
+    n_plate: Indices
+    offset_rad: Offsets
+    rays_per_pixel: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RayPattern:
+    """Sub-pixels in their order and where blur carries their light; shapes (n_ray,).
+
+    Ray k of pixel (row, column) lies in sub-pixel (sub_row, sub_column)[k] of the pixel that is row_step and
+    column_step further on.
+    """
+
+    row_step: Indices
+    column_step: Indices
+    sub_row: Indices
+    sub_column: Indices
+    along_pixel: int
+
+
+def rays_along_pixel(optics: Optics, n_pixels: int) -> int:
+    """Rays per side of a pixel: the optics' number, or an even one that keeps the table small."""
+    if optics.rays_along_pixel > 0:
+        return optics.rays_along_pixel
+    return max(2, min(_MOST_ALONG_PIXEL, 2 * round(math.sqrt(_RAY_BUDGET / n_pixels) / 2)))
+
+
+def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
+    """Rays of one pixel, point-symmetric about its centre, so that blur shifts no image.
+
+    Parameters
+    ----------
+    along_pixel
+        Sub-pixels per side of a pixel.
+    blur_px
+        Standard deviation of the Gaussian blur along each axis, px.
+    """
+    order = np.arange(along_pixel * along_pixel, dtype=np.int32)
+    sub_row, sub_column = order // along_pixel, order % along_pixel
+    place = (np.stack([sub_row, sub_column], axis=1) + 0.5) / along_pixel
+    smear = blur_px * _gaussian_pairs(order.size)
+    aperture = np.mod(place - smear, 1.0)  # aperture point + smear = place + whole pixels
+    steps = np.rint(aperture + smear - place).astype(np.int32)
+    return RayPattern(
+        row_step=steps[:, 0],
+        column_step=steps[:, 1],
+        sub_row=sub_row,
+        sub_column=sub_column,
+        along_pixel=along_pixel,
+    )
+
+
+def _gaussian_pairs(n: int) -> Array:
+    """Normal deviates, shape (n, 2), of variance exactly 1, the second half the mirror image of the first."""
+    half = n // 2
+    plastic = 1.3247179572447460  # its powers fill the square evenly
+    even = np.mod(0.5 + np.arange(1, half + 1)[:, None] / np.array([plastic, plastic**2]), 1.0)
+    pairs = ndtri(np.random.Generator(np.random.SFC64(0)).permutation(even))
+    middle = np.zeros((n - 2 * half, 2))
+    both = np.concatenate([pairs, middle, -pairs[::-1]])
+    return both / np.sqrt(np.mean(both**2, axis=0)) if half else both
+
+
+class _View(NamedTuple):
+    """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image."""
+
+    middle_row: float
+    middle_column: float
+    half_diagonal: float
+    distortion: float
+    axle_row: float
+    axle_column: float
+    cos_roll: float
+    sin_roll: float
+    pitch: float
+    mirror: float
+    ring_inner: float
+    ring_outer: float
+    mask_x: float
+    mask_y: float
+    mask_inner: float
+    mask_outer: float
+    mask_centre: float
+    mask_half: float
+
+
+def trace(scene: Scene) -> RayTable:
+    """Follow every ray of every pixel once; the wheel turns later.
+
+    The table is kept for the next run of the same rig.
+    """
+    return _trace(scene.wheel, scene.mask, scene.optics, scene.detector.rows, scene.detector.columns)
+
+
+@lru_cache(maxsize=2)
+def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, columns: int) -> RayTable:
+    along = rays_along_pixel(optics, rows * columns)
+    pattern = ray_pattern(along, optics.blur_px)
+    view = _view(wheel, mask, optics, (rows, columns))
+    steps = (pattern.row_step, pattern.column_step, pattern.sub_row, pattern.sub_column)
+    reach = float(max(abs(pattern.row_step).max(), abs(pattern.column_step).max()) + 2) * 2
+
+    def one_row(row: int) -> Any:
+        return _trace_row(row, columns, view, steps, (along, reach))
+
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        parts = list(pool.map(one_row, range(rows)))
+    pixel, reference, n_opening, n_plate, offset = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return RayTable(
+        pixel=pixel,
+        reference_rad=reference,
+        n_opening=n_opening,
+        n_plate=n_plate,
+        offset_rad=offset,
+        rays_per_pixel=along * along,
+    )
+
+
+def _view(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, shape: tuple[int, int]) -> _View:
+    """Numbers of the scene in the form that the kernel reads."""
+    middle_row, middle_column = (shape[0] - 1) / 2, (shape[1] - 1) / 2
+    half_diagonal = math.hypot(*shape) / 2
+    axle_row, axle_column = _undistorted(
+        optics.wheel_centre_row_px - middle_row,
+        optics.wheel_centre_column_px - middle_column,
+        half_diagonal,
+        optics.distortion,
+    )
+    return _View(
+        middle_row=middle_row,
+        middle_column=middle_column,
+        half_diagonal=half_diagonal,
+        distortion=optics.distortion,
+        axle_row=axle_row,
+        axle_column=axle_column,
+        cos_roll=math.cos(optics.roll_rad),
+        sin_roll=math.sin(optics.roll_rad),
+        pitch=optics.pixel_pitch_m,
+        mirror=1.0 if wheel.rotation == "clockwise" else -1.0,
+        ring_inner=wheel.inner_radius_m,
+        ring_outer=wheel.outer_radius_m,
+        mask_x=mask.centre_x_m,
+        mask_y=mask.centre_y_m,
+        mask_inner=mask.inner_radius_m,
+        mask_outer=mask.outer_radius_m,
+        mask_centre=mask.centre_angle_rad,
+        mask_half=mask.opening_angle_rad / 2,
+    )
+
+
+@njit(cache=True, nogil=True)
+def _undistorted(row: float, column: float, half_diagonal: float, distortion: float) -> tuple[float, float]:
+    """Where a point seen at (row, column) from the image centre would be without distortion, px.
+
+    Newton's method for r_u in r_d = r_u (1 + k r_u^2), radii in half diagonals.
+    """
+    seen = math.hypot(row, column) / half_diagonal
+    if distortion == 0.0 or seen == 0.0:
+        return row, column
+    radius = seen
+    for _ in range(_NEWTON_STEPS):
+        radius -= (radius * (1 + distortion * radius**2) - seen) / (1 + 3 * distortion * radius**2)
+    return row * radius / seen, column * radius / seen
+
+
+@njit(cache=True, nogil=True)
+def _to_rig(row: float, column: float, view: _View) -> tuple[float, float]:
+    """Point of the rig plane, m from the axle, that appears at this place of the image."""
+    flat_row, flat_column = _undistorted(
+        row - view.middle_row, column - view.middle_column, view.half_diagonal, view.distortion
+    )
+    down = (flat_row - view.axle_row) * view.pitch
+    right = (flat_column - view.axle_column) * view.pitch
+    return right * view.cos_roll + down * view.sin_roll, down * view.cos_roll - right * view.sin_roll
+
+
+@njit(cache=True, nogil=True)
+def _wrapped(angle: float) -> float:
+    """Angle within half a turn of zero."""
+    return angle - 2 * math.pi * math.floor(angle / (2 * math.pi) + 0.5)
+
+
+@njit(cache=True, nogil=True)
+def _in_opening(x: float, y: float, view: _View) -> bool:
+    """Whether a point of the rig plane lies in the mask's annular sector."""
+    x, y = x - view.mask_x, y - view.mask_y
+    radius = math.hypot(x, y)
+    if radius < view.mask_inner or radius > view.mask_outer:
+        return False
+    return abs(_wrapped(math.atan2(y, x) - view.mask_centre)) <= view.mask_half
+
+
+@njit(cache=True, nogil=True)
+def _scatter(row: int, column: int, ray: int) -> tuple[float, float]:
+    """Two random numbers within half of zero that belong to one sub-pixel of the image."""
+    mixed = np.uint64(row + 1024) * np.uint64(0x9E3779B97F4A7C15)
+    mixed ^= np.uint64(column + 1024) * np.uint64(0xC2B2AE3D27D4EB4F)
+    mixed ^= np.uint64(ray + 1) * np.uint64(0x165667B19E3779F9)
+    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    mixed ^= mixed >> np.uint64(31)
+    low, high = mixed & np.uint64(0xFFFFFFFF), mixed >> np.uint64(32)
+    return np.float64(low) / 4294967296.0 - 0.5, np.float64(high) / 4294967296.0 - 0.5
+
+
+@njit(cache=True, nogil=True)
+def _trace_row(row: int, columns: int, view: _View, steps: Any, reach: tuple[int, float]) -> Any:
+    """Live pixels of one row: flat index, reference angle, counts of opening and plate rays, offsets."""
+    row_step, column_step, sub_row, sub_column = steps
+    n_ray, along = row_step.size, reach[0]
+    pixel = np.empty(columns, np.int32)
+    reference = np.empty(columns, np.float64)
+    counts = np.zeros((2, columns), np.int32)
+    offsets = np.zeros((columns, n_ray), np.float32)
+    behind = np.empty((2, n_ray), np.float32)
+    live = 0
+    for column in range(columns):
+        x, y = _to_rig(float(row), float(column), view)
+        radius, margin = math.hypot(x, y), reach[1] * view.pitch
+        if radius < view.ring_inner - margin or radius > view.ring_outer + margin:
+            continue
+        centre = math.atan2(y, view.mirror * x)
+        found = np.zeros(2, np.int32)
+        for ray in range(n_ray):
+            cell_row, cell_column = row + row_step[ray], column + column_step[ray]
+            jitter_row, jitter_column = _scatter(cell_row, cell_column, ray)
+            place_row = cell_row - 0.5 + (sub_row[ray] + 0.5 + jitter_row) / along
+            place_column = cell_column - 0.5 + (sub_column[ray] + 0.5 + jitter_column) / along
+            x, y = _to_rig(place_row, place_column, view)
+            radius = math.hypot(x, y)
+            if radius < view.ring_inner or radius > view.ring_outer:
+                continue
+            kind = 0 if _in_opening(x, y, view) else 1
+            behind[kind, found[kind]] = _wrapped(math.atan2(y, view.mirror * x) - centre)
+            found[kind] += 1
+        if found[0] + found[1] > 0:
+            pixel[live], reference[live] = row * columns + column, centre
+            counts[0, live], counts[1, live] = found[0], found[1]
+            offsets[live, : found[0]] = np.sort(behind[0, : found[0]])
+            offsets[live, found[0] : found[0] + found[1]] = np.sort(behind[1, : found[1]])
+            live += 1
+    return (
+        pixel[:live].copy(),
+        reference[:live].copy(),
+        counts[0, :live].copy(),
+        counts[1, :live].copy(),
+        offsets[:live].copy(),
+    )

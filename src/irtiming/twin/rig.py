@@ -1,0 +1,281 @@
+"""The simulated rig: draws its imperfections, says what its owner measures on it, and records runs."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, final
+
+import numpy as np
+
+from irtiming.errors import GeometryError
+from irtiming.records.recording import NonuniformityReference, Recording
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+from irtiming.twin.clockwork import Motion, spin, tick_streams
+from irtiming.twin.frames import SimulatedFrames, WheelShots, nonuniformity_reference
+from irtiming.twin.noise import FixedPattern, fixed_pattern, generator
+from irtiming.twin.pixels import Picture, picture
+from irtiming.twin.scene import ChopperWheel, Detector, Radiance, Scene
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Tolerances:
+    """Standard deviations of a rig about its drawing, and of its owner's measurements about the rig.
+
+    ``ring_edge_rad`` is half the width of a uniform spread. ``slot_eccentricity_rad`` is the amplitude of
+    the slots' once-per-turn error, at a random phase.
+    """
+
+    ring_edge_rad: float = 0.5e-3
+    cutout_error_rad: float = 0.05e-3
+    slot_error_rad: float = 0.05e-3
+    slot_eccentricity_rad: float = 0.3e-3
+    beam_m: float = 0.02e-3
+    mask_angle_rad: float = math.radians(0.1)
+    mask_centre_m: float = 0.1e-3
+    roll_rad: float = math.radians(0.5)
+    wheel_centre_px: float = 1.0
+    trigger_delay_s: float = 30e-6
+    u_beam_m: float = 0.05e-3
+    u_mask_angle_rad: float = math.radians(0.03)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SimulatedRig:
+    """One rig with its defects: the truth (``scene``) and what its owner measured (``measured``)."""
+
+    scene: Scene
+    measured: Rig
+
+
+def draw(nominal: Scene, *, seed: int, tolerances: Tolerances | None = None) -> SimulatedRig:
+    """Rig with random imperfections about the nominal scene; the same seed gives the same rig.
+
+    Raises
+    ------
+    GeometryError
+        If the tolerances tear the wheel or the gates apart.
+    """
+    spread = tolerances or Tolerances()
+    random = generator(seed, "rig")
+    scene = replace(
+        nominal,
+        wheel=_drawn_wheel(nominal.wheel, spread, random),
+        beams=replace(
+            nominal.beams,
+            half_separation_m=random.normal(nominal.beams.half_separation_m, spread.beam_m),
+            height_difference_m=random.normal(nominal.beams.height_difference_m, spread.beam_m),
+            height_m=random.normal(nominal.beams.height_m, spread.beam_m),
+        ),
+        mask=replace(
+            nominal.mask,
+            centre_angle_rad=random.normal(nominal.mask.centre_angle_rad, spread.mask_angle_rad),
+            centre_x_m=random.normal(nominal.mask.centre_x_m, spread.mask_centre_m),
+            centre_y_m=random.normal(nominal.mask.centre_y_m, spread.mask_centre_m),
+        ),
+        optics=replace(
+            nominal.optics,
+            roll_rad=random.normal(nominal.optics.roll_rad, spread.roll_rad),
+            wheel_centre_row_px=random.normal(nominal.optics.wheel_centre_row_px, spread.wheel_centre_px),
+            wheel_centre_column_px=random.normal(nominal.optics.wheel_centre_column_px, spread.wheel_centre_px),
+        ),
+        timing=replace(
+            nominal.timing,
+            trigger_delay_s=abs(random.normal(nominal.timing.trigger_delay_s, spread.trigger_delay_s)),
+        ),
+        detector=replace(nominal.detector, pattern_seed=int(random.integers(2**31))),
+    )
+    return SimulatedRig(scene=scene, measured=_measured(scene, spread, random))
+
+
+def _drawn_wheel(nominal: ChopperWheel, spread: Tolerances, random: np.random.Generator) -> ChopperWheel:
+    """Wheel with its own edges; edge 2 lies beyond half a turn, which makes edge 0 the reference."""
+    off = random.uniform(-spread.ring_edge_rad, spread.ring_edge_rad, 4)
+    ring = [edge + error for edge, error in zip(nominal.ring_edges_rad, off, strict=True)]
+    longer = math.pi + max(abs(ring[2] - math.pi), 0.2 * spread.ring_edge_rad)
+    cutout = random.normal(nominal.cutout_errors_rad, spread.cutout_error_rad)
+    n_slots = len(nominal.control_slot_errors_rad)
+    once = 2 * math.pi * np.arange(n_slots) / n_slots + random.uniform(0, 2 * math.pi)
+    slots = random.normal(nominal.control_slot_errors_rad, spread.slot_error_rad)
+    slots += spread.slot_eccentricity_rad * np.cos(once)
+    return replace(
+        nominal,
+        ring_edges_rad=(0.0, ring[1], longer, ring[3]),
+        cutout_errors_rad=(float(cutout[0]), float(cutout[1]), float(cutout[2]), float(cutout[3])),
+        control_slot_errors_rad=tuple(float(slot) for slot in slots),
+    )
+
+
+def _measured(scene: Scene, spread: Tolerances, random: np.random.Generator) -> Rig:
+    """The rig as its owner describes it: caliper, inclinometer, and edges taken from the ring."""
+
+    def reading(truth: float, uncertainty: float) -> Measured:
+        return Measured(float(random.normal(truth, uncertainty)), uncertainty)
+
+    ring = scene.wheel.ring_edges_rad
+    n_slots = len(scene.wheel.control_slot_errors_rad)
+    between = scene.beams.beta_1_rad + scene.beams.beta_2_rad
+    if not 0 < between < math.pi:
+        raise GeometryError(f"{between} rad between the beams; it must lie between 0 and pi: check d, dh and h")
+    return Rig(
+        wheel=Wheel(
+            control_slots=n_slots,
+            rotation=scene.wheel.rotation,
+            cutout_edges_rad=(Measured(ring[0]), Measured(ring[1]), Measured(ring[2]), Measured(ring[3])),
+        ),
+        light_gates=LightGates(
+            half_separation_m=reading(scene.beams.half_separation_m, spread.u_beam_m),
+            height_difference_m=reading(scene.beams.height_difference_m, spread.u_beam_m),
+            whole_slots_between=math.floor(between * n_slots / (2 * math.pi)),
+        ),
+        mask_opening=MaskOpening(
+            opening_angle_rad=Measured(scene.mask.opening_angle_rad),
+            centre_angle_rad=reading(scene.mask.centre_angle_rad, spread.u_mask_angle_rad),
+        ),
+        source="twin",
+    )
+
+
+def simulate(scene: Scene, *, seed: int, name: str = "twin") -> Recording:
+    """One run of the scene; its frames are made when they are asked for, and always the same.
+
+    Parameters
+    ----------
+    scene
+        The rig as it truly is, and the run's trigger settings.
+    seed
+        Fixes noise, speed wander, jitter and faults of this run, not the rig.
+    name
+        Title of the recording.
+    """
+    motion = spin(scene, seed=seed)
+    ticks = tick_streams(scene, motion, seed=seed)
+    kept = _kept_frames(scene, seed)
+    trigger = scene.trigger
+    shot, pattern = _prepared(scene)
+    return Recording(
+        name=name,
+        camera_type="photon",
+        readout_mode="snapshot",
+        frames=SimulatedFrames(
+            shape=(kept.size, scene.detector.rows, scene.detector.columns),
+            make=WheelShots(
+                shot=shot,
+                pattern=pattern,
+                wheel_angle_rad=_exposed_angles(scene, motion, seed)[kept],
+                frame_number=kept,
+                seed=seed,
+            ),
+        ),
+        frame_number=kept,
+        clock_frequency_hz=trigger.clock_frequency_hz,
+        camera_trigger_ticks=ticks.camera_trigger,
+        control_slot_ticks=ticks.control_slot,
+        application_slot_ticks=ticks.application_slot,
+        application_edge_ticks=ticks.application_edges,
+        rotation_speed_hz=trigger.wheel_hz,
+        integration_time_s=scene.timing.integration_time_s,
+        trigger_delay_time_set_s=trigger.trigger_delay_time_set_s,
+        bit_depth=scene.detector.bits,
+        camera_period_ticks=trigger.camera_period_ticks,
+        wheel_period_ticks=trigger.turn_period_ticks,
+        blackbody_temperature_k=scene.radiance.blackbody_k,
+        nonuniformity=_reference(scene.radiance, scene.detector),
+        source=f"twin, seed {seed}",
+    )
+
+
+def _prepared(scene: Scene) -> tuple[Picture, FixedPattern]:
+    """Rays and fixed pattern: the same for every run of a rig, so kept from one run to the next."""
+    steady = replace(scene, timing=Scene().timing, trigger=Scene().trigger, faults=Scene().faults)
+    return _picture(steady), _pattern(scene.detector)
+
+
+@lru_cache(maxsize=2)
+def _picture(scene: Scene) -> Picture:
+    return picture(scene)
+
+
+@lru_cache(maxsize=2)
+def _pattern(detector: Detector) -> FixedPattern:
+    return fixed_pattern(detector)
+
+
+@lru_cache(maxsize=2)
+def _reference(radiance: Radiance, detector: Detector) -> NonuniformityReference:
+    return nonuniformity_reference(radiance, _pattern(detector), seed=detector.pattern_seed)
+
+
+def _kept_frames(scene: Scene, seed: int) -> Any:
+    """Indices of the triggers whose frames arrive, shape (n_frame,)."""
+    n = scene.trigger.n_triggers
+    lost = generator(seed, "faults").choice(n, size=min(scene.faults.lost_frames, n), replace=False)
+    return np.delete(np.arange(n, dtype=np.int64), lost)
+
+
+def _exposed_angles(scene: Scene, motion: Motion, seed: int) -> Any:
+    """Wheel angles, shape (n_trigger, n_instant), rad, at the middles of the equal parts of each window."""
+    trigger, timing = scene.trigger, scene.timing
+    set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
+    triggered_s = np.arange(trigger.n_triggers) * trigger.camera_period_ticks / trigger.clock_frequency_hz
+    jitter_s = timing.jitter_s * generator(seed, "exposure").standard_normal(trigger.n_triggers)
+    start_s = triggered_s + set_s + timing.trigger_delay_s + jitter_s
+    part_s = (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
+    return motion.angle_at(start_s[:, None] + part_s)
+
+
+def series(
+    scene: Scene, delays_s: Sequence[float], *, repeats: int, seed: int, random_start: bool = False
+) -> Iterator[Recording]:
+    """Runs of one rig, one after the other: every extra delay, ``repeats`` times each.
+
+    Parameters
+    ----------
+    scene
+        The rig as it truly is.
+    delays_s
+        Extra delays set in the trigger generator, s.
+    repeats
+        Runs per delay.
+    seed
+        Fixes all runs; each has its own noise and wander.
+    random_start
+        Begin each run anywhere in the turn; otherwise at the same phase of the chopper's reference.
+    """
+    runs = [(delay_s, repeat) for delay_s in delays_s for repeat in range(repeats)]
+    for index, (delay_s, repeat) in enumerate(runs):
+        random = generator(seed, "run", index=index)
+        start = random.uniform(0, 2 * math.pi) if random_start else scene.trigger.start_angle_rad
+        trigger = replace(scene.trigger, trigger_delay_time_set_s=delay_s, start_angle_rad=start)
+        name = f"cooled-{trigger.wheel_hz:g}Hz-{delay_s * 1e3:g}ms" + (f"-run{repeat + 1:02d}" if repeats > 1 else "")
+        yield simulate(replace(scene, trigger=trigger), seed=int(random.integers(2**31)), name=name)
+
+
+def truth(scene: Scene) -> dict[str, object]:
+    """True values of all that can be measured on the scene's recordings, flat, keys with their unit."""
+    timing, optics = scene.timing, scene.optics
+    return {
+        "camera": "photon",
+        "trigger_delay_s": timing.trigger_delay_s,
+        "exposure_midpoint_delay_s": timing.trigger_delay_s + timing.integration_time_s / 2,
+        "integration_time_s": timing.integration_time_s,
+        "beta_1_rad": scene.beams.beta_1_rad,
+        "beta_2_rad": scene.beams.beta_2_rad,
+        "ring_edges_rad": list(scene.wheel.ring_edges_rad),
+        "cutout_edges_rad": list(scene.wheel.cutout_edges_rad),
+        "control_slot_angles_rad": list(scene.wheel.control_slot_angles_rad),
+        "mask_centre_angle_rad": scene.mask.centre_angle_rad,
+        "mask_opening_angle_rad": scene.mask.opening_angle_rad,
+        "mask_centre_x_m": scene.mask.centre_x_m,
+        "mask_centre_y_m": scene.mask.centre_y_m,
+        "roll_rad": optics.roll_rad,
+        "wheel_centre_row_px": optics.wheel_centre_row_px,
+        "wheel_centre_column_px": optics.wheel_centre_column_px,
+        "wheel_centre_row_column_px": [optics.wheel_centre_row_px, optics.wheel_centre_column_px],
+        "pixel_pitch_m": optics.pixel_pitch_m,
+        "blur_px": optics.blur_px,
+        "distortion": optics.distortion,
+        "rotation": scene.wheel.rotation,
+    }

@@ -1,0 +1,303 @@
+"""Everything that the twin is made of, true to the last digit.
+
+Frozen, hashable records in SI units. The defaults are the experiment of Schatz 2023, section 3.1, with a
+perfect wheel; `irtiming.twin.rig.draw` adds the imperfections. Lengths lie in the rig plane: x to the right
+and y downwards as the camera sees them, from the axle. Angles are polar angles in that plane, clockwise as
+the camera sees it.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import final
+
+from irtiming.errors import GeometryError, PlanError
+from irtiming.records.rig import Rotation
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ChopperWheel:
+    """Wheel with two cutouts, an outer ring that passes the application gate, and a ring of control slots.
+
+    ``ring_edges_rad`` are the angles alpha_0 .. alpha_3 of the outer ring's edges; a cutout's edge lies
+    ``cutout_errors_rad`` beyond its ring edge. Control slot j lies ``control_slot_errors_rad[j]`` beyond
+    its nominal angle. The cutouts reach from ``inner_radius_m`` to ``outer_radius_m``.
+    """
+
+    ring_edges_rad: tuple[float, float, float, float] = (0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi)
+    cutout_errors_rad: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    control_slot_errors_rad: tuple[float, ...] = (0.0,) * 100
+    inner_radius_m: float = 13.0e-3
+    outer_radius_m: float = 41.5e-3
+    rotation: Rotation = "clockwise"
+
+    def __post_init__(self) -> None:
+        """Refuse edges that do not lie in order within one turn."""
+        edges = self.cutout_edges_rad
+        ordered = edges[0] < edges[1] < edges[2] < edges[3] < edges[0] + 2 * math.pi
+        if not ordered or not 0 <= self.inner_radius_m < self.outer_radius_m:
+            raise GeometryError(
+                f"cutout edges {edges} rad between radii {self.inner_radius_m} and {self.outer_radius_m} m; "
+                "edges must increase within one turn and the radii too"
+            )
+
+    @property
+    def cutout_edges_rad(self) -> tuple[float, float, float, float]:
+        """Angles of the cutouts' own edges, counted like alpha."""
+        a, b, c, d = (edge + error for edge, error in zip(self.ring_edges_rad, self.cutout_errors_rad, strict=True))
+        return (a, b, c, d)
+
+    @property
+    def control_slot_angles_rad(self) -> tuple[float, ...]:
+        """True angles of the control slots' edges, slot 0 in register with edge 0."""
+        pitch = 2 * math.pi / len(self.control_slot_errors_rad)
+        return tuple(j * pitch + error for j, error in enumerate(self.control_slot_errors_rad))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Ripple:
+    """Speed variation locked to the turn: a cosine of ``order`` times the wheel angle."""
+
+    order: int
+    relative: float
+    phase_rad: float = 0.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SpeedWander:
+    """How the speed strays from the chopper's reference.
+
+    The relative speed error is a random walk that forgets itself in ``correlation_time_s`` and that the
+    controller pulls back to the phase of its reference within ``lock_time_s``; ``relative`` is its standard
+    deviation.
+    """
+
+    relative: float = 1e-4
+    correlation_time_s: float = 0.5
+    lock_time_s: float = 0.5
+    ripples: tuple[Ripple, ...] = (
+        Ripple(order=1, relative=2e-6),
+        Ripple(order=2, relative=1e-6, phase_rad=1.0),
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Beams:
+    """Light beams below the axle: application on the left at (d, h), control on the right at (d, h - dh).
+
+    ``jitter_s`` is the standard deviation of the moment at which a detector sees an edge.
+    """
+
+    half_separation_m: float = 13.0e-3
+    height_difference_m: float = 5.5e-3
+    height_m: float = 47.3e-3
+    jitter_s: float = 0.3e-6
+
+    @property
+    def beta_1_rad(self) -> float:
+        """Angle of the application beam to the vertical through the axle."""
+        return math.atan2(self.half_separation_m, self.height_m)
+
+    @property
+    def beta_2_rad(self) -> float:
+        """Angle of the control beam to the vertical through the axle."""
+        return math.atan2(self.half_separation_m, self.height_m - self.height_difference_m)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class MaskPlate:
+    """Plate with an annular sector cut out about a centre of its own, which may lie off the axle."""
+
+    opening_angle_rad: float = math.radians(75.0)
+    centre_angle_rad: float = math.radians(-90.0)
+    inner_radius_m: float = 15.0e-3
+    outer_radius_m: float = 39.5e-3
+    centre_x_m: float = 0.0
+    centre_y_m: float = 0.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Optics:
+    """From the rig plane to pixels.
+
+    ``wheel_centre_*_px`` is where the axle appears in the image. A point at undistorted distance r_u from
+    the image centre appears at r_d = r_u (1 + ``distortion`` r_u^2), both in half diagonals of the image.
+    ``blur_px`` is the standard deviation of the Gaussian that smears light along a row and along a column.
+    ``roll_rad`` turns the camera so that phi_image = phi_rig + roll.
+    """
+
+    pixel_pitch_m: float = 0.2e-3
+    wheel_centre_row_px: float = 255.5
+    wheel_centre_column_px: float = 319.5
+    roll_rad: float = 0.0
+    blur_px: float = 0.7
+    distortion: float = 0.0
+    rays_along_pixel: int = 0
+    """Rays per pixel are its square; 0 takes as many as keep tens of megabytes."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Radiance:
+    """What the camera sees, as temperatures.
+
+    A mean pixel gives ``base_dn`` at 288.15 K and ``dn_per_k`` more per kelvin. A straight line is enough:
+    the two-point correction and the normalisation take out any monotonic curve. ``narcissus_dn`` is missing
+    at the image centre where solid wheel mirrors the cold detector, as a Gaussian of
+    ``narcissus_radius_m``.
+    """
+
+    blackbody_k: float = 303.15
+    wheel_k: float = 294.15
+    mask_k: float = 294.35
+    narcissus_dn: float = 200.0
+    narcissus_radius_m: float = 6.0e-3
+    base_dn: float = 1000.0
+    dn_per_k: float = 530.0
+    reference_low_k: float = 288.15
+    reference_high_k: float = 303.15
+    reference_frames: int = 50
+
+    def level_dn(self, temperature_k: float) -> float:
+        """Value of a mean pixel that sees nothing but this temperature, DN."""
+        return self.base_dn + self.dn_per_k * (temperature_k - 288.15)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Detector:
+    """Pixels and their faults; ``pattern_seed`` fixes gain, offset and place of the dead ones."""
+
+    rows: int = 512
+    columns: int = 640
+    bits: int = 14
+    saturation_dn: float = 16383.0
+    gain_spread: float = 0.02
+    offset_spread_dn: float = 60.0
+    noise_dn: float = 20.0
+    dead_pixels: int = 0
+    pattern_seed: int = 0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CameraTiming:
+    """Snapshot camera: light counts from ``trigger_delay_s`` after the trigger for ``integration_time_s``.
+
+    ``jitter_s`` is the standard deviation of the start; ``substeps`` instants stand for the window.
+    """
+
+    trigger_delay_s: float = 412.7e-6
+    integration_time_s: float = 250e-6
+    jitter_s: float = 0.05e-6
+    substeps: int = 16
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TriggerGenerator:
+    """Clock, periods T and C in ticks, and the run: how many triggers, from which count and angle on.
+
+    ``start_angle_rad`` is the angle the chopper's reference asks for at the first trigger; edges are
+    timestamped from ``lead_turns`` before it.
+    """
+
+    clock_frequency_hz: float = 49_152_000.0
+    turn_period_ticks: int = 16_384_000
+    camera_period_ticks: int = 1_622_016
+    n_triggers: int = 1000
+    trigger_delay_time_set_s: float = 0.0
+    counter_start_ticks: int = 200_000_000
+    start_angle_rad: float = 1.0
+    lead_turns: float = 2.0
+
+    @property
+    def wheel_hz(self) -> float:
+        """Nominal turns per second."""
+        return self.clock_frequency_hz / self.turn_period_ticks
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EdgeFaults:
+    """How many timestamps of one channel are missing, come twice within microseconds, or from nowhere."""
+
+    missing: int = 0
+    doubled: int = 0
+    spurious: int = 0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Faults:
+    """What goes wrong in a run."""
+
+    lost_frames: int = 0
+    control_slot: EdgeFaults = EdgeFaults()
+    application: EdgeFaults = EdgeFaults()
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """The whole simulated experiment; every number is the true one."""
+
+    wheel: ChopperWheel = field(default_factory=ChopperWheel)
+    wander: SpeedWander = field(default_factory=SpeedWander)
+    beams: Beams = field(default_factory=Beams)
+    mask: MaskPlate = field(default_factory=MaskPlate)
+    optics: Optics = field(default_factory=Optics)
+    radiance: Radiance = field(default_factory=Radiance)
+    detector: Detector = field(default_factory=Detector)
+    timing: CameraTiming = field(default_factory=CameraTiming)
+    trigger: TriggerGenerator = field(default_factory=TriggerGenerator)
+    faults: Faults = field(default_factory=Faults)
+
+
+def paper_scene(rows: int = 512, columns: int = 640) -> Scene:
+    """Experiment of Schatz 2023, section 3.1, with the wheel filling an image of this size.
+
+    Raises
+    ------
+    GeometryError
+        If the image is smaller than 16 rows or columns: the opening would be a few pixels.
+    """
+    if min(rows, columns) < 16:
+        raise GeometryError(f"image of {rows} x {columns} pixels; the twin needs at least 16 x 16 to show a wheel")
+    optics = Optics(
+        pixel_pitch_m=0.1024 / min(rows, columns),
+        wheel_centre_row_px=(rows - 1) / 2,
+        wheel_centre_column_px=(columns - 1) / 2,
+    )
+    return Scene(optics=optics, detector=Detector(rows=rows, columns=columns))
+
+
+def with_wheel_speed(scene: Scene, wheel_hz: float, *, frame_hz: float = 30.303, samples: int = 1000) -> Scene:
+    """Same experiment at another speed, in whole ticks, with frames as near ``frame_hz`` as can be.
+
+    Raises
+    ------
+    PlanError
+        If the clock is too slow for so many samples, or the wheel too fast for any frame between them.
+    """
+    interval = round(scene.trigger.clock_frequency_hz / (wheel_hz * samples)) if wheel_hz > 0 else 0
+    if interval < 1 or samples < 1 or frame_hz <= 0:
+        raise PlanError(
+            f"{samples} samples per turn at {wheel_hz} Hz and {frame_hz} frames per second; numbers must be "
+            f"positive and leave each sample at least one of {scene.trigger.clock_frequency_hz:.0f} ticks/s"
+        )
+    wanted = scene.trigger.clock_frequency_hz / (frame_hz * interval)
+    around = range(max(1, round(wanted) - samples), round(wanted) + samples + 1)
+    steps = min((n for n in around if math.gcd(n, samples) == 1), key=lambda n: abs(n - wanted))
+    trigger = replace(
+        scene.trigger,
+        turn_period_ticks=interval * samples,
+        camera_period_ticks=interval * steps,
+        n_triggers=samples,
+    )
+    return replace(scene, trigger=trigger)
