@@ -1,0 +1,202 @@
+r"""The wheel and the mask opening behind it: wheel angle in, exposed fraction out (Schatz 2023, 2.5, figure 4).
+
+Definitions
+-----------
+===================  =======  ==============================================================================
+name                 symbol   definition
+===================  =======  ==============================================================================
+wheel angle          theta    grows with rotation; 0 when the reference edge passes the application gate
+cutout edge angles   alpha_i  wheel angle at which edge i passes the application gate; alpha_0 = 0
+gate angle           phi_A    polar angle of the application gate, 90 deg + beta_1
+opening angle        gamma    angle of the mask opening about the axle
+centre angle         phi_M    polar angle of the bisector of the mask opening
+===================  =======  ==============================================================================
+
+Polar angles are taken about the axle, 0 at 3 o'clock, and grow *clockwise*, as image rows grow downwards. The wheel
+turns clockwise as the camera sees it; for a counterclockwise wheel the whole drawing is mirrored about the vertical
+through the axle, which turns phi into pi - phi and leaves every formula below as it is.
+
+A point at polar angle phi has the wheel coordinate alpha = phi_A + theta - phi. It sees the blackbody where alpha lies
+in [alpha_1, alpha_2) or [alpha_3, 2 pi + alpha_0). Edge i has passed the point n_i = floor((alpha - alpha_i) / 2 pi)
+times, so the point is open when 1 + n_1 + n_3 - n_0 - n_2 is 1 and closed when it is 0.
+
+The exposed fraction is the mean of that number over the opening, and the value of a snapshot frame is in turn its mean
+over the integration window (eq. 1). So only the first and second integrals of the floor function are needed.
+"""
+
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+
+from irtiming.errors import GeometryError
+from irtiming.records.arrays import Array
+from irtiming.records.rig import Rotation
+
+TURN = 2 * np.pi
+EDGE_SIGNS = (-1.0, 1.0, -1.0, 1.0)
+"""What edge 0..3 does to a point that it passes: +1 uncovers it, -1 covers it."""
+
+EdgeAngles: TypeAlias = tuple[float, float, float, float]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class WheelModel:
+    """Wheel and opening as the formulas need them; symbols in the table above."""
+
+    cutout_edges_rad: EdgeAngles
+    gate_angle_rad: float
+    opening_angle_rad: float
+    centre_angle_rad: float
+
+    @property
+    def opening_coordinate_rad(self) -> float:
+        """Wheel coordinate alpha of the opening's centre at wheel angle zero: phi_A - phi_M."""
+        return self.gate_angle_rad - self.centre_angle_rad
+
+
+def wheel_model(
+    cutout_edges_rad: EdgeAngles,
+    gate_offset_rad: float,
+    *,
+    opening_angle_rad: float,
+    centre_angle_rad: float,
+    rotation: Rotation = "clockwise",
+) -> WheelModel:
+    """Model of the rig, mirrored to a clockwise one where the wheel turns the other way.
+
+    Parameters
+    ----------
+    cutout_edges_rad
+        alpha_0 .. alpha_3, ascending, rad.
+    gate_offset_rad
+        beta_1, angle of the application gate from the downward vertical, rad.
+    opening_angle_rad, centre_angle_rad
+        gamma and phi_M, rad.
+    rotation
+        As the camera sees it.
+
+    Raises
+    ------
+    GeometryError
+        If the opening is at least as wide as a cutout or a blade: there is no plateau to normalise on.
+    """
+    edges = np.asarray(cutout_edges_rad)
+    arcs = np.diff(np.append(edges, edges[0] + TURN))
+    if not np.all(arcs > opening_angle_rad):
+        raise GeometryError(
+            f"opening_angle_deg = {np.degrees(opening_angle_rad):.3f} is not narrower than each cutout and blade "
+            f"(narrowest {np.degrees(arcs.min()):.3f} deg), so the opening is never wholly open or covered; "
+            "use a narrower mask or correct [mask] opening_angle_deg and [wheel] cutout_edges_rad"
+        )
+    centre = centre_angle_rad if rotation == "clockwise" else np.pi - centre_angle_rad
+    return WheelModel(
+        cutout_edges_rad=cutout_edges_rad,
+        gate_angle_rad=np.pi / 2 + gate_offset_rad,
+        opening_angle_rad=opening_angle_rad,
+        centre_angle_rad=centre,
+    )
+
+
+def _passages(alpha: Array, edge: float) -> Array:
+    """Integral over alpha of the number of times that the edge has passed: the integral of floor."""
+    turns = (alpha - edge) / TURN
+    whole = np.floor(turns)
+    return TURN * (whole * turns - whole * (whole + 1) / 2)
+
+
+def _passages_twice(alpha: Array, edge: float) -> Array:
+    """Second integral of the floor function."""
+    turns = (alpha - edge) / TURN
+    n = np.floor(turns)
+    before = (n - 1) * n * (2 * n - 1) / 12
+    return TURN**2 * (before + n * (turns**2 - n**2) / 2 - n * (n + 1) / 2 * (turns - n))
+
+
+def _open_arc(alpha: Array, edges: EdgeAngles) -> Array:
+    """Open part of the arc from 0 to alpha, rad, up to a constant."""
+    return alpha + sum(s * _passages(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
+
+
+def _open_arc_integral(alpha: Array, edges: EdgeAngles) -> Array:
+    """Integral of the open arc over alpha, rad^2."""
+    return alpha**2 / 2 + sum(s * _passages_twice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
+
+
+def _opening_ends(wheel_angle_rad: Array, model: WheelModel) -> tuple[Array, Array]:
+    # within one turn: the integrals grow with the cube of the turns, and their differences would lose digits
+    centre = np.mod(model.opening_coordinate_rad + np.asarray(wheel_angle_rad, dtype=float), TURN)
+    return centre - model.opening_angle_rad / 2, centre + model.opening_angle_rad / 2
+
+
+def exposed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
+    """Fraction of the mask opening that the wheel leaves uncovered, averaged over the integration window.
+
+    Parameters
+    ----------
+    wheel_angle_rad
+        Any shape, any real; wheel angle at the *start* of the window, rad.
+    model
+        Geometry.
+    sweep_rad
+        Angle by which the wheel turns during the window, rad; 0 for an instantaneous sample.
+
+    Returns
+    -------
+    Same shape, within [0, 1]; 0 covered, 1 open. Piecewise linear for ``sweep_rad`` = 0, with parabolic corners else.
+
+    Notes
+    -----
+    Schatz 2023, eq. (1) and figure 4(b). Assumes straight radial edges of wheel and mask; section 4 doubts one of them.
+    """
+    low, high = _opening_ends(wheel_angle_rad, model)
+    edges = model.cutout_edges_rad
+    if sweep_rad == 0:
+        return (_open_arc(high, edges) - _open_arc(low, edges)) / model.opening_angle_rad
+    swept = (
+        _open_arc_integral(high + sweep_rad, edges)
+        - _open_arc_integral(high, edges)
+        - _open_arc_integral(low + sweep_rad, edges)
+        + _open_arc_integral(low, edges)
+    )
+    return np.asarray(swept / (model.opening_angle_rad * sweep_rad))
+
+
+def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
+    """Share of the integration window during which each edge crosses the opening.
+
+    Parameters
+    ----------
+    wheel_angle_rad, model, sweep_rad
+        As for :func:`exposed_fraction`; wheel_angle_rad of shape (n,).
+
+    Returns
+    -------
+    Shape (4, n), within [0, 1]. The exposed fraction changes by EDGE_SIGNS[i] / gamma times this per rad by which
+    edge i comes earlier, that is for a smaller alpha_i.
+    """
+    low, high = _opening_ends(wheel_angle_rad, model)
+    crossing = []
+    for edge in model.cutout_edges_rad:
+        if sweep_rad == 0:
+            crossing.append(np.floor((high - edge) / TURN) - np.floor((low - edge) / TURN))
+        else:
+            ahead = _passages(high + sweep_rad, edge) - _passages(high, edge)
+            behind = _passages(low + sweep_rad, edge) - _passages(low, edge)
+            crossing.append((ahead - behind) / sweep_rad)
+    return np.stack(crossing)
+
+
+def slope_centres_rad(model: WheelModel) -> Array:
+    """Wheel angles at which edge 0..3 passes the middle of the opening, shape (4,), in [0, 2 pi).
+
+    Slopes 0 and 2 fall, 1 and 3 rise with the wheel angle.
+    """
+    return np.mod(np.asarray(model.cutout_edges_rad) - model.opening_coordinate_rad, TURN)
+
+
+def corner_angles_rad(model: WheelModel) -> Array:
+    """Start and end of the slopes of edge 0..3, shape (4, 2), start in [0, 2 pi): the corners of figure 4(b)."""
+    start = np.mod(slope_centres_rad(model) - model.opening_angle_rad / 2, TURN)
+    return np.stack([start, start + model.opening_angle_rad], axis=1)

@@ -1,0 +1,17 @@
+"""Wheel angle at any moment between the first and the last control-slot edge (Schatz 2023, 2.4)."""
+
+import numpy as np
+
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.wheel_track import WheelTrack
+
+
+def wheel_angle_rad(delay_s: float, track: WheelTrack, *, at_ticks: Array | Ticks) -> Array:
+    """Unwrapped wheel angle ``delay_s`` after each of the given ticks, rad, same shape.
+
+    Linear between control-slot edges; nan outside them, where nobody saw the wheel.
+    """
+    origin = track.edge_ticks[0]
+    since = (np.asarray(at_ticks) - origin).astype(float) + delay_s * track.clock_frequency_hz
+    edges = (track.edge_ticks - origin).astype(float)
+    return np.interp(since, edges, track.edge_angle_rad, left=np.nan, right=np.nan)
