@@ -1,0 +1,187 @@
+"""The recipe for a snapshot photon camera: one recording in, one number per frame out (Schatz 2023, 3.1.2, 3.1.3)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from irtiming.errors import ReductionError
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Choices, Opening, ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.reduce import axle_view, kernels, nonuniformity, opening, wheel_angles
+from irtiming.reduce.nonuniformity import Correction
+
+TURN = 2 * np.pi
+_DEAD_SHARE = 0.05
+_FEWEST_FRAMES = 100
+_MOST_SAMPLES_PER_TRIGGER = 4
+_SAMPLES_WITHOUT_SCHEME = 1000
+
+
+@final
+@dataclass(kw_only=True)
+class _Tally:
+    """What the single pass over the frames gathers."""
+
+    count: list[Ticks] = field(default_factory=list)
+    total: list[Array] = field(default_factory=list)
+    zeros: list[Ticks] = field(default_factory=list)
+    full: list[Ticks] = field(default_factory=list)
+    harmonic: Array
+    turning: Array = field(default_factory=lambda: np.zeros(2))
+
+
+def reduce(
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None] = lambda n: None
+) -> ReducedRecording:
+    """Pixel counts and pixel sums of every frame, and the wheel's track.
+
+    Parameters
+    ----------
+    recording
+        Photon camera, snapshot; its frames are read once in a stream, after a look at some of them.
+    rig
+        As measured by its owner.
+    choices
+        What a person decided instead of the automatic choice.
+    progress
+        Told the number of frames done so far.
+
+    Raises
+    ------
+    ReductionError
+        If the recording cannot be reduced; the message says why.
+    """
+    _check(recording)
+    correct = nonuniformity.correction(recording)
+    learned = wheel_angles.track(recording, rig, reference_edge=choices.reference_edge)
+    equal = wheel_angles.track(recording, rig, slots="equal", reference_edge=choices.reference_edge)
+    triggers = wheel_angles.frame_trigger_ticks(recording)
+    angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
+    found = opening.find(recording, correct, choices=choices)
+    tally = _measure(recording, found, correct, angle, progress)
+    count, zeros, full = (np.concatenate(part) for part in (tally.count, tally.zeros, tally.full))
+    total = np.concatenate(tally.total)
+    if found.peaks_dn[1] < found.peaks_dn[0]:
+        count = found.weight.size - count
+    kept, remarks = _kept(recording, angle, _dead(zeros, full, found.weight.size))
+    row0, row1, column0, column1 = found.roi
+    axle = axle_view.locate(
+        _without_mean(tally, found, correct),
+        found,
+        pixel_gain=correct.gain[row0:row1, column0:column1],
+        turns_clockwise=rig.wheel.rotation == "clockwise",
+    )
+    return ReducedRecording(
+        name=recording.name,
+        source=recording.source,
+        sha256=recording.sha256,
+        n_frames=recording.frames.shape[0],
+        trigger_ticks=triggers[kept],
+        pixel_sum=total[kept],
+        pixel_count=count[kept].astype(float),
+        samples_per_turn=_samples_per_turn(recording),
+        track=learned,
+        equal_track=equal,
+        opening=found,
+        axle=axle,
+        integration_time_s=recording.integration_time_s,
+        trigger_delay_time_set_s=recording.trigger_delay_time_set_s,
+        rotation_speed_hz=recording.rotation_speed_hz,
+        warnings=recording.warnings
+        + tuple(f"{recording.name}: {text}" for text in learned.findings + found.warnings + remarks),
+    )
+
+
+def _check(recording: Recording) -> None:
+    if recording.camera_type != "photon" or recording.readout_mode != "snapshot":
+        raise ReductionError(
+            f"{recording.name}: a {recording.readout_mode} {recording.camera_type} camera; this analysis is for a snapshot "
+            "photon camera"
+        )
+    if recording.frames.shape[0] < _FEWEST_FRAMES:
+        raise ReductionError(
+            f"{recording.name}: {recording.frames.shape[0]} frames, at least {_FEWEST_FRAMES} are needed; record a whole "
+            "measurement (irtiming plan)"
+        )
+
+
+def _measure(
+    recording: Recording, found: Opening, correct: Correction, angle: Array, progress: Callable[[int], None]
+) -> _Tally:
+    """The single pass: counts, sums, pixels at the limits and the second harmonic of every pixel.
+
+    Frames without a wheel angle and dead frames have no part in the harmonic.
+    """
+    rows, columns = slice(found.roi[0], found.roi[1]), slice(found.roi[2], found.roi[3])
+    thresholds = np.ascontiguousarray(nonuniformity.raw_thresholds(found.threshold_dn, correct)[rows, columns])
+    weights = (found.weight * correct.gain[rows, columns]).astype(np.float32)
+    constant = float(np.sum(found.weight * correct.offset_dn[rows, columns]))
+    full_scale = 2**recording.bit_depth - 1
+    tally = _Tally(harmonic=np.zeros((2, *weights.shape)))
+    known = np.where(np.isfinite(angle), np.stack([np.cos(2 * angle), np.sin(2 * angle)]), 0).astype(np.float32)
+    for first, block in recording.frames.blocks():
+        part = block[:, rows, columns]
+        now = slice(first, first + len(block))
+        tally.count.append(kernels.count_above(part, thresholds))
+        tally.total.append(kernels.weighted_sum(part, weights) + constant)
+        zeros, full = kernels.count_at_limits(part, full_scale)
+        tally.zeros.append(zeros)
+        tally.full.append(full)
+        block_harmonic = np.zeros(tally.harmonic.shape, np.float32)
+        phase = np.where(_dead(zeros, full, weights.size), np.float32(0), known[:, now])
+        kernels.add_harmonic(part, phase[0], phase[1], block_harmonic)
+        tally.harmonic += block_harmonic
+        tally.turning += phase.sum(axis=1, dtype=float)
+        progress(first + len(block))
+    return tally
+
+
+def _without_mean(tally: _Tally, found: Opening, correct: Correction) -> Array:
+    """Second harmonic of the values about their mean level, so that uneven sampling of the turn does no harm."""
+    rows, columns = slice(found.roi[0], found.roi[1]), slice(found.roi[2], found.roi[3])
+    gain = np.where(correct.bad, 1.0, correct.gain)
+    level = (0.5 * (found.open_frame_dn + found.covered_frame_dn) - correct.offset_dn) / gain
+    return np.asarray(tally.harmonic - tally.turning[:, None, None] * level[rows, columns])
+
+
+def _dead(zeros: Ticks, full: Ticks, n_pixels: int) -> np.ndarray:
+    """Which frames have more than half of their pixels at zero or at full scale."""
+    return np.asarray(np.maximum(zeros, full) > 0.5 * n_pixels)
+
+
+def _kept(recording: Recording, angle: Array, dead: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Frames with a wheel angle and with live pixels, and a remark for each kind that was dropped."""
+    remarks = []
+    outside = ~np.isfinite(angle)
+    if outside.any():
+        remarks.append(f"{outside.sum()} frames dropped: triggered where no control slots were recorded")
+    if dead.any():
+        remarks.append(f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale")
+    if dead.mean() > _DEAD_SHARE:
+        raise ReductionError(
+            f"{recording.name}: {dead.sum()} of {dead.size} frames are dead or saturated, at most {_DEAD_SHARE:.0%} may be; "
+            "check the integration time and the camera's transfer"
+        )
+    if outside.mean() > 0.5:
+        raise ReductionError(
+            f"{recording.name}: {outside.sum()} of {outside.size} frames were triggered outside the recorded control slots; "
+            "triggers and slots must be values of the same counter over the same time"
+        )
+    lost = int(recording.frame_number[-1] - recording.frame_number[0]) + 1 - recording.frame_number.size
+    if lost:
+        remarks.append(f"{lost} frames lost between the first and the last: their triggers are skipped")
+    return ~(outside | dead), tuple(remarks)
+
+
+def _samples_per_turn(recording: Recording) -> int:
+    """Nominal wheel angles per turn, T / gcd(T, C) (Schatz 2023, 2.3); about one per trigger without a scheme."""
+    turn = recording.wheel_period_ticks or round(recording.clock_frequency_hz / recording.rotation_speed_hz)
+    camera = recording.camera_period_ticks or int(np.median(np.diff(recording.camera_trigger_ticks)))
+    n_triggers = recording.camera_trigger_ticks.size
+    n = turn // int(np.gcd(turn, camera))
+    return n if n <= _MOST_SAMPLES_PER_TRIGGER * n_triggers else min(_SAMPLES_WITHOUT_SCHEME, n_triggers)

@@ -1,0 +1,91 @@
+"""The compiled inner loops of the reduction; each reads every raw pixel once, in the order of memory.
+
+Frames are shared among threads. Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one
+vector register where eight bytes per count would fit four, and memory, not arithmetic, sets the pace.
+"""
+
+import numpy as np
+from numba import njit, prange
+
+from irtiming.records.arrays import Array, Pixels, Ticks
+
+
+@njit(parallel=True, cache=True)
+def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
+    """Pixels above their own threshold in each frame.
+
+    Parameters
+    ----------
+    frames
+        Shape (frame, row, column), at most 65535 columns.
+    thresholds
+        Shape (row, column).
+
+    Returns
+    -------
+    Shape (frame,).
+    """
+    n_frames, n_rows, n_columns = frames.shape
+    counts = np.zeros(n_frames, np.int64)
+    for frame in prange(n_frames):
+        total = 0
+        for row in range(n_rows):
+            values, limit = frames[frame, row], thresholds[row]
+            count = np.uint16(0)
+            for column in range(n_columns):
+                count = np.uint16(count + np.uint16(values[column] > limit[column]))
+            total += count
+        counts[frame] = total
+    return counts
+
+
+@njit(parallel=True, cache=True, fastmath=True)
+def weighted_sum(frames: Pixels, weights: np.ndarray) -> Array:
+    """Sum of weight times value over each frame, shape (frame,); weights float32 (row, column)."""
+    n_frames, n_rows, n_columns = frames.shape
+    sums = np.zeros(n_frames, np.float64)
+    for frame in prange(n_frames):
+        total = 0.0
+        for row in range(n_rows):
+            values, weight = frames[frame, row], weights[row]
+            part = np.float32(0)
+            for column in range(n_columns):
+                part += weight[column] * np.float32(values[column])
+            total += part
+        sums[frame] = total
+    return sums
+
+
+@njit(parallel=True, cache=True)
+def count_at_limits(frames: Pixels, full_scale: int) -> Ticks:
+    """Pixels at zero and at full scale in each frame, shape (2, frame)."""
+    n_frames, n_rows, n_columns = frames.shape
+    counts = np.zeros((2, n_frames), np.int64)
+    top = np.uint16(full_scale)
+    for frame in prange(n_frames):
+        for row in range(n_rows):
+            values = frames[frame, row]
+            zeros, full = np.uint16(0), np.uint16(0)
+            for column in range(n_columns):
+                zeros = np.uint16(zeros + np.uint16(values[column] == np.uint16(0)))
+                full = np.uint16(full + np.uint16(values[column] >= top))
+            counts[0, frame] += zeros
+            counts[1, frame] += full
+    return counts
+
+
+@njit(parallel=True, cache=True, fastmath=True)
+def add_harmonic(frames: Pixels, cosine: np.ndarray, sine: np.ndarray, into: np.ndarray) -> None:
+    """Add cosine[frame] * value and sine[frame] * value to ``into``, shape (2, row, column), float32 per block.
+
+    Here rows are shared among threads, so that no two add to the same place.
+    """
+    n_frames, n_rows, n_columns = frames.shape
+    for row in prange(n_rows):
+        for frame in range(n_frames):
+            values = frames[frame, row]
+            c, s = np.float32(cosine[frame]), np.float32(sine[frame])
+            for column in range(n_columns):
+                value = np.float32(values[column])
+                into[0, row, column] += c * value
+                into[1, row, column] += s * value

@@ -1,0 +1,86 @@
+"""Two-point non-uniformity correction, folded into thresholds and weights so that no frame is ever corrected.
+
+The corrected value of pixel p is  L + (raw - low_p) (H - L) / (high_p - low_p),  with low_p and high_p its mean values
+at the two reference temperatures and L, H their means over the detector (Schatz 2023, 3.1.2).
+"""
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+
+from irtiming.errors import ReductionError
+from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.recording import Recording
+
+_LEAST_RESPONSE = 0.3  # of the median: a pixel that answers less to the reference step is dead
+_LARGEST_NOISE = 6.0  # times the median noise: a pixel beyond is blinking
+_BAD_SHARE = 0.05
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Correction:
+    """corrected = offset_dn + gain * raw, per pixel; shapes (row, column)."""
+
+    gain: Array
+    offset_dn: Array
+    bad: Mask
+
+
+def correction(recording: Recording) -> Correction:
+    """Correction from the reference frames of the recording; none (gain 1) where it has no reference.
+
+    Raises
+    ------
+    ReductionError
+        If the references have another size than the frames, no step between them, or too many dead pixels.
+    """
+    shape = recording.frames.shape[1:]
+    reference = recording.nonuniformity
+    if reference is None:
+        return Correction(gain=np.ones(shape), offset_dn=np.zeros(shape), bad=np.zeros(shape, bool))
+    if reference.low_dn.shape != shape:
+        raise ReductionError(
+            f"{recording.name}: the reference frames measure {reference.low_dn.shape} pixels, the frames {shape}; "
+            "record the references with the same window"
+        )
+    step = reference.high_dn - reference.low_dn
+    response = float(np.median(step))
+    noise = np.maximum(reference.low_noise_dn, reference.high_noise_dn)
+    if not response > 3 * float(np.median(noise)) / np.sqrt(max(reference.n_frames, 1)):
+        raise ReductionError(
+            f"{recording.name}: the two reference recordings differ by {response:.1f} DN (median), which is no more than "
+            "their noise; low and high must be the bare blackbody at two temperatures"
+        )
+    bad = (step < _LEAST_RESPONSE * response) | (step > response / _LEAST_RESPONSE)
+    bad |= noise > _LARGEST_NOISE * float(np.median(noise))
+    if bad.mean() > _BAD_SHARE:
+        raise ReductionError(
+            f"{recording.name}: {bad.sum()} of {bad.size} pixels do not answer to the reference step or blink, at most "
+            f"{_BAD_SHARE:.0%} can be replaced by their neighbours; check nonuniformity_reference"
+        )
+    good = ~bad
+    low, high = float(reference.low_dn[good].mean()), float(reference.high_dn[good].mean())
+    gain = np.where(bad, 0.0, (high - low) / np.where(bad, 1.0, step))
+    return Correction(gain=gain, offset_dn=np.where(bad, low, low - gain * reference.low_dn), bad=bad)
+
+
+def corrected(raw: Pixels, correct: Correction) -> npt.NDArray[np.float32]:
+    """Corrected frames, DN; only for the few frames that people look at."""
+    values: npt.NDArray[Any] = raw * correct.gain.astype(np.float32) + correct.offset_dn.astype(np.float32)
+    return values.astype(np.float32, copy=False)
+
+
+def raw_thresholds(threshold_dn: float, correct: Correction) -> Pixels:
+    """Raw value that each pixel must exceed for its corrected value to exceed the threshold, shape (row, column).
+
+    Exact: a whole number exceeds x just when it exceeds floor(x), and what the division rounds is set right. Bad pixels get
+    the largest value: never exceeded. A raw value of 0 exceeds nothing, whatever the threshold.
+    """
+    gain = np.where(correct.bad, 1.0, correct.gain)
+    level = np.floor((threshold_dn - correct.offset_dn) / gain)
+    level += correct.offset_dn + gain * (level + 1) <= threshold_dn
+    level -= correct.offset_dn + gain * level > threshold_dn
+    return np.where(correct.bad, 65535, np.clip(level, 0, 65535)).astype(np.uint16)

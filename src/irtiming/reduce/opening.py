@@ -1,0 +1,260 @@
+"""Find the mask opening in the frames: region, threshold and weights, without a hand on the mouse (Schatz 2023, 3.1.3)."""
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from irtiming.errors import ReductionError
+from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Choices, Opening
+from irtiming.reduce.nonuniformity import Correction, corrected
+
+_SCOUTS = 240
+_SCOUT_BYTES = 2**27
+_PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
+_LARGEST_BORDER_PX = 16
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Scouts:
+    """A sample of frames, and which of them show the opening wholly open and wholly covered."""
+
+    raw: Pixels
+    seeds: Mask
+    open_frames: Mask
+    covered_frames: Mask
+
+
+def find(recording: Recording, correct: Correction, *, choices: Choices) -> Opening:
+    """The opening, its region of interest, threshold and weights.
+
+    Parameters
+    ----------
+    recording
+        A few hundred of its frames are read.
+    correct
+        Non-uniformity correction.
+    choices
+        Region and threshold where a person set them.
+
+    Raises
+    ------
+    ReductionError
+        If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
+    """
+    scouts = _scout(recording, correct)
+    open_dn = _mean_frame(scouts.raw[scouts.open_frames], correct)
+    covered_dn = _mean_frame(scouts.raw[scouts.covered_frames], correct)
+    step = float(np.median((open_dn - covered_dn)[scouts.seeds]))
+    contrast = (open_dn - covered_dn) / step
+    contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
+    mask = _largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
+    border_px = _border(contrast, mask)
+    roi = choices.roi or _box(mask, border_px + 4, recording.name)
+    _check_roi(roi, mask, recording)
+    rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])
+    region = ndimage.distance_transform_edt(~mask) <= border_px
+    peaks = _peaks(open_dn, mask, roi)
+    threshold = choices.threshold_dn
+    if threshold is None:
+        threshold = peaks[0] + choices.threshold_level * (peaks[1] - peaks[0])
+    count, bins = np.histogram(open_dn[rows, columns][~correct.bad[rows, columns]], bins=128)
+    return Opening(
+        roi=roi,
+        open_frame_dn=open_dn,
+        covered_frame_dn=covered_dn,
+        mask=mask,
+        weight=_stand_in(region, correct.bad)[rows, columns],
+        border_px=border_px,
+        threshold_dn=threshold,
+        peaks_dn=peaks,
+        histogram_dn=bins,
+        histogram_count=count.astype(np.int64),
+        n_bad_pixels=int(correct.bad[rows, columns].sum()),
+        warnings=_remarks(recording, threshold, peaks),
+    )
+
+
+def _scout(recording: Recording, correct: Correction) -> _Scouts:
+    n_frames, n_rows, n_columns = recording.frames.shape
+    n = max(24, min(_SCOUTS, n_frames, _SCOUT_BYTES // (2 * n_rows * n_columns)))
+    raw = _alive(recording, recording.frames.pick(_spread(n, n_frames)))
+    seeds = _changing_pixels(raw, correct, recording.name)
+    values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
+    low, high = float(values.min()), float(values.max())
+    near = 0.02 * (high - low)
+    tops, bottoms = values > high - near, values < low + near
+    for plateau, word in ((tops, "brightest"), (bottoms, "darkest")):
+        if plateau.mean() < _PLATEAU_SHARE or plateau.sum() < 3:
+            raise ReductionError(
+                f"{recording.name}: only {plateau.sum()} of {plateau.size} sampled frames are as bright as the {word} one "
+                f"(within 2 %), at least {max(3, int(np.ceil(_PLATEAU_SHARE * plateau.size)))} are needed: the opening is "
+                "never wholly open or covered; the mask must be narrower than the cutouts, the recording must span whole turns"
+            )
+    around = (
+        ndimage.binary_dilation(seeds, iterations=12) & ~ndimage.binary_dilation(seeds, iterations=5) & ~correct.bad
+    )
+    surroundings = corrected(raw[0], correct)[around].mean() if around.any() else low
+    _refuse_saturation(recording, raw[tops][:, seeds])
+    tops, bottoms = _level_part(tops, values), _level_part(bottoms, values)
+    bright_when_open = abs(high - surroundings) >= abs(low - surroundings)
+    return _Scouts(
+        raw=raw,
+        seeds=seeds,
+        open_frames=tops if bright_when_open else bottoms,
+        covered_frames=bottoms if bright_when_open else tops,
+    )
+
+
+def _spread(n: int, n_frames: int) -> list[int]:
+    """Indices of n frames over the whole recording, at irregular distances: regular ones could fall in step with the wheel."""
+    if n >= n_frames:
+        return list(range(n_frames))
+    place = np.arange(n) + np.mod(np.arange(n) * 0.6180339887, 1.0)
+    return [int(i) for i in place * n_frames / n]
+
+
+def _level_part(near: Mask, values: Array) -> Mask:
+    """The frames on the level part of a plateau, without those at its corners where an edge already shows."""
+    level = float(np.median(values[near]))
+    spread = float(np.median(np.abs(values[near] - level)))
+    return np.asarray(near & (np.abs(values - level) <= 4 * spread))
+
+
+def _alive(recording: Recording, raw: Pixels) -> Pixels:
+    """The sampled frames without those that are constant: blanks that stand for a lost or broken frame."""
+    alive = raw.reshape(len(raw), -1).min(axis=1) < raw.reshape(len(raw), -1).max(axis=1)
+    if alive.mean() < 0.8:
+        raise ReductionError(
+            f"{recording.name}: {np.sum(~alive)} of {alive.size} sampled frames are dead (all pixels alike), at most 20 % "
+            "may be; check the camera's window, integration time and transfer"
+        )
+    return raw[alive]
+
+
+def _refuse_saturation(recording: Recording, bright: Pixels) -> None:
+    full_scale = 2**recording.bit_depth - 1
+    share = float(np.mean(bright >= full_scale))
+    if share > 0.01:
+        raise ReductionError(
+            f"{recording.name}: {share:.0%} of the opening's pixels are saturated at {full_scale} DN in bright frames, at most "
+            "1 % may be; shorten the integration time or bring the blackbody nearer to room temperature"
+        )
+
+
+def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
+    """Pixels whose value swings with the wheel: those of the opening."""
+    total = np.zeros(raw.shape[1:])
+    squares = np.zeros(raw.shape[1:])
+    for frame in raw:
+        value = corrected(frame, correct).astype(float)
+        total += value
+        squares += value * value
+    swing = np.sqrt(np.maximum(squares / len(raw) - (total / len(raw)) ** 2, 0))
+    swing = ndimage.median_filter(swing, 3)
+    swing[correct.bad] = 0
+    quiet, loud = float(np.median(swing)), float(np.quantile(swing, 0.995))
+    seeds = _largest_part(swing > 0.6 * loud)
+    if loud < 4 * quiet + 1 or seeds.sum() < 30:
+        raise ReductionError(
+            f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
+            f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
+            "check that the camera sees mask and blackbody and that they differ by some kelvin"
+        )
+    return seeds
+
+
+def _largest_part(mask: Mask) -> Mask:
+    labels, n = ndimage.label(mask)
+    if n == 0:
+        return mask
+    sizes = np.bincount(labels.ravel())
+    sizes[0] = 0
+    return np.asarray(labels == sizes.argmax())
+
+
+def _mean_frame(raw: Pixels, correct: Correction) -> Array:
+    mean = np.zeros(raw.shape[1:])
+    for frame in raw:
+        mean += corrected(frame, correct)
+    return mean / len(raw)
+
+
+def _border(contrast: Array, mask: Mask) -> int:
+    """Width of the blurred border, px: where the mean contrast of a ring no longer falls."""
+    distance = ndimage.distance_transform_edt(~mask)
+    rings = [float(contrast[(distance > k) & (distance <= k + 1)].mean()) for k in range(_LARGEST_BORDER_PX + 4)]
+    ground = float(np.median(rings[-6:]))
+    spread = float(np.ptp(rings[-6:]))
+    for k in range(_LARGEST_BORDER_PX):
+        if abs(rings[k] - ground) < max(0.003, 2 * spread):
+            return k + 2
+    return _LARGEST_BORDER_PX
+
+
+def _box(mask: Mask, margin: int, name: str) -> tuple[int, int, int, int]:
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    n_rows, n_columns = mask.shape
+    if rows[0] < 2 or columns[0] < 2 or rows[-1] > n_rows - 3 or columns[-1] > n_columns - 3:
+        raise ReductionError(
+            f"{name}: the opening spans rows {rows[0]}..{rows[-1]} and columns {columns[0]}..{columns[-1]} of a "
+            f"{n_rows} x {n_columns} image and is cut by its border; the whole opening with 2 pixels around it must be in view"
+        )
+    return (
+        max(0, int(rows[0]) - margin), min(n_rows, int(rows[-1]) + margin + 1),
+        max(0, int(columns[0]) - margin), min(n_columns, int(columns[-1]) + margin + 1),
+    )  # fmt: skip
+
+
+def _check_roi(roi: tuple[int, int, int, int], mask: Mask, recording: Recording) -> None:
+    n_rows, n_columns = mask.shape
+    if not (0 <= roi[0] < roi[1] <= n_rows and 0 <= roi[2] < roi[3] <= n_columns):
+        raise ReductionError(
+            f"{recording.name}: region of interest {roi} lies outside the image of {n_rows} rows and {n_columns} columns; "
+            "give first row, end row, first column, end column"
+        )
+    outside = int(mask.sum() - mask[roi[0] : roi[1], roi[2] : roi[3]].sum())
+    if outside:
+        raise ReductionError(
+            f"{recording.name}: region of interest {roi} leaves out {outside} of {mask.sum()} pixels of the opening; "
+            "it must hold the whole opening"
+        )
+
+
+def _peaks(open_dn: Array, mask: Mask, roi: tuple[int, int, int, int]) -> tuple[float, float]:
+    """The histogram's two peaks in open frames: mask plate around the opening, blackbody inside it."""
+    inside = ndimage.binary_erosion(mask, iterations=3)
+    around = ~ndimage.binary_dilation(mask, iterations=3)
+    box = np.zeros_like(mask)
+    box[roi[0] : roi[1], roi[2] : roi[3]] = True
+    bright = open_dn[inside] if inside.any() else open_dn[mask]
+    dark = open_dn[around & box] if (around & box).any() else open_dn[around]
+    return float(np.median(dark)), float(np.median(bright))
+
+
+def _stand_in(region: Mask, bad: Mask) -> Array:
+    """Weights of 1 in the region; a bad pixel's weight goes to its good neighbours."""
+    weight: npt.NDArray[Any] = region.astype(float)
+    for row, column in np.argwhere(region & bad):
+        weight[row, column] = 0
+        near = (slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2))
+        good = ~bad[near]
+        if good.any():
+            weight[near] += good / good.sum()
+    return weight
+
+
+def _remarks(recording: Recording, threshold: float, peaks: tuple[float, float]) -> tuple[str, ...]:
+    remarks = []
+    if recording.nonuniformity is None:
+        remarks.append("no nonuniformity_reference in the recording: frames used as they are")
+    if not min(peaks) < threshold < max(peaks):
+        remarks.append(
+            f"threshold {threshold:.0f} DN lies outside the histogram peaks {peaks[0]:.0f} and {peaks[1]:.0f} DN"
+        )
+    return tuple(remarks)

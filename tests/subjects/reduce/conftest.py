@@ -1,0 +1,217 @@
+"""A wheel on paper, and cameras that see it: recordings made by brute force, sharing nothing with the package's formulas."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from irtiming.records.recording import NonuniformityReference, Recording
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+
+TURN = 2 * np.pi
+CLOCK_HZ = 49_152_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperWheel:
+    """theta(t) = theta_0 + omega t + sum of a sin(2 pi t / period + phase); every edge time is found by iteration."""
+
+    rate_hz: float = 3.0
+    theta_0: float = 1.0
+    wander: tuple[tuple[float, float, float], ...] = ()
+    slots: np.ndarray = field(default_factory=lambda: TURN * np.arange(100) / 100)
+    gate_separation: float = 0.5697
+    edges: tuple[float, ...] = (0.0, 1.5718, 3.1421, 4.7125)
+    start: int = 7_000_000
+    duration_s: float = 34.0
+    jitter_s: float = 0.0
+
+    def theta(self, t):
+        return self.theta_0 + TURN * self.rate_hz * t + self._wander(t)
+
+    def _wander(self, t):
+        return sum((a * np.sin(TURN * t / period + phase) for a, period, phase in self.wander), 0.0 * t)
+
+    def _when(self, angles):
+        """Times at which the wheel is at the given angles, each repeated every turn, sorted, s."""
+        n_turns = int(self.duration_s * self.rate_hz) + 2
+        targets = (np.asarray(angles) + TURN * np.arange(-1, n_turns + 2)[:, None]).ravel()
+        t = (targets - self.theta_0) / (TURN * self.rate_hz)
+        for _ in range(60):
+            t = (targets - self.theta_0 - self._wander(t)) / (TURN * self.rate_hz)
+        return np.sort(t[(t >= 0) & (t <= self.duration_s)])
+
+    def ticks(self, t):
+        return self.start + np.ceil(np.asarray(t) * CLOCK_HZ).astype(np.int64)
+
+    def _jittered(self, t, seed):
+        return self.ticks(t + np.random.default_rng(seed).normal(0, self.jitter_s, t.size))
+
+    def control_slot_ticks(self):
+        return self._jittered(self._when(self.slots - self.gate_separation), 1)
+
+    def application_slot_ticks(self):
+        return self._jittered(self._when([self.edges[0], self.edges[2]]), 2)
+
+    def application_edge_ticks(self):
+        return self._jittered(self._when(list(self.edges)), 3)
+
+
+class FramesInMemory:
+    """A stack of frames that hands out blocks of seven."""
+
+    def __init__(self, frames):
+        self._frames = np.asarray(frames, np.uint16)
+
+    @property
+    def shape(self):
+        return self._frames.shape
+
+    def blocks(self):
+        for first in range(0, len(self._frames), 7):
+            yield first, self._frames[first : first + 7]
+
+    def pick(self, indices):
+        return self._frames[indices]
+
+
+@pytest.fixture(scope="session")
+def paper_wheel() -> type[PaperWheel]:
+    """Wheel with known angle at any time."""
+    return PaperWheel
+
+
+@pytest.fixture(scope="session")
+def frames_in_memory() -> type[FramesInMemory]:
+    """Frame stack over an array."""
+    return FramesInMemory
+
+
+@pytest.fixture(scope="session")
+def rig() -> Rig:
+    """Return the rig of the paper: 75 deg mask at the top, nine slots between the gates."""
+    return Rig(
+        wheel=Wheel(),
+        light_gates=LightGates(
+            half_separation_m=Measured(13e-3, 5e-5),
+            height_difference_m=Measured(5.5e-3, 5e-5),
+            whole_slots_between=9,
+        ),
+        mask_opening=MaskOpening(
+            opening_angle_rad=Measured(float(np.radians(75))), centre_angle_rad=Measured(float(np.radians(-90)), 5e-4)
+        ),
+    )
+
+
+@pytest.fixture(scope="session")
+def recorded() -> Callable[..., Recording]:
+    """Recording of a wheel; ``recorded(wheel, frames=..., n_triggers=...)`` with any field replaced by keyword."""
+
+    def record(wheel, *, frames=None, n_triggers=1000, first_s=0.35, **fields):
+        triggers = wheel.ticks(first_s) + 1_622_016 * np.arange(n_triggers, dtype=np.int64)
+        stack = FramesInMemory(np.zeros((n_triggers, 1, 1)) if frames is None else frames)
+        values = {
+            "name": "on paper",
+            "camera_type": "photon",
+            "readout_mode": "snapshot",
+            "frames": stack,
+            "frame_number": np.arange(stack.shape[0]),
+            "clock_frequency_hz": float(CLOCK_HZ),
+            "camera_trigger_ticks": triggers,
+            "control_slot_ticks": wheel.control_slot_ticks(),
+            "application_slot_ticks": wheel.application_slot_ticks(),
+            "rotation_speed_hz": wheel.rate_hz,
+            "integration_time_s": 250e-6,
+            "bit_depth": 14,
+        }
+        return Recording(**(values | fields))
+
+    return record
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperCamera:
+    """Mask and wheel as an image: the opening is rendered once with 8 x 8 points a pixel, frames by the angle of each."""
+
+    rows: int = 60
+    columns: int = 80
+    axle: tuple[float, float] = (48.0, 40.3)
+    mask_centre: tuple[float, float] = (0.0, 0.0)
+    radii: tuple[float, float] = (16.0, 36.0)
+    opening_rad: float = float(np.radians(75))
+    bisector_rad: float = float(np.radians(-90))
+    blur_px: float = 0.7
+    gate_rad: float = float(np.pi / 2) + 0.2682
+    edges: tuple[float, ...] = (0.0, 1.5718, 3.1421, 4.7125)
+    clockwise: bool = True
+    plate_dn: float = 5000.0
+    blackbody_dn: float = 6000.0
+    wheel_dn: float = 4950.0
+    noise_dn: float = 3.0
+    delay_s: float = 4e-4
+    integration_s: float = 250e-6
+    sub: int = 8
+
+    def points(self):
+        """Rows and columns of the sub-pixel points and whether the mask lets them through."""
+        place = (np.arange(self.sub) + 0.5) / self.sub - 0.5
+        row = (np.arange(self.rows)[:, None] + place).ravel()
+        column = (np.arange(self.columns)[:, None] + place).ravel()
+        row, column = np.meshgrid(row, column, indexing="ij")
+        own = (self.axle[0] + self.mask_centre[0], self.axle[1] + self.mask_centre[1])
+        radius = np.hypot(row - own[0], column - own[1])
+        beside = np.angle(np.exp(1j * (np.arctan2(row - own[0], column - own[1]) - self.bisector_rad)))
+        through = (radius > self.radii[0]) & (radius < self.radii[1]) & (np.abs(beside) < self.opening_rad / 2)
+        return row, column, through
+
+    def light_by_angle(self, n_angles=1440):
+        """Blurred light of each pixel by wheel coordinate at theta = 0: shape (angle, row, column), sums to the opening."""
+        from scipy import ndimage
+
+        row, column, through = self.points()
+        phi = np.arctan2(row - self.axle[0], column - self.axle[1])
+        alpha = self.gate_rad - (phi if self.clockwise else np.pi - phi)
+        pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns
+        pixel = pixel + np.repeat(np.arange(self.columns), self.sub)[None, :]
+        where = np.mod(np.floor(alpha / TURN * n_angles).astype(int), n_angles)
+        flat = where * (self.rows * self.columns) + pixel
+        light = np.bincount(flat[through], minlength=n_angles * self.rows * self.columns) / self.sub**2
+        light = light.reshape(n_angles, self.rows, self.columns)
+        used = np.flatnonzero(light.any(axis=(1, 2)))
+        light[used] = ndimage.gaussian_filter(light[used], (0, self.blur_px, self.blur_px), mode="constant")
+        return light, used
+
+    def frames(self, theta_of, times, *, seed=0):
+        """Frames for triggers at the given times: the wheel at 9 instants of the window."""
+        light, used = self.light_by_angle()
+        n_angles = len(light)
+        alpha = (used + 0.5) / n_angles * TURN
+        light = light[used].reshape(used.size, -1)
+        instants = times[:, None] + self.delay_s + (np.arange(9) + 0.5) / 9 * self.integration_s
+        wheel = np.mod(theta_of(instants)[..., None] + alpha, TURN)
+        seen = ((wheel >= self.edges[1]) & (wheel < self.edges[2])) | (wheel >= self.edges[3])
+        share = seen.mean(axis=1)
+        opening = light.sum(axis=0)
+        scene = self.plate_dn + (self.wheel_dn - self.plate_dn) * opening
+        scene = scene + (self.blackbody_dn - self.wheel_dn) * (share @ light)
+        noise = np.random.default_rng(seed).normal(0, self.noise_dn, scene.shape)
+        return np.clip(np.rint(scene + noise), 0, 16383).astype(np.uint16).reshape(-1, self.rows, self.columns)
+
+
+@pytest.fixture(scope="session")
+def paper_camera() -> type[PaperCamera]:
+    """Camera that sees mask and wheel by brute force."""
+    return PaperCamera
+
+
+@pytest.fixture(scope="session")
+def flat_reference() -> Callable[..., NonuniformityReference]:
+    """Non-uniformity reference of a camera with the given gain and offset per pixel (rows, columns)."""
+
+    def make(gain, offset, *, noise=None, levels=(5000.0, 6000.0)):
+        noise = np.full(gain.shape, 3.0) if noise is None else noise
+        low, high = (offset + gain * level for level in levels)
+        return NonuniformityReference(low_dn=low, high_dn=high, low_noise_dn=noise, high_noise_dn=noise, n_frames=50)
+
+    return make

@@ -1,0 +1,120 @@
+"""Axle and mask in the image, from frames rendered by brute force about a known axle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.records.reduced import Choices
+from irtiming.records.rig import Wheel
+from irtiming.reduce import cooled
+
+CLOCK_HZ = 49_152_000
+
+
+@pytest.fixture(scope="module")
+def reduced(paper_wheel, recorded, rig):
+    """Reduce 500 frames of a camera: ``reduced(camera, spoil=..., **fields)``; frames go through the whole recipe."""
+    wheel = paper_wheel(duration_s=17.5)
+    base = recorded(wheel, n_triggers=500)
+    times = (base.camera_trigger_ticks - wheel.start) / CLOCK_HZ
+
+    def run(camera, *, spoil=lambda frames: frames, **fields):
+        frames = spoil(camera.frames(wheel.theta, times))
+        own = replace(rig, wheel=Wheel(rotation="clockwise" if camera.clockwise else "counterclockwise"))
+        return cooled.reduce(recorded(wheel, n_triggers=500, frames=frames, **fields), own, choices=Choices())
+
+    return run
+
+
+def _true_offset(camera):
+    """Mean polar angle about the axle of the points that the mask lets through, minus the mask's own bisector."""
+    row, column, through = replace(camera, sub=32).points()
+    phi = np.arctan2(row - camera.axle[0], column - camera.axle[1])[through]
+    return np.mean(np.angle(np.exp(1j * (phi - camera.bisector_rad))))
+
+
+@pytest.mark.parametrize("axle", [(48.0, 40.3), (47.37, 39.81)])
+@pytest.mark.parametrize("clockwise", [True, False])
+@pytest.mark.parametrize("blur", [0.5, 1.0])
+def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, axle, clockwise, blur):
+    """Oracle: the axle about which the wheel was rendered, turning either way."""
+    view = reduced(paper_camera(axle=axle, clockwise=clockwise, blur_px=blur)).axle
+    assert view.row_px == pytest.approx(axle[0], abs=0.05)
+    assert view.column_px == pytest.approx(axle[1], abs=0.05)
+    assert view.bisector_rad == pytest.approx(np.radians(-90), abs=2e-3)
+    assert view.mean_angle_rad - view.bisector_rad == pytest.approx(0, abs=1.5e-3)
+    assert 0 < view.u_centre_px < 0.05
+
+
+@pytest.mark.parametrize("mask_centre", [(0.0, 0.6), (0.5, -0.4), (-0.7, 0.0)])
+@pytest.mark.parametrize("roll_deg", [0.0, 3.0, -5.0])
+def test_mask_beside_the_axle(reduced, paper_camera, mask_centre, roll_deg):
+    """Oracle: sums over a million points of the mask; 0.6 px at 26 px are 20 mrad of mean angle, and 0 of bisector."""
+    bisector = np.radians(-90 + roll_deg)
+    camera = paper_camera(mask_centre=mask_centre, bisector_rad=float(bisector))
+    view = reduced(camera).axle
+    assert view.row_px == pytest.approx(camera.axle[0], abs=0.05)
+    assert view.column_px == pytest.approx(camera.axle[1], abs=0.05)
+    assert view.bisector_rad == pytest.approx(bisector, abs=2.5e-3)
+    assert view.mean_angle_rad - view.bisector_rad == pytest.approx(_true_offset(camera), abs=1.5e-3)
+
+
+def test_stated_uncertainty_of_the_bisector_covers_the_error(reduced, paper_camera):
+    """Oracle: twelve masks rendered at known places; errors over stated uncertainties are of the order of one."""
+    rng = np.random.default_rng(7)
+    pulls = []
+    for _ in range(12):
+        camera = paper_camera(
+            mask_centre=tuple(rng.uniform(-0.5, 0.5, 2)),
+            bisector_rad=float(np.radians(-90) + rng.uniform(-0.05, 0.05)),
+            axle=tuple(rng.uniform(-0.5, 0.5, 2) + (48, 40)),
+        )
+        view = reduced(camera).axle
+        pulls.append((view.mean_angle_rad - view.bisector_rad - _true_offset(camera)) / view.u_bisector_rad)
+    assert np.sqrt(np.mean(np.square(pulls))) < 2
+
+
+def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference):
+    """Oracle: the same mask on a detector without dead pixels; eight of 1400 pixels of the opening are dead."""
+    camera = paper_camera()
+    gain = np.ones((60, 80))
+    dead = [(22, 42), (25, 44), (20, 48), (27, 41), (30, 43), (18, 44), (33, 45), (24, 52)]
+
+    def spoil(frames):
+        for pixel in dead:
+            frames[(slice(None), *pixel)] = 200
+        return frames
+
+    clean = reduced(camera, nonuniformity=flat_reference(gain.copy(), np.zeros((60, 80)))).axle
+    for pixel in dead:
+        gain[pixel] = 0
+    view = reduced(camera, spoil=spoil, nonuniformity=flat_reference(gain, np.zeros((60, 80)))).axle
+    assert view.row_px == pytest.approx(clean.row_px, abs=0.01)
+    assert view.column_px == pytest.approx(clean.column_px, abs=0.01)
+    assert view.bisector_rad == pytest.approx(clean.bisector_rad, abs=4e-4)
+    assert view.mean_angle_rad == pytest.approx(clean.mean_angle_rad, abs=4e-4)
+
+
+def test_blank_frames_do_not_move_the_axle(reduced, paper_camera):
+    """Oracle: the axle found without them; ten blank frames are 2 % of the recording, dropped and told."""
+
+    def spoil(frames):
+        frames[100:110] = 0
+        return frames
+
+    whole, spoilt = reduced(paper_camera()), reduced(paper_camera(), spoil=spoil)
+    assert spoilt.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.02)
+    assert spoilt.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.02)
+    assert spoilt.pixel_sum.size == 490
+    assert any("10 frames dropped: more than half of their pixels are at zero" in text for text in spoilt.warnings)
+
+
+def test_frames_outside_the_edges_do_not_move_the_axle(reduced, paper_camera, paper_wheel):
+    """Oracle: the axle found without them; the first eighth of the slots is not recorded, the turn unevenly sampled."""
+    slots = paper_wheel(duration_s=17.5).control_slot_ticks()
+    whole, late = reduced(paper_camera()), reduced(paper_camera(), control_slot_ticks=slots[600:])
+    assert late.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.07)
+    assert late.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.07)
+    assert any("frames dropped: triggered where no control slots were recorded" in text for text in late.warnings)
+    assert 430 < late.pixel_sum.size < 460

@@ -1,0 +1,65 @@
+"""The compiled loops against plain NumPy."""
+
+import numpy as np
+import pytest
+
+from irtiming.reduce import kernels
+
+SHAPES = [(7, 12, 16), (1, 1, 1), (3, 1, 17), (5, 13, 1), (0, 4, 5), (11, 31, 37)]
+
+
+def _frames(shape, seed=0):
+    return np.random.default_rng(seed).integers(0, 65536, shape, dtype=np.uint16)
+
+
+def _views():
+    """Frames as they come: whole, a region of interest, every other frame, columns turned, and fortran order."""
+    whole = _frames((9, 21, 33))
+    return [whole, whole[:, 3:18, 5:30], whole[::2], whole[:, :, ::-1], np.asfortranarray(whole)]
+
+
+@pytest.mark.parametrize("frames", [*map(_frames, SHAPES), *_views()], ids=lambda f: str(f.shape))
+def test_counts_above_a_threshold_per_pixel(frames):
+    """Oracle: NumPy's comparison and sum, exactly; values equal to the threshold do not count."""
+    thresholds = np.random.default_rng(1).integers(0, 65536, frames.shape[1:], dtype=np.uint16)
+    if len(frames):
+        thresholds[0] = frames[0, 0]
+    assert kernels.count_above(frames, thresholds).tolist() == (frames > thresholds).sum(axis=(1, 2)).tolist()
+
+
+@pytest.mark.parametrize("frames", [*map(_frames, SHAPES), *_views()], ids=lambda f: str(f.shape))
+def test_weighted_sums(frames):
+    """Oracle: NumPy in double precision; single precision within a row keeps 6 digits of it."""
+    weights = np.random.default_rng(2).uniform(0, 2, frames.shape[1:]).astype(np.float32)
+    expected = (frames * weights.astype(float)).sum(axis=(1, 2))
+    np.testing.assert_allclose(kernels.weighted_sum(frames, weights), expected, rtol=1e-6)
+
+
+def test_weighted_sum_of_a_large_frame_keeps_its_step():
+    """Oracle: NumPy in double precision at 640 x 512; a millionth of the sum is a thousandth of a 2 DN step in 2000."""
+    frames = _frames((2, 512, 640), 3) // 4
+    weights = np.random.default_rng(4).normal(1, 0.1, (512, 640)).astype(np.float32)
+    expected = (frames * weights.astype(float)).sum(axis=(1, 2))
+    np.testing.assert_allclose(kernels.weighted_sum(frames, weights), expected, rtol=3e-8)
+
+
+@pytest.mark.parametrize("full_scale", [16383, 65535])
+@pytest.mark.parametrize("frames", [*map(_frames, SHAPES), *_views()], ids=lambda f: str(f.shape))
+def test_pixels_at_the_limits(frames, full_scale):
+    """Oracle: NumPy's comparison; zeros and full scale are put in by hand."""
+    frames = frames % 500
+    if min(frames.shape) > 3:
+        frames[1, 2, :5], frames[2, 0, 3:] = 0, full_scale
+    expected = [(frames == 0).sum(axis=(1, 2)).tolist(), (frames >= full_scale).sum(axis=(1, 2)).tolist()]
+    assert kernels.count_at_limits(frames, full_scale).tolist() == expected
+
+
+@pytest.mark.parametrize("frames", [*map(_frames, SHAPES), *_views()], ids=lambda f: str(f.shape))
+def test_harmonic_of_every_pixel(frames):
+    """Oracle: NumPy's einsum in double precision, added to what was there."""
+    angle = np.random.default_rng(5).uniform(0, 6.3, len(frames))
+    cosine, sine = np.cos(angle).astype(np.float32), np.sin(angle).astype(np.float32)
+    into = np.full((2, *frames.shape[1:]), 1000, np.float32)
+    kernels.add_harmonic(frames, cosine, sine, into)
+    expected = 1000 + np.einsum("kf,frc->krc", np.stack([cosine, sine]).astype(float), frames.astype(float))
+    np.testing.assert_allclose(into, expected, atol=65536 * 1e-6 * max(1, len(frames)))
