@@ -1,0 +1,121 @@
+"""The rig's angles and what is known of their errors, from rig.toml and the timestamps (Schatz 2023, 2.5)."""
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from irtiming.physics.light_gates import GateAngles, gate_angles
+from irtiming.physics.wheel import EdgeAngles, WheelModel, wheel_model
+from irtiming.records.estimate import Contribution
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.records.wheel_track import WheelTrack
+
+TURN = 2 * np.pi
+_IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class WheelGeometry:
+    """Model of the wheel without any delay, and the standard uncertainties of its common angle, rad.
+
+    ``angle_budget`` lists what shifts all edges alike; ``u_edge_rad`` is the standard uncertainty of a single cutout
+    edge, None where nobody stated one. ``edges_from`` says where the edge angles come from.
+    """
+
+    model: WheelModel
+    gates: GateAngles
+    angle_budget: tuple[tuple[str, str, float], ...]
+    u_edge_rad: float | None
+    edges_from: str
+    warnings: tuple[str, ...]
+
+
+def geometry(
+    recordings: list[ReducedRecording], rig: Rig, *, slots: Literal["learned", "equal"], off_axle_mask: bool
+) -> WheelGeometry:
+    """Angles of gates, edges and opening.
+
+    Parameters
+    ----------
+    recordings
+        Their timestamps give the gate separation and, where rig.toml has no edge angles, these.
+    rig
+        As measured by its owner.
+    slots
+        Which of the two tracks to take the gate separation from.
+    off_axle_mask
+        Whether to shift the opening by what the image shows of a mask whose centre lies beside the axle; the published
+        procedure knows nothing of it.
+
+    Raises
+    ------
+    GeometryError
+        If the numbers contradict each other.
+    """
+    tracks = [r.track if slots == "learned" else r.equal_track for r in recordings]
+    gates = gate_angles(float(np.mean([t.gate_separation_rad for t in tracks])), rig.light_gates)
+    edges, u_edge, edges_from, warnings = _edges(rig, tracks[0])
+    shift, u_shift = _mask_shift(recordings) if off_axle_mask else (0.0, None)
+    opening = rig.mask_opening
+    model = wheel_model(
+        edges,
+        gates.application_rad,
+        opening_angle_rad=opening.opening_angle_rad.value,
+        centre_angle_rad=opening.centre_angle_rad.value + shift,
+        rotation=rig.wheel.rotation,
+    )
+    per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
+    u_register = max(t.u_gate_separation_rad for t in tracks)
+    budget = [
+        ("mask centre angle phi_M", "B", opening.centre_angle_rad.standard_uncertainty),
+        ("gate distance d (caliper)", "B", per_d * rig.light_gates.half_separation_m.standard_uncertainty),
+        ("gate height difference dh (caliper)", "B", per_dh * rig.light_gates.height_difference_m.standard_uncertainty),
+        ("register of slots and cutouts", "A", per_separation * u_register),
+    ]
+    if u_shift is not None:
+        budget.append(("mask beside the axle (image)", "A", u_shift))
+    if opening.centre_angle_rad.standard_uncertainty == 0:
+        warnings += (
+            "rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too small",
+        )
+    return WheelGeometry(
+        model=model,
+        gates=gates,
+        angle_budget=tuple(budget),
+        u_edge_rad=u_edge,
+        edges_from=edges_from,
+        warnings=warnings,
+    )
+
+
+def _edges(rig: Rig, track: WheelTrack) -> tuple[EdgeAngles, float | None, str, tuple[str, ...]]:
+    stated = rig.wheel.cutout_edges_rad
+    if stated is not None:
+        u = float(np.sqrt(np.mean([e.standard_uncertainty**2 for e in stated])))
+        values = (stated[0].value, stated[1].value, stated[2].value, stated[3].value)
+        return values, u or None, "rig.toml", ()
+    if track.application_edges_rad is not None:
+        return track.application_edges_rad, None, "application_edges of the first recording", ()
+    text = "cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording tells them"
+    return _IDEAL_EDGES, None, "ideal", (text,)
+
+
+def _mask_shift(recordings: list[ReducedRecording]) -> tuple[float, float | None]:
+    """Mean angle of the light about the axle minus the bisector of the mask's edges, from the images."""
+    views = [r.axle for r in recordings if r.axle is not None]
+    if not views:
+        return 0.0, None
+    shifts = np.array([v.mean_angle_rad - v.bisector_rad for v in views])
+    weights = np.array([1 / max(v.u_bisector_rad, 1e-6) ** 2 for v in views])
+    return float(np.average(shifts, weights=weights)), float(np.mean([v.u_bisector_rad for v in views]))
+
+
+def as_times(geometry: WheelGeometry, angular_frequency_rad_per_s: float) -> tuple[Contribution, ...]:
+    """The angle budget as standard uncertainties of a delay at one wheel speed."""
+    return tuple(
+        Contribution(source=source, kind=kind, standard_uncertainty_s=u / angular_frequency_rad_per_s)
+        for source, kind, u in geometry.angle_budget
+    )

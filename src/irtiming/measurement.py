@@ -1,0 +1,135 @@
+"""The story on one screen: recordings in, certificate out. Needs no rig, so it can be repeated years later."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from irtiming.errors import EstimationError, IrTimingError
+from irtiming.estimate import edge_delays, published, slopes, trigger_delay, wheel_geometry
+from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.reduce import average_runs, cooled, pooled_slots
+
+Progress = Callable[[str, int, int], None]
+"""Told the recording's name, frames done and frames in all."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Analysis:
+    """Everything that a report needs: the chosen result, its counterpart, and what led to them."""
+
+    rig: Rig
+    choices: Choices
+    recordings: tuple[ReducedRecording, ...]
+    geometry: WheelGeometry
+    equal_geometry: WheelGeometry
+    edge_fits: tuple[EdgeDelayFit, ...]
+    published_fits: tuple[PublishedFit, ...]
+    best: DelayResult
+    as_published: DelayResult
+
+    @property
+    def result(self) -> DelayResult:
+        """The result by the method that was chosen."""
+        return self.as_published if self.choices.method == "published" else self.best
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All warnings, each once, in order."""
+        texts = [text for recording in self.recordings for text in recording.warnings]
+        return tuple(dict.fromkeys([*texts, *self.result.warnings]))
+
+
+def analyse(
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
+) -> Analysis:
+    """Trigger delay of a snapshot photon camera from its recordings, by both methods.
+
+    Parameters
+    ----------
+    recordings
+        One per run; of any nominal delays and wheel speeds, all of one camera on one rig. Taken one after the other, so a
+        generator keeps only one open.
+    rig
+        As measured by its owner.
+    choices
+        What a person decided instead of the automatic choice, the method among it.
+    progress
+        Called as frames are read.
+
+    Raises
+    ------
+    IrTimingError
+        If a recording cannot be reduced or the data do not determine the delay; a note names the stage.
+    """
+    choices = choices or Choices()
+    reduced = [_reduce(recording, rig, choices, progress) for recording in recordings]
+    if not reduced:
+        raise EstimationError("no recording given; name at least one recording file")
+    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
+    tracks = pooled_slots.pool([recording.track for recording in reduced])
+    reduced = [replace(recording, track=track) for recording, track in zip(reduced, tracks, strict=True)]
+    integration_s = _common_integration_time(reduced)
+    geometry = wheel_geometry.geometry(reduced, rig, slots="learned", off_axle_mask=True)
+    equal = wheel_geometry.geometry(reduced, rig, slots="equal", off_axle_mask=False)
+    edge_fits = [edge_delays.estimate(recording, geometry.model) for recording in reduced]
+    groups = _by_delay(reduced)
+    published_fits = [
+        slopes.fit(
+            average_runs.average(runs),
+            equal.model,
+            angular_frequency_rad_per_s=float(np.mean([r.equal_track.angular_frequency_rad_per_s for r in runs])),
+            limits=choices.slope_limits,
+        )
+        for runs in groups
+    ]
+    return Analysis(
+        rig=rig,
+        choices=choices,
+        recordings=tuple(reduced),
+        geometry=geometry,
+        equal_geometry=equal,
+        edge_fits=tuple(edge_fits),
+        published_fits=tuple(published_fits),
+        best=trigger_delay.estimate(edge_fits, geometry, integration_time_s=integration_s),
+        as_published=published.estimate(published_fits, equal.model, integration_time_s=integration_s),
+    )
+
+
+def _reduce(recording: Recording, rig: Rig, choices: Choices, progress: Progress | None) -> ReducedRecording:
+    total = recording.frames.shape[0]
+
+    def told(done: int) -> None:
+        if progress is not None:
+            progress(recording.name, done, total)
+
+    try:
+        return cooled.reduce(recording, rig, choices=choices, progress=told)
+    except IrTimingError as error:
+        error.add_note(f"while reducing {recording.source or recording.name}")
+        raise
+
+
+def _by_delay(reduced: list[ReducedRecording]) -> list[list[ReducedRecording]]:
+    """Runs of the same nominal delay and wheel speed together, sorted."""
+    groups: dict[tuple[float, float], list[ReducedRecording]] = {}
+    for recording in reduced:
+        key = (recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9))
+        groups.setdefault(key, []).append(recording)
+    return list(groups.values())
+
+
+def _common_integration_time(reduced: list[ReducedRecording]) -> float | None:
+    times = {recording.integration_time_s for recording in reduced}
+    if len(times) > 1:
+        stated = ", ".join(f"{r.name}: {r.integration_time_s}" for r in reduced)
+        raise EstimationError(
+            f"the recordings differ in integration time (count_time; {stated} s), which must be one for all; analyse them apart"
+        )
+    return times.pop()

@@ -1,0 +1,221 @@
+"""Delays of the four edges from pixel sums that a brute-force wheel made."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import edge_delays
+from irtiming.estimate.edge_delays import estimate
+from irtiming.physics.wheel import wheel_model
+
+TURN = 2 * np.pi
+CLOCK_HZ = 49_152_000
+OMEGA = TURN * 3
+START = 7_000_000
+EDGES = (0.0, 1.5718, 3.1421, 4.7125)
+GAMMA, GATE, CENTRE = float(np.radians(75)), 0.2682, float(np.radians(-90))
+DELAY, WINDOW = 3.719e-4, 250e-6
+
+
+def _model(edges=EDGES):
+    return wheel_model(edges, GATE, opening_angle_rad=GAMMA, centre_angle_rad=CENTRE)
+
+
+def _uniform(t):
+    return OMEGA * t + 0.4
+
+
+def _open_part(theta, edges):
+    """Open share of the opening at each wheel angle: its overlap with both cutouts, turn by turn."""
+    low = np.mod(np.pi / 2 + GATE + theta - CENTRE - GAMMA / 2, TURN)
+    total = np.zeros_like(low)
+    for turn in (-1, 0, 1):
+        for a, b in ((edges[1], edges[2]), (edges[3], TURN + edges[0])):
+            end = np.minimum(low + GAMMA, b + TURN * turn)
+            total += np.maximum(0, end - np.maximum(low, a + TURN * turn))
+    return total / GAMMA
+
+
+def _triggers(n=1000):
+    return START + 20_000_000 + 1_622_016 * np.arange(n, dtype=np.int64)
+
+
+def _sums(*, theta=_uniform, edges=EDGES, delay=DELAY, window=WINDOW, n=1000, instants=300):
+    """Open share of each frame: mean over many instants of its window."""
+    t = (_triggers(n) - START) / CLOCK_HZ
+    moments = t[:, None] + delay + window * (np.arange(instants) + 0.5) / instants
+    return _open_part(theta(moments), edges).mean(axis=1)
+
+
+@pytest.fixture
+def recording(track_of, reduced_recording):
+    """Reduced recording with the given open shares, on a step of 2e6 DN over 9e6."""
+
+    def make(share, *, theta=_uniform, low=9e6, step=2e6, **fields):
+        track = track_of(theta, start=START, duration_s=35.5)
+        peaks = (5000.0, 6000.0) if step > 0 else (5000.0, 4000.0)
+        return reduced_recording(track, _triggers(len(share)), low + step * share, peaks_dn=peaks, **fields)
+
+    return make
+
+
+@pytest.mark.parametrize("delay", [DELAY, 0.0, 5e-3, 40e-3, -30e-3])
+@pytest.mark.parametrize("step", [2e6, -5e5])
+def test_noise_free_delay_is_exact(recording, delay, step):
+    """Oracle: the delay that made the sums, before a hot and a cold blackbody: within a nanosecond for each edge."""
+    fit = estimate(recording(_sums(delay=delay), step=step), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, delay, atol=1e-9)
+    assert fit.opening_angle_rad == pytest.approx(GAMMA, abs=1e-7)
+    assert fit.noise < 1e-6
+    assert fit.n_dropped == 0
+    np.testing.assert_allclose(fit.fraction, np.clip(fit.fraction, -1e-6, 1 + 1e-6))
+    assert np.all(np.diff(fit.wheel_angle_rad) >= 0)
+
+
+@pytest.mark.parametrize("window", [10e-6, 1e-3, 5e-3])
+def test_any_integration_time_gives_the_start_of_the_window(recording, window):
+    """Oracle: the window that made the sums; its middle is half of it later."""
+    fit = estimate(recording(_sums(window=window), integration_time_s=window), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=3e-9)
+
+
+def test_unknown_integration_time_gives_the_middle(recording):
+    """Oracle: start plus half the window that made the sums; the rounded corners cost a little."""
+    fit = estimate(recording(_sums(), integration_time_s=None), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY + WINDOW / 2, atol=5e-8)
+
+
+def test_set_delay_is_taken_off(recording):
+    """Oracle: the camera's own delay; 25 ms were set on top."""
+    fit = estimate(recording(_sums(delay=DELAY + 0.025), trigger_delay_time_set_s=0.025), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=1e-9)
+    assert fit.trigger_delay_time_set_s == 0.025
+
+
+def test_wandering_wheel_does_no_harm(recording):
+    """Oracle: the delay that made the sums on a wheel that wanders by 20 mrad."""
+
+    def theta(t):
+        return OMEGA * t + 0.4 + 0.02 * np.sin(TURN * t / 11) + 0.001 * np.sin(TURN * t / 1.7)
+
+    fit = estimate(recording(_sums(theta=theta), theta=theta), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=5e-8)
+
+
+def test_edges_are_seen_one_by_one(recording):
+    """Oracle: by hand; an edge that comes e rad later than the model says is seen in frames that seem e / omega earlier."""
+    errors = np.array([3e-4, -2e-4, 5e-4, 1e-4])
+    fit = estimate(recording(_sums(edges=tuple(EDGES + errors))), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY - errors / OMEGA, atol=2e-9)
+
+
+def test_drift_is_absorbed(recording):
+    """Oracle: the delay that made the sums; the level drifts by 2 % of the step over the run."""
+    share = _sums()
+    fit = estimate(recording(share + np.linspace(-0.01, 0.01, share.size)), _model())
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=1e-9)
+
+
+def test_wild_frames_are_dropped_and_told(recording):
+    """Oracle: the delay that made the sums; 20 frames are wrong by a tenth of the step or more."""
+    rng = np.random.default_rng(2)
+    share = _sums() + rng.normal(0, 1e-4, 1000)
+    wild = rng.choice(1000, 20, replace=False)
+    share[wild] += rng.choice([-1, 1], 20) * rng.uniform(0.1, 0.9, 20)
+    fit = estimate(recording(share), _model())
+    assert fit.n_dropped == 20
+    assert fit.residual.size == 980
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=6 * np.sqrt(fit.covariance_s2[0, 0]))
+    assert np.sqrt(fit.covariance_s2[0, 0]) < 2e-6
+
+
+def test_analytic_derivatives_are_those_of_the_misfit(recording, monkeypatch):
+    """Oracle: central differences of the misfit in all eight parameters, at a point away from the solution."""
+    seen = {}
+
+    def spy(misfit, initial, *, jac, args, **options):
+        point = initial.copy()
+        point[:4] = DELAY + np.array([1e-5, -2e-5, 3e-5, 0])
+        point[7] = 0.003
+        steps = np.array([1e-8] * 4 + [1e-6, abs(point[6]) * 1e-6, abs(point[6]) * 1e-6, 1e-6])
+        for k, step in enumerate(steps):
+            ahead, behind = point.copy(), point.copy()
+            ahead[k], behind[k] = point[k] + step, point[k] - step
+            seen[k] = (jac(point, *args)[:, k], (misfit(ahead, *args) - misfit(behind, *args)) / (2 * step))
+        raise InterruptedError
+
+    monkeypatch.setattr(edge_delays, "least_squares", spy)
+    with pytest.raises(InterruptedError):
+        estimate(recording(_sums()), _model())
+    for k, (analytic, numeric) in seen.items():
+        size = np.abs(numeric).max()
+        assert size > 0
+        # the opening angle's derivative takes the window's middle for its mean: wrong at the corners only
+        close = np.abs(analytic - numeric) < (1e-3 if k != 4 else 1e-2) * size
+        assert close.all() if k != 4 else close.mean() > 0.98, k
+
+
+def test_pulls_of_200_noisy_repetitions_are_standard(recording):
+    """Oracle: the delay that made the sums; (estimate - truth) / u of each edge and of the mean has mean 0, spread 1."""
+    share = _sums(n=400, instants=30)
+    rng = np.random.default_rng(6)
+    pulls, means = [], []
+    for _ in range(200):
+        fit = estimate(recording(share + rng.normal(0, 1e-3, share.size)), _model())
+        pulls.append((fit.edge_delay_s - DELAY) / np.sqrt(np.diag(fit.covariance_s2)))
+        means.append((fit.edge_delay_s.mean() - DELAY) / np.sqrt(fit.covariance_s2.mean()))
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / np.sqrt(200))
+    assert abs(np.mean(means)) < 4 / np.sqrt(200)
+    assert np.std(pulls) == pytest.approx(1, abs=0.12)
+    assert np.std(means) == pytest.approx(1, abs=0.16)
+
+
+def test_correlated_residuals_widen_the_uncertainty(recording):
+    """Oracle: white noise of the same size; a ripple along the wheel angle has far fewer independent values."""
+    share = _sums()
+    angle = np.mod(_uniform((_triggers() - START) / CLOCK_HZ), TURN)
+    rng = np.random.default_rng(8)
+    white = estimate(recording(share + rng.normal(0, 1e-3, 1000)), _model())
+    ripple = share + np.sqrt(2) * 1e-3 * np.sin(20 * angle) + rng.normal(0, 1e-5, 1000)
+    widened = estimate(recording(ripple), _model())
+    assert white.widening < 1.5
+    assert widened.widening > 4
+    ratio = np.diag(widened.covariance_s2) / np.diag(white.covariance_s2)
+    np.testing.assert_allclose(ratio, widened.widening / white.widening, rtol=0.3)
+
+
+def test_frames_at_the_ends_of_the_track_are_left_out(recording):
+    """Oracle: by hand; the delay is sought over a quarter turn either way, 83 ms, so three frames at an end go."""
+    reduced = recording(_sums())
+    short = reduced.track.edge_ticks < _triggers()[-1] + 0.02 * CLOCK_HZ
+    track = replace(
+        reduced.track, edge_ticks=reduced.track.edge_ticks[short], edge_angle_rad=reduced.track.edge_angle_rad[short]
+    )
+    fit = estimate(replace(reduced, track=track), _model())
+    assert fit.n_dropped == 2
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=1e-9)
+
+
+def test_frames_of_another_wheel_are_refused(recording):
+    """Oracle: by hand; sums of a wheel at 2.9 Hz do not follow the timestamps of one at 3 Hz."""
+    other = _sums(theta=lambda t: TURN * 2.9 * t)
+    with pytest.raises(EstimationError, match="do not follow the wheel|differ from the model|no opening"):
+        estimate(recording(other), _model())
+
+
+def test_too_many_wild_frames_are_refused(recording):
+    """Oracle: the limit of 5 %; a tenth of the frames is wrong."""
+    share = _sums() + np.random.default_rng(1).normal(0, 1e-4, 1000)
+    share[::10] += 0.3
+    with pytest.raises(
+        EstimationError, match=r"100 of 1000 frames differ from the model .* check rig.toml against the"
+    ):
+        estimate(recording(share), _model())
+
+
+def test_too_short_recording_is_refused(recording):
+    """Oracle: by hand; 90 frames are fewer than 100."""
+    with pytest.raises(EstimationError, match="90 frames lie a quarter turn inside the recorded wheel, at least 100"):
+        estimate(recording(_sums(n=90)), _model())
