@@ -1,0 +1,94 @@
+"""Relative delays of several runs of one nominal delay, combined to one, as in Table 1 of Schatz 2023."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.records.estimate import DelayResult, RelativeDelay
+from irtiming.report.evidence import Evidence
+
+PAPER_TABLE_1 = (
+    (0.025, 0.024998, 1.123e-6, -1.745e-6),
+    (0.050, 0.049999, 1.277e-6, -0.652e-6),
+    (0.075, 0.075003, 1.083e-6, 3.000e-6),
+    (0.100, 0.099998, 1.137e-6, -2.021e-6),
+)
+"""Nominal, measured, uncertainty and deviation, s: Table 1, IRcam Equus 327k L, 20 runs each."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CombinedDelay:
+    """Mean over the runs of one nominal delay at one wheel speed, s; ``scatter_s`` is the runs' standard deviation."""
+
+    nominal_s: float
+    rotation_speed_hz: float
+    n_runs: int
+    value_s: float
+    standard_uncertainty_s: float
+    scatter_s: float | None
+
+    @property
+    def deviation_s(self) -> float:
+        """Measured minus nominal, s."""
+        return self.value_s - self.nominal_s
+
+
+def combined(evidence: Evidence, result: DelayResult) -> list[CombinedDelay]:
+    """One entry per nominal delay and wheel speed, without the reference itself, sorted.
+
+    Parameters
+    ----------
+    evidence
+        For the noise of each recording.
+    result
+        One of its two; relative delays in the order of the recordings.
+
+    Notes
+    -----
+    A run's relative delay is its own delay minus the mean of the reference runs. The frames' noise is independent from
+    run to run and known from each fit: it averages over the runs of one nominal delay, and over the reference runs,
+    which all entries share. Whatever else stands in a run's uncertainty (angle errors between wheel speeds) counts as
+    common to its group and does not average. Published values of one nominal delay are already means over its runs.
+    """
+    noise = np.array([float(fit.covariance_s2.mean()) for fit in evidence.edge_fits])
+    groups: dict[tuple[float, float], list[int]] = {}
+    for k, (recording, delay) in enumerate(zip(evidence.recordings, result.relative_delays, strict=True)):
+        groups.setdefault((recording.rotation_speed_hz, round(delay.nominal_s, 9)), []).append(k)
+    reference = [k for (_, nominal), members in groups.items() if nominal == 0 for k in members]
+    reference_noise = float(noise[reference].sum()) / len(reference) ** 2
+    rows = []
+    for (speed, nominal), members in sorted(groups.items()):
+        if nominal == 0:
+            continue
+        delays = [result.relative_delays[k] for k in members]
+        values = np.array([delay.value_s for delay in delays])
+        if result.method == "published":
+            u = delays[0].standard_uncertainty_s
+        else:
+            u = _mean_uncertainty(delays, noise[members], reference_noise)
+        own = result.method != "published" and len(members) > 1
+        rows.append(
+            CombinedDelay(
+                nominal_s=nominal,
+                rotation_speed_hz=speed,
+                n_runs=len(members),
+                value_s=float(values.mean()),
+                standard_uncertainty_s=u,
+                scatter_s=float(values.std(ddof=1)) if own else None,
+            )
+        )
+    return rows
+
+
+def _mean_uncertainty(delays: list[RelativeDelay], noise: np.ndarray, reference_noise: float) -> float:
+    """Standard uncertainty of the mean of runs, s: noise averages, the reference's noise and the common rest do not.
+
+    Where the fits' own noise exceeds what a relative delay states, because part of it cancels between recordings, it is
+    scaled down to that: a single run keeps its stated uncertainty.
+    """
+    total = np.array([delay.standard_uncertainty_s**2 for delay in delays])
+    scale = min(1.0, float(np.mean(total)) / max(float(np.mean(noise)) + reference_noise, 1e-60))
+    common = max(0.0, float(np.mean(total)) - scale * (float(np.mean(noise)) + reference_noise))
+    return float(np.sqrt(scale * (noise.sum() / noise.size**2 + reference_noise) + common))

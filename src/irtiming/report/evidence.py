@@ -1,0 +1,92 @@
+"""What the report reads of an analysis: a view, so that the report knows nothing of how the analysis was made."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from irtiming.physics.light_gates import GateAngles
+from irtiming.physics.wheel import WheelModel
+from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.rig import Rig
+
+
+class Geometry(Protocol):
+    """Wheel, gates and opening as the fits used them."""
+
+    @property
+    def model(self) -> WheelModel:
+        """Where the slopes would be without any delay."""
+        ...
+
+    @property
+    def gates(self) -> GateAngles:
+        """Angles of the two light gates."""
+        ...
+
+    @property
+    def edges_from(self) -> str:
+        """Where the cutout edge angles come from."""
+        ...
+
+
+class Evidence(Protocol):
+    """Result, counterpart, and what led to them.
+
+    ``recordings``, ``edge_fits`` and the relative delays of both results stand in the same order; ``published_fits`` has
+    one entry per nominal delay and wheel speed, in that order too.
+    """
+
+    @property
+    def rig(self) -> Rig:
+        """As measured by its owner."""
+        ...
+
+    @property
+    def choices(self) -> Choices:
+        """What a person decided; the method among it."""
+        ...
+
+    @property
+    def recordings(self) -> Sequence[ReducedRecording]:
+        """One per run."""
+        ...
+
+    @property
+    def geometry(self) -> Geometry:
+        """With learned slots; of the pixel sums."""
+        ...
+
+    @property
+    def equal_geometry(self) -> Geometry:
+        """With equal slots; of the published method."""
+        ...
+
+    @property
+    def edge_fits(self) -> Sequence[EdgeDelayFit]:
+        """One per recording."""
+        ...
+
+    @property
+    def published_fits(self) -> Sequence[PublishedFit]:
+        """One per nominal delay and wheel speed."""
+        ...
+
+    @property
+    def best(self) -> DelayResult:
+        """By pixel sums."""
+        ...
+
+    @property
+    def as_published(self) -> DelayResult:
+        """By the procedure of Schatz 2023."""
+        ...
+
+    @property
+    def result(self) -> DelayResult:
+        """By the chosen method."""
+        ...
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All, each once."""
+        ...

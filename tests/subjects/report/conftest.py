@@ -1,0 +1,172 @@
+"""An analysis made by hand: five nominal delays, two runs each, with numbers that the tests can check on paper."""
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from irtiming.physics.light_gates import GateAngles, gate_angles
+from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, exposed_fraction, slope_centres_rad, wheel_model
+from irtiming.records.estimate import (
+    Contribution,
+    DelayResult,
+    EdgeDelayFit,
+    Estimate,
+    PublishedFit,
+    RelativeDelay,
+    SlopeLine,
+)
+from irtiming.records.reduced import AxleView, Choices, ExposedFraction, Opening, ReducedRecording
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+from irtiming.records.wheel_track import WheelTrack
+
+TURN = 2 * np.pi
+OMEGA = 3 * TURN
+CLOCK_HZ = 49_152_000
+GATES = LightGates(half_separation_m=Measured(13e-3), height_difference_m=Measured(5.5e-3), whole_slots_between=9)
+
+
+@dataclass(frozen=True)
+class _Geometry:
+    model: WheelModel
+    gates: GateAngles
+    edges_from: str = "rig.toml"
+
+
+@dataclass(frozen=True)
+class _Analysis:
+    rig: Rig
+    choices: Choices
+    recordings: tuple[ReducedRecording, ...]
+    geometry: _Geometry
+    equal_geometry: _Geometry
+    edge_fits: tuple[EdgeDelayFit, ...]
+    published_fits: tuple[PublishedFit, ...]
+    best: DelayResult
+    as_published: DelayResult
+    warnings: tuple[str, ...]
+
+    @property
+    def result(self) -> DelayResult:
+        return self.as_published if self.choices.method == "published" else self.best
+
+
+@pytest.fixture(scope="session")
+def analysis() -> _Analysis:
+    """Trigger delay 400.0 us with u 30 us; relative delays 1, -2, 3, -4 us off, two runs 0.2 us apart, noise 0.3 us."""
+    gates = gate_angles(0.5697, GATES)
+    model = wheel_model(
+        (0.0, 1.5717, 3.1421, 4.7125),
+        gates.application_rad,
+        opening_angle_rad=np.radians(75),
+        centre_angle_rad=-np.pi / 2,
+    )
+    set_s = np.repeat([0.0, 0.025, 0.05, 0.075, 0.1], 2)
+    rng = np.random.default_rng(5)
+    names = [f"camera-{1e3 * delay:g}ms-r{k % 2}" for k, delay in enumerate(set_s)]
+    geometry = _Geometry(model, gates)
+    return _Analysis(
+        rig=Rig(light_gates=GATES, mask_opening=MaskOpening(
+            opening_angle_rad=Measured(np.radians(75)), centre_angle_rad=Measured(-np.pi / 2)
+        ), source="rig.toml", sha256="e" * 64),
+        choices=Choices(),
+        recordings=tuple(_recording(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
+        geometry=geometry,
+        equal_geometry=geometry,
+        edge_fits=tuple(_edge_fit(name, delay, model, rng) for name, delay in zip(names, set_s, strict=True)),
+        published_fits=tuple(_published_fit(set_s[k], names[k : k + 2], model, rng) for k in range(0, 10, 2)),
+        best=_result("pixel-sum", names, set_s),
+        as_published=_result("published", names, set_s),
+        warnings=("camera-0ms-r0: 3 frames lost", "<b>not markup</b> & co"),
+    )  # fmt: skip
+
+
+def _recording(name: str, delay_s: float, rng: np.random.Generator) -> ReducedRecording:
+    rows, columns = np.mgrid[0:60, 0:80]
+    radius, polar = np.hypot(rows - 45, columns - 40), np.arctan2(rows - 45, columns - 40)
+    mask = (radius > 12) & (radius < 38) & (np.abs(polar + np.pi / 2) < np.radians(37.5))
+    frame = 4000 + 5000.0 * mask + rng.normal(0, 5, mask.shape)
+    edges = np.arange(100 * 40)
+    track = WheelTrack(
+        edge_ticks=(edges * CLOCK_HZ / 300).astype(np.int64), edge_angle_rad=TURN * edges / 100,
+        clock_frequency_hz=CLOCK_HZ, angular_frequency_rad_per_s=OMEGA, gate_separation_rad=0.5697,
+        u_gate_separation_rad=1e-5, slot_deviation_rad=rng.normal(0, 3e-4, 100),
+        u_slot_deviation_rad=np.full(100, 1e-5),
+    )  # fmt: skip
+    count, bins = np.histogram(frame[2:40, 5:75], 64)
+    opening = Opening(
+        roi=(2, 40, 5, 75), open_frame_dn=frame, covered_frame_dn=np.full(frame.shape, 4000.0), mask=mask,
+        weight=mask[2:40, 5:75].astype(float), border_px=4, threshold_dn=6500.0, peaks_dn=(4000.0, 9000.0),
+        histogram_dn=bins, histogram_count=count.astype(np.int64), n_bad_pixels=1,
+    )  # fmt: skip
+    return ReducedRecording(
+        name=name, source=f"runs/{name}.nxs", sha256=hashlib.sha256(name.encode()).hexdigest(), n_frames=1000,
+        trigger_ticks=np.arange(1000) * 1_622_016, pixel_sum=np.ones(1000), pixel_count=np.ones(1000),
+        samples_per_turn=1000, track=track, equal_track=track, opening=opening,
+        axle=AxleView(row_px=45, column_px=40, u_centre_px=0.05, bisector_rad=-np.pi / 2, u_bisector_rad=1e-4,
+                      mean_angle_rad=-np.pi / 2),
+        integration_time_s=250e-6, trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0,
+    )  # fmt: skip
+
+
+def _edge_fit(name: str, delay_s: float, model: WheelModel, rng: np.random.Generator) -> EdgeDelayFit:
+    angle = np.sort(rng.uniform(0, TURN, 400))
+    residual = rng.normal(0, 2e-4, angle.size)
+    return EdgeDelayFit(
+        name=name, trigger_delay_time_set_s=delay_s, angular_frequency_rad_per_s=OMEGA,
+        edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6, covariance_s2=np.eye(4) * 4 * (0.3e-6) ** 2,
+        start_delay_s=0.0, wheel_angle_rad=angle, fraction=exposed_fraction(angle, model) + residual, residual=residual,
+        opening_angle_rad=model.opening_angle_rad, noise=2e-4, widening=1.0, n_dropped=0,
+    )  # fmt: skip
+
+
+def _published_fit(delay_s: float, names: list[str], model: WheelModel, rng: np.random.Generator) -> PublishedFit:
+    angle = np.linspace(0, TURN, 400, endpoint=False)
+    fraction = exposed_fraction(angle + OMEGA * delay_s, model) + rng.normal(0, 1e-3, angle.size)
+    lines = []
+    for edge, centre in enumerate(slope_centres_rad(model) - OMEGA * delay_s):
+        slope = EDGE_SIGNS[edge] / model.opening_angle_rad
+        at = np.mod(centre, TURN) + np.linspace(-0.5, 0.5, 60)
+        lines.append(
+            SlopeLine(
+                edge=edge, centre_rad=float(np.mod(centre, TURN)), u_centre_rad=1e-5, slope_per_rad=slope,
+                reduced_chi_square=1.0, angle_rad=at,
+                fraction=0.5 + slope * (at - np.mod(centre, TURN)) + rng.normal(0, 1e-3, 60),
+            )
+        )  # fmt: skip
+    data = ExposedFraction(
+        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, names=tuple(names), wheel_angle_rad=angle,
+        fraction=fraction, u_wheel_angle_rad=np.full(400, 1e-5), u_fraction=np.full(400, 7e-4),
+        plateaus=((0.4, 0.6, 0), (2.0, 2.2, 1), (3.5, 3.7, 0), (5.1, 5.3, 1)),
+    )  # fmt: skip
+    return PublishedFit(data=data, lines=tuple(lines), angular_frequency_rad_per_s=OMEGA)
+
+
+def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
+    shift = np.array([1.0, 1.0, 1.0, 1.0])
+    own = np.diag([0.0, 0.0, 4e-6**2, 3e-6**2])
+    off = {0.0: 0.0, 0.025: 1e-6, 0.05: -2e-6, 0.075: 3e-6, 0.1: -4e-6}
+    relative = []
+    for k, (name, delay) in enumerate(zip(names, set_s, strict=True)):
+        run = (0.1e-6 if k % 2 else -0.1e-6) if delay and method == "pixel-sum" else 0.0
+        u = 0.0 if delay == 0 else 1e-6 if method == "published" else np.sqrt(1.5) * 0.3e-6
+        relative.append(
+            RelativeDelay(file=name, nominal_s=delay, value_s=delay + off[delay] + run, standard_uncertainty_s=float(u))
+        )
+    return DelayResult(
+        method=method,
+        estimate=Estimate(
+            names=("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising"),
+            values=np.array([400e-6, 525e-6, 401e-6, 399e-6]),
+            covariance=np.outer(shift, shift) * 30e-6**2 + own,
+        ),
+        relative_delays=tuple(relative),
+        budget=(
+            Contribution(source="mask centre angle phi_M", kind="B", standard_uncertainty_s=24e-6),
+            Contribution(source="noise of the frames", kind="A", standard_uncertainty_s=18e-6),
+        ),
+        edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
+        u_edge_delay_s=np.full(4, 0.3e-6),
+        warnings=(),
+    )

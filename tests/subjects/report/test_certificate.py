@@ -1,0 +1,146 @@
+"""The page and the result."""
+
+import json
+import math
+from dataclasses import replace
+from datetime import UTC, datetime
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from irtiming.records.estimate import Estimate
+from irtiming.records.reduced import Choices
+from irtiming.report import certificate
+from irtiming.report import result as result_of
+
+_VOID = {"meta", "br", "hr", "img", "link", "input"}
+
+
+class _Balance(HTMLParser):
+    """Keeps the open tags; complains of a wrong end."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.wrong, self.texts = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in _VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.wrong.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def page(analysis):
+    return certificate.page(analysis, created=datetime(2026, 1, 2, 3, 4, tzinfo=UTC))
+
+
+def test_the_page_is_well_formed(page):
+    """Oracle: every tag that opens is closed, in order."""
+    reader = _Balance()
+    reader.feed(page)
+    reader.close()
+    assert (reader.wrong, reader.open) == ([], [])
+
+
+def test_the_page_needs_nothing_from_outside(page):
+    """Oracle: but for the names of SVG's own namespaces there is no address, script or import in it."""
+    for known in ('="http://www.w3.org/2000/svg"', '="http://www.w3.org/1999/xlink"'):
+        page = page.replace(known, "")
+    for word in ("http://", "https://", "<script", "@import", "url(http", "<link", 'src="'):
+        assert word not in page, word
+
+
+def test_verdict_and_warnings_come_before_every_table(page):
+    """Oracle: order on the page."""
+    verdict, warnings, table = (
+        page.index("trigger delay = 400 ± 30 µs</p>"),
+        page.index("2 warnings"),
+        page.index("<table"),
+    )
+    assert verdict < warnings < table
+    assert page.index("3 frames lost") < table
+
+
+def test_a_warning_cannot_smuggle_markup(page):
+    """Oracle: HTML escapes."""
+    assert "<b>not markup</b>" not in page
+    assert "&lt;b&gt;not markup&lt;/b&gt; &amp; co" in page
+
+
+def test_the_verdict_says_event_sign_method_and_k(analysis):
+    """Oracle: the sentence by hand."""
+    assert certificate.verdict(analysis).sentence == (
+        "The start of integration comes 400 ± 30 µs after the trigger edge that the camera accepts (standard uncertainty, "
+        "k = 1; expanded uncertainty U = 60 µs, k = 2), by pixel sums from 10 recordings."
+    )
+
+
+def test_a_negative_delay_comes_before_the_edge(analysis):
+    """Oracle: the sign in words, once."""
+    estimate = analysis.best.estimate
+    early = Estimate(names=estimate.names, values=-estimate.values, covariance=estimate.covariance)
+    verdict = certificate.verdict(replace(analysis, best=replace(analysis.best, estimate=early)))
+    assert "comes 400 ± 30 µs before the trigger edge" in verdict.sentence
+    assert verdict.number == "trigger delay = −400 ± 30 µs"
+
+
+def test_without_an_integration_time_the_verdict_tells_the_middle(analysis):
+    """Oracle: the start cannot be told, and is not."""
+    middle = Estimate(names=("exposure_midpoint_delay",), values=np.array([525e-6]), covariance=np.array([[30e-6**2]]))
+    part = replace(analysis, best=replace(analysis.best, estimate=middle))
+    assert certificate.verdict(part).sentence.startswith("The middle of integration comes 525 ± 30 µs after")
+    assert certificate.page(part)
+
+
+def test_the_result_has_the_form_that_others_read(analysis):
+    """Oracle: recording-format.md, "The result"."""
+    result = json.loads(json.dumps(result_of.result(analysis), allow_nan=False))
+    assert (result["method"], result["camera"]) == ("pixel-sum", "photon")
+    assert result["warnings"] == list(analysis.warnings)
+    delay = result["parameters"]["trigger_delay"]
+    assert math.isclose(delay["value"], 400e-6)
+    assert math.isclose(delay["standard_uncertainty"], 30e-6)
+    assert delay["unit"] == "s"
+    assert delay["reference_event"] == "start of integration"
+    assert "after the trigger edge" in delay["sign"]
+    names, matrix = result["correlation"]["names"], result["correlation"]["matrix"]
+    assert names == list(result["parameters"])
+    assert np.shape(matrix) == (4, 4)
+    assert np.allclose(np.diag(matrix), 1)
+    assert [set(entry) for entry in result["relative_delays"]] == [
+        {"file", "nominal", "value", "standard_uncertainty", "unit"}
+    ] * 10
+    assert [entry["nominal"] for entry in result["relative_delays"][::2]] == [0, 0.025, 0.05, 0.075, 0.1]
+    assert all(len(entry["sha256"]) == 64 for entry in result["inputs"])
+
+
+def test_the_result_follows_the_chosen_method(analysis):
+    """Oracle: the other method stands beside it."""
+    result = result_of.result(replace(analysis, choices=Choices(method="published")))
+    assert (result["method"], result["other_method"]["method"]) == ("published", "pixel-sum")
+
+
+def test_one_recording_alone_makes_a_page(analysis):
+    """Oracle: no relative delay, and the verdict says so."""
+    one = replace(
+        analysis,
+        recordings=analysis.recordings[:1],
+        edge_fits=analysis.edge_fits[:1],
+        published_fits=analysis.published_fits[:1],
+        best=replace(analysis.best, relative_delays=analysis.best.relative_delays[:1]),
+        as_published=replace(analysis.as_published, relative_delays=analysis.as_published.relative_delays[:1]),
+        warnings=(),
+    )
+    page = certificate.page(one)
+    assert "No warnings." in page
+    assert "no relative delay to check" in page
