@@ -1,0 +1,93 @@
+"""``irtiming analyse``: recordings in, table, result JSON and report page out."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irtiming.records.reduced import Choices, Method, ReferenceEdge
+
+
+def analyse(
+    recording: Annotated[list[Path], typer.Argument(help="Recordings of one camera on one rig, in any order.")],
+    rig: Annotated[Path, typer.Option(help="What was measured on the rig (rig.toml).")],
+    json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the result as JSON.")] = None,
+    report: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the report as one HTML page.")] = None,
+    method: Annotated[
+        Method, typer.Option(help="The project's best, or the procedure of Schatz 2023 step by step.")
+    ] = "pixel-sum",
+    roi: Annotated[
+        str | None, typer.Option(metavar="R0,R1,C0,C1", help="Region of interest; ends excluded. Else automatic.")
+    ] = None,
+    threshold_dn: Annotated[float | None, typer.Option(help="Threshold, corrected DN. Else automatic.")] = None,
+    threshold_level: Annotated[
+        float, typer.Option(help="Place of the threshold between the histogram peaks, 0 covered .. 1 open.")
+    ] = 0.5,
+    slope_limits: Annotated[
+        str, typer.Option(metavar="LOW,HIGH", help="Opening fractions that lines are fitted to.")
+    ] = ("0.05,0.95"),
+    reference_edge: Annotated[
+        ReferenceEdge,
+        typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
+    ] = "automatic",
+) -> None:
+    """Trigger delay of a snapshot photon camera from its recordings, with its uncertainty.
+
+    Every choice is made automatically and shown in the report; the options take it over.
+    """
+    from rich.console import Console
+
+    from irtiming.archive import reader, result_file, rig_file
+    from irtiming.cli.progress import shown
+    from irtiming.cli.result_table import print_result
+    from irtiming.measurement import analyse as run_analysis
+    from irtiming.report import certificate
+
+    choices = Choices(
+        method=method,
+        roi=_region(roi),
+        threshold_dn=threshold_dn,
+        threshold_level=_between(threshold_level, 0.05, 0.95, "--threshold-level"),
+        slope_limits=_limits(slope_limits),
+        reference_edge=reference_edge,
+    )
+    owner = rig_file.read_rig(rig)
+    with shown("frames") as told:
+        analysis = run_analysis((reader.read(path) for path in recording), owner, choices=choices, progress=told)
+    print_result(analysis, Console())
+    found = certificate.report(analysis)
+    if json is not None:
+        result_file.write_result(found.result, json)
+    if report is not None:
+        report.write_text(found.page, encoding="utf-8")
+
+
+def _numbers(text: str, n: int, option: str) -> list[float]:
+    parts = text.split(",")
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        values = []
+    if len(values) != n:
+        raise typer.BadParameter(f"{option} is '{text}', must be {n} numbers with commas between them")
+    return values
+
+
+def _region(text: str | None) -> tuple[int, int, int, int] | None:
+    if text is None:
+        return None
+    a, b, c, d = (int(value) for value in _numbers(text, 4, "--roi"))
+    return a, b, c, d
+
+
+def _between(value: float, low: float, high: float, option: str) -> float:
+    if not low <= value <= high:
+        raise typer.BadParameter(f"{option} is {value}, must lie between {low} and {high}")
+    return value
+
+
+def _limits(text: str) -> tuple[float, float]:
+    low, high = _numbers(text, 2, "--slope-limits")
+    if not 0 < low < high < 1:
+        raise typer.BadParameter(f"--slope-limits is {text}, must be two fractions with 0 < LOW < HIGH < 1")
+    return low, high

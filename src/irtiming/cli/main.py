@@ -1,0 +1,38 @@
+"""The command line: one command per stage of the measurement.
+
+Exit status: 0 done, 2 unusable input with one line on standard error that says what is, what must be and what to do.
+"""
+
+import sys
+
+import typer
+
+from irtiming.cli.analyse_command import analyse
+from irtiming.cli.demo_command import demo
+from irtiming.cli.plan_command import plan
+from irtiming.cli.simulate_command import simulate
+from irtiming.cli.verify_command import verify
+from irtiming.errors import IrTimingError
+
+app = typer.Typer(
+    name="irtiming",
+    help="Measure the timing of a thermal infrared camera with a chopper wheel and a blackbody.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+for command in (plan, simulate, verify, analyse, demo):
+    app.command()(command)
+
+
+def run() -> None:
+    """Run the command line; what the user can cure ends in one line and exit status 2."""
+    try:
+        app()
+    except (IrTimingError, OSError) as error:
+        print(f"irtiming: {' '.join(str(error).split())}", file=sys.stderr)  # noqa: T201
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("irtiming: stopped; files not yet finished were removed or end in .part", file=sys.stderr)  # noqa: T201
+        sys.exit(130)

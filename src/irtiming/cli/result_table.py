@@ -1,0 +1,49 @@
+"""Results in the terminal: the report's tables, drawn with Rich."""
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table as RichTable
+
+from irtiming.measurement import Analysis
+from irtiming.report import certificate, tables
+from irtiming.report.tables import Table
+
+_ALIGN = {"l": "left", "c": "center", "r": "right"}
+
+
+def print_result(analysis: Analysis, console: Console) -> None:
+    """Verdict and warnings first, then the delays, the relative delays and the budget."""
+    console.print(f"[bold]{escape(certificate.verdict(analysis).sentence)}[/bold]")
+    for text in analysis.warnings:
+        console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
+    shown = [tables.parameters(analysis)]
+    if len(analysis.recordings) > 1:
+        shown.append(tables.relative_delays(analysis))
+    for table in (*shown, tables.budget(analysis)):
+        print_table(table, console)
+
+
+def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
+    """Our deviations by both methods beside the paper's Table 1, and the absolute delay beside the truth."""
+    print_table(tables.beside_the_paper(analysis), console)
+    console.print(f"true trigger delay of the simulated camera: {1e6 * truth_s:.2f} µs", highlight=False)
+    for words, result in (("pixel sums", analysis.best), ("as published", analysis.as_published)):
+        k = result.estimate.names.index("trigger_delay")
+        value, u = result.estimate.values[k], result.estimate.standard_uncertainties[k]
+        console.print(
+            f"  {words + ':':<14}{1e6 * value:8.2f} ± {1e6 * u:.2f} µs, off by {1e6 * (value - truth_s):+.2f} µs = "
+            f"{(value - truth_s) / u:+.1f} u",
+            highlight=False,
+        )
+
+
+def print_table(table: Table, console: Console) -> None:
+    """One table of the report, with its note beneath."""
+    drawn = RichTable(title=table.title, title_justify="left", box=box.SIMPLE_HEAD, caption=table.note or None)
+    drawn.caption_justify = "left"
+    for column, align in zip(table.columns, table.align, strict=True):
+        drawn.add_column(column, justify=_ALIGN[align])  # type: ignore[arg-type]
+    for row in table.rows:
+        drawn.add_row(*(escape(cell) for cell in row))
+    console.print(drawn)

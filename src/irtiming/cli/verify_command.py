@@ -1,0 +1,63 @@
+"""`irtiming verify`: check recordings before they are analysed, every complaint at once."""
+
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from irtiming.archive.finding import Finding
+from irtiming.archive.result_file import write_result
+from irtiming.archive.verify import verify as verify_file
+from irtiming.cli.progress import shown
+
+_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
+
+
+def verify(
+    files: Annotated[list[Path], typer.Argument(help="Recordings to check.", metavar="FILE...")],
+    json: Annotated[Path | None, typer.Option("--json", help="Write all findings there.", metavar="OUT")] = None,
+) -> None:
+    """Check recordings and list everything that is wrong with them, with its cure.
+
+    Exit status 0 if no file has an error (warnings may remain), 2 otherwise.
+    """
+    screen = Console()
+    results: dict[Path, list[Finding]] = {}
+    for path in files:
+        with shown("frames") as told:
+            results[path] = verify_file(path, progress=partial(told, escape(path.name)))
+        _show(path, results[path], screen=screen)
+    failed = [path for path, findings in results.items() if _has_error(findings)]
+    if json is not None:
+        write_result({"files": [_entry(path, findings) for path, findings in results.items()]}, json)
+    if failed:
+        raise typer.Exit(2)
+
+
+def _has_error(findings: list[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in findings)
+
+
+def _entry(path: Path, findings: list[Finding]) -> dict[str, object]:
+    return {"file": str(path), "ok": not _has_error(findings), "findings": [asdict(f) for f in findings]}
+
+
+def _show(path: Path, findings: list[Finding], *, screen: Console) -> None:
+    if not screen.is_terminal:
+        for finding in findings:
+            line = f"{finding.severity}: {path}: {finding.sentence()}"
+            screen.print(" ".join(line.split()), markup=False, highlight=False, soft_wrap=True)
+        return
+    table = Table(title=escape(str(path)), title_justify="left", show_lines=False)
+    for heading in ("", "where", "what", "what to do"):
+        table.add_column(heading, overflow="fold")
+    for finding in findings:
+        style = _STYLES[finding.severity]
+        cells = (finding.where, finding.what, finding.cure)
+        table.add_row(f"[{style}]{finding.severity}[/]", *(escape(cell) for cell in cells))
+    screen.print(table)
