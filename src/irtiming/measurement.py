@@ -69,7 +69,10 @@ def analyse(
         If a recording cannot be reduced or the data do not determine the delay; a note names the stage.
     """
     choices = choices or Choices()
-    reduced = [_reduce(recording, rig, choices, progress) for recording in recordings]
+    reduced: list[ReducedRecording] = []
+    for recording in recordings:
+        _check_fits_with(recording, reduced, choices)
+        reduced.append(_reduce(recording, rig, choices, progress))
     if not reduced:
         raise EstimationError("no recording given; name at least one recording file")
     reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
@@ -100,6 +103,27 @@ def analyse(
         best=trigger_delay.estimate(edge_fits, geometry, integration_time_s=integration_s),
         as_published=published.estimate(published_fits, equal.model, integration_time_s=integration_s),
     )
+
+
+def _check_fits_with(recording: Recording, before: list[ReducedRecording], choices: Choices) -> None:
+    size = recording.frames.shape[1:]
+    same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
+    if same is not None:
+        raise EstimationError(
+            f"{recording.source} and {same.source} are the same recording (sha256 {recording.sha256[:12]}…): counted twice it "
+            "would make the uncertainty too small; name each recording once"
+        )
+    if before and choices.reference_edge != "automatic":
+        raise EstimationError(
+            f"the {choices.reference_edge} application edge was named as reference, which may be another edge in "
+            f"{recording.name} than in {before[0].name}; name it for one recording at a time"
+        )
+    if before and before[0].opening.mask.shape != size:
+        raise EstimationError(
+            f"{recording.name} has frames of {size[0]} x {size[1]} pixels, {before[0].name} of "
+            f"{before[0].opening.mask.shape[0]} x {before[0].opening.mask.shape[1]}: all must be of one camera with one window; "
+            "analyse them apart"
+        )
 
 
 def _reduce(recording: Recording, rig: Rig, choices: Choices, progress: Progress | None) -> ReducedRecording:

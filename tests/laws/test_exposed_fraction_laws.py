@@ -42,10 +42,10 @@ def test_fraction_repeats_every_turn(model, theta, sweep, turns):
 
 @given(_models(), _ANGLES, _SWEEPS, st.floats(-3, 3))
 def test_turning_the_wheel_is_moving_its_edges_back(model, theta, sweep, by):
-    """Oracle: rotating all four edges by minus the angle is the same wheel."""
+    """Oracle: rotating all four edges by minus the angle is the same wheel; to rounding over a narrow opening and sweep."""
     moved = replace(model, cutout_edges_rad=tuple(e - by for e in model.cutout_edges_rad))
     turned = exposed_fraction(np.array(theta + by), model, sweep_rad=sweep)
-    assert abs(turned - exposed_fraction(np.array(theta), moved, sweep_rad=sweep)) < 1e-9
+    assert abs(turned - exposed_fraction(np.array(theta), moved, sweep_rad=sweep)) < 1e-8
 
 
 @given(_models(), _ANGLES, _SWEEPS, st.floats(-3, 3))

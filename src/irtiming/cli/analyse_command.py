@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from irtiming.errors import UnitError
 from irtiming.records.reduced import Choices, Method, ReferenceEdge
 
 
@@ -59,7 +60,7 @@ def analyse(
     if json is not None:
         result_file.write_result(found.result, json)
     if report is not None:
-        report.write_text(found.page, encoding="utf-8")
+        result_file.write_atomically(found.page, report)
 
 
 def _numbers(text: str, n: int, option: str) -> list[float]:
@@ -69,7 +70,7 @@ def _numbers(text: str, n: int, option: str) -> list[float]:
     except ValueError:
         values = []
     if len(values) != n:
-        raise typer.BadParameter(f"{option} is '{text}', must be {n} numbers with commas between them")
+        raise UnitError(f"{option} is '{text}', must be {n} numbers with commas between them")
     return values
 
 
@@ -82,12 +83,12 @@ def _region(text: str | None) -> tuple[int, int, int, int] | None:
 
 def _between(value: float, low: float, high: float, option: str) -> float:
     if not low <= value <= high:
-        raise typer.BadParameter(f"{option} is {value}, must lie between {low} and {high}")
+        raise UnitError(f"{option} is {value}, must lie between {low} and {high}")
     return value
 
 
 def _limits(text: str) -> tuple[float, float]:
     low, high = _numbers(text, 2, "--slope-limits")
     if not 0 < low < high < 1:
-        raise typer.BadParameter(f"--slope-limits is {text}, must be two fractions with 0 < LOW < HIGH < 1")
+        raise UnitError(f"--slope-limits is {text}, must be two fractions with 0 < LOW < HIGH < 1")
     return low, high

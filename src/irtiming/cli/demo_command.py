@@ -48,7 +48,7 @@ def demo(
     rig_file.write_rig(rig.measured, out_dir / "rig.toml")
     found = certificate.report(analysis)
     result_file.write_result(found.result, out_dir / "result.json")
-    (out_dir / "report.html").write_text(found.page, encoding="utf-8")
+    result_file.write_atomically(found.page, out_dir / "report.html")
     print_demo(analysis, float(str(twin.truth(rig.scene)["trigger_delay_s"])), console=console)
     console.print(f"report: {(out_dir / 'report.html').resolve()}", soft_wrap=True, highlight=False)
 

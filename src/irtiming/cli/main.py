@@ -4,6 +4,7 @@ Exit status: 0 done, 2 unusable input with one line on standard error that says 
 """
 
 import sys
+from typing import NoReturn
 
 import typer
 
@@ -31,8 +32,11 @@ def run() -> None:
     try:
         app()
     except (IrTimingError, OSError) as error:
-        print(f"irtiming: {' '.join(str(error).split())}", file=sys.stderr)  # noqa: T201
-        sys.exit(2)
+        _end(str(error), 2)
     except KeyboardInterrupt:
-        print("irtiming: stopped; files not yet finished were removed or end in .part", file=sys.stderr)  # noqa: T201
-        sys.exit(130)
+        _end("stopped; files not yet finished were removed or end in .part", 130)
+
+
+def _end(message: str, status: int) -> NoReturn:
+    print(f"irtiming: {' '.join(message.split())}", file=sys.stderr)  # noqa: T201
+    sys.exit(status)

@@ -22,6 +22,8 @@ from irtiming.records.reduced import ReducedRecording
 TURN = 2 * np.pi
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
+_QUIETEST = 1e-7  # of the step: noise below is rounding
+_NEIGHBOURS = 15
 _DROPPED_SHARE = 0.05
 _LARGEST_SPREAD = 0.1  # of the step
 _SMALLEST_WIDTH_RAD = 1e-3
@@ -94,10 +96,12 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
             f"{reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the step, "
             f"at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
         )
-    outlier = np.abs(residual) > max(_OUTLIER * spread, 1e-4)
+    alone = _beside_neighbours(residual, problem.angle(float(values[:4].mean())))
+    spread = 1.4826 * float(np.median(np.abs(alone)))
+    outlier = np.abs(alone) > _OUTLIER * max(spread, _QUIETEST)
     if outlier.mean() > _DROPPED_SHARE:
         raise EstimationError(
-            f"{reduced.name}: {outlier.sum()} of {outlier.size} frames differ from the model by more than {_OUTLIER:.0f} "
+            f"{reduced.name}: {outlier.sum()} of {outlier.size} frames differ from their neighbours by more than {_OUTLIER:.0f} "
             f"standard deviations ({spread:.2g} of the step), at most {_DROPPED_SHARE:.0%} may; check rig.toml against the "
             "mean frame and the frames for disturbances"
         )
@@ -106,6 +110,19 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
     problem = replace(problem, kept=kept)
     values, covariance, residual = _fit(problem, float(values[:4].mean()), float(values[4]))
     return _result(problem, values, covariance, residual, start=start)
+
+
+def _beside_neighbours(residual: Array, angle: Array) -> Array:
+    """Residuals less what their neighbours along the wheel angle foretell: a frame that is wild, not a model that is coarse.
+
+    The median of the means of pairs to both sides follows a slope, and does not hold the frame itself.
+    """
+    order = np.argsort(np.mod(angle, TURN))
+    sorted_by_angle = residual[order]
+    pairs = [(np.roll(sorted_by_angle, k) + np.roll(sorted_by_angle, -k)) / 2 for k in range(1, _NEIGHBOURS // 2 + 1)]
+    alone = np.empty_like(residual)
+    alone[order] = sorted_by_angle - np.median(pairs, axis=0)
+    return alone
 
 
 def _levels(reduced: ReducedRecording) -> tuple[float, float]:
@@ -140,11 +157,11 @@ def _scan(problem: _Problem) -> float:
 
 
 def _shifted(values: Array, problem: _Problem) -> tuple[WheelModel, float]:
-    """Model whose edges come as much later as the edge delays differ from their mean, and that mean."""
+    """Model whose edges come as much earlier as the edge delays differ from their mean, and that mean."""
     mean = float(values[:4].mean())
     omega = problem.reduced.track.angular_frequency_rad_per_s
-    later = omega * (values[:4] - mean)
-    edges = tuple(float(e - d) for e, d in zip(problem.model.cutout_edges_rad, later, strict=True))
+    earlier = omega * (values[:4] - mean)
+    edges = tuple(float(e - d) for e, d in zip(problem.model.cutout_edges_rad, earlier, strict=True))
     shifted = replace(
         problem.model,
         cutout_edges_rad=(edges[0], edges[1], edges[2], edges[3]),

@@ -13,6 +13,8 @@ _FALLING, _RISING = [0, 2], [1, 3]
 def relative_delays(fits: list[PublishedFit]) -> tuple[RelativeDelay, ...]:
     """Mean shift of the four slopes against the measurement with the smallest delay set, over the angular velocity.
 
+    Measurements are compared with those at the same rotation speed only.
+
     Returns
     -------
     One entry per recording; runs of one nominal delay were averaged and share their values.
@@ -21,9 +23,10 @@ def relative_delays(fits: list[PublishedFit]) -> tuple[RelativeDelay, ...]:
     -----
     A larger delay shifts the curve to smaller angles: the same state of the wheel is seen in frames triggered earlier.
     """
-    reference = min(fits, key=lambda fit: fit.data.trigger_delay_time_set_s)
     entries = []
     for fit in fits:
+        same_speed = [other for other in fits if other.data.rotation_speed_hz == fit.data.rotation_speed_hz]
+        reference = min(same_speed, key=lambda other: other.data.trigger_delay_time_set_s)
         nominal = fit.data.trigger_delay_time_set_s - reference.data.trigger_delay_time_set_s
         expected = fit.angular_frequency_rad_per_s * nominal
         shift = _centres(reference) - _centres(fit)

@@ -38,7 +38,8 @@ def split(fits: list[EdgeDelayFit]) -> SplitCovariance:
     if len(fits) == 1:
         return SplitCovariance(noise_s2=fits[0].covariance_s2[None], shared_rad2=np.zeros((4, 4)))
     binned = np.array([_binned(fit) for fit in fits])
-    own = (binned - np.nanmean(binned, axis=0)) * np.sqrt(len(fits) / (len(fits) - 1))
+    seen = np.maximum(np.sum(np.isfinite(binned), axis=0), 1)
+    own = (binned - np.nansum(binned, axis=0) / seen) * np.sqrt(len(fits) / (len(fits) - 1))
     noise, shared = [], []
     for fit, whole, rest in zip(fits, binned, own, strict=True):
         share = min(1.0, _power(rest) / _power(whole))
@@ -75,6 +76,8 @@ def widening(residual: Array) -> float:
     """
     centred = residual - residual.mean()
     power = float(centred @ centred)
+    if power == 0:
+        return 1.0
     total = 1.0
     for lag in range(1, residual.size // 4):
         correlation = float(centred[:-lag] @ centred[lag:]) / power

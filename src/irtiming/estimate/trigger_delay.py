@@ -18,6 +18,7 @@ _FALLING = (0, 2)
 _RISING = (1, 3)
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _SUSPICIOUS_BIRGE = 2.0
+_LARGEST_EDGE_RAD = 5e-3
 
 
 def estimate(fits: list[EdgeDelayFit], geometry: WheelGeometry, *, integration_time_s: float | None) -> DelayResult:
@@ -65,7 +66,7 @@ def estimate(fits: list[EdgeDelayFit], geometry: WheelGeometry, *, integration_t
         budget=tuple(budget),
         edge_delay_s=mean,
         u_edge_delay_s=noise,
-        warnings=geometry.warnings + _remarks(fits),
+        warnings=geometry.warnings + _doubts(values[0], u_edge) + _remarks(fits),
     )
 
 
@@ -109,7 +110,8 @@ def _weights(total: Array, edges: tuple[int, ...]) -> Array:
     """Weights of the generalised mean over the named edges, shape (4 n_fit,), sum 1."""
     used = np.flatnonzero(np.isin(np.arange(len(total)) % 4, edges))
     part = total[np.ix_(used, used)]
-    solved = np.linalg.solve(part, np.ones(used.size))
+    ridge = 1e-13 * np.trace(part) / used.size * np.eye(used.size)  # a recording given twice has no noise of its own
+    solved = np.linalg.solve(part + ridge, np.ones(used.size))
     weights = np.zeros(len(total))
     weights[used] = solved / solved.sum()
     return weights
@@ -135,16 +137,33 @@ def _relative(fits: list[EdgeDelayFit], total: Array) -> tuple[RelativeDelay, ..
     )
 
 
+def _doubts(delay_s: float, u_edge_rad: float) -> tuple[str, ...]:
+    """Doubts about the rig's description: a camera that exposes before its trigger, edges that cannot be so far off."""
+    doubts = []
+    if delay_s < 0:
+        doubts.append(
+            f"the trigger delay is negative ({1e3 * delay_s:.3f} ms): integration would start before the trigger; check [beams] "
+            "whole_slots_between, [mask] centre_angle_deg and the trigger's edge"
+        )
+    if u_edge_rad > _LARGEST_EDGE_RAD:
+        doubts.append(
+            f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
+            f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad; check [wheel] rotation and cutout_edges_rad"
+        )
+    return tuple(doubts)
+
+
 def _remarks(fits: list[EdgeDelayFit]) -> tuple[str, ...]:
     """Doubts about the fits themselves: outliers, correlated residuals, recordings that disagree."""
     remarks = [
         f"{fit.name}: {fit.n_dropped} frames left out as outliers or at the ends" for fit in fits if fit.n_dropped
     ]
-    remarks += [
-        f"{fit.name}: residuals are correlated along the wheel angle; the uncertainty was widened by {fit.widening**0.5:.2f}"
-        for fit in fits
-        if fit.widening > _SUSPICIOUS_BIRGE
-    ]
+    widened = [fit.widening**0.5 for fit in fits if fit.widening > _SUSPICIOUS_BIRGE]
+    if widened:
+        remarks.append(
+            f"residuals of {len(widened)} of {len(fits)} recordings are correlated along the wheel angle: the rig differs from "
+            f"the model by more than noise (figure of the residuals); their uncertainty was widened by up to {max(widened):.1f}"
+        )
     remarks += _birge_remark(fits)
     return tuple(remarks)
 
@@ -152,7 +171,7 @@ def _remarks(fits: list[EdgeDelayFit]) -> tuple[str, ...]:
 def _birge_remark(fits: list[EdgeDelayFit]) -> list[str]:
     """Compare the scatter of recordings at the same speed with their own uncertainties (Birge ratio)."""
     remarks = []
-    speeds = np.round([fit.angular_frequency_rad_per_s for fit in fits], 1)
+    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
     for speed in np.unique(speeds):
         group = [fit for fit, s in zip(fits, speeds, strict=True) if s == speed]
         if len(group) < 2:
@@ -167,7 +186,7 @@ def _birge_remark(fits: list[EdgeDelayFit]) -> list[str]:
             )
         if birge > 1 + _SUSPICIOUS_BIRGE / np.sqrt(2 * (len(group) - 1)):
             remarks.append(
-                f"{len(group)} recordings at {speed / 2 / np.pi:.3g} Hz scatter {birge:.2f} times more than their noise explains "
+                f"{len(group)} recordings at {speed:.4g} Hz scatter {birge:.2f} times more than their noise explains "
                 "(Birge ratio); something changed between them"
             )
     return remarks

@@ -7,7 +7,6 @@ import numpy as np
 
 from irtiming.physics.light_gates import GateAngles, gate_angles
 from irtiming.physics.wheel import EdgeAngles, WheelModel, wheel_model
-from irtiming.records.estimate import Contribution
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
@@ -22,7 +21,8 @@ class WheelGeometry:
     """Model of the wheel without any delay, and the standard uncertainties of its common angle, rad.
 
     ``angle_budget`` lists what shifts all edges alike; ``u_edge_rad`` is the standard uncertainty of a single cutout
-    edge, None where nobody stated one. ``edges_from`` says where the edge angles come from.
+    edge, None where nobody stated one. ``edges_from`` says where the edge angles come from. ``camera_roll_rad`` is rho, the
+    bisector of the mask in the image minus phi_M; it touches no delay.
     """
 
     model: WheelModel
@@ -30,6 +30,7 @@ class WheelGeometry:
     angle_budget: tuple[tuple[str, str, float], ...]
     u_edge_rad: float | None
     edges_from: str
+    camera_roll_rad: float | None
     warnings: tuple[str, ...]
 
 
@@ -57,7 +58,7 @@ def geometry(
     """
     tracks = [r.track if slots == "learned" else r.equal_track for r in recordings]
     gates = gate_angles(float(np.mean([t.gate_separation_rad for t in tracks])), rig.light_gates)
-    edges, u_edge, edges_from, warnings = _edges(rig, tracks[0])
+    edges, u_edge, edges_from, warnings = _edges(rig, tracks)
     shift, u_shift = _mask_shift(recordings) if off_axle_mask else (0.0, None)
     opening = rig.mask_opening
     model = wheel_model(
@@ -87,20 +88,29 @@ def geometry(
         angle_budget=tuple(budget),
         u_edge_rad=u_edge,
         edges_from=edges_from,
+        camera_roll_rad=_camera_roll(recordings, opening.centre_angle_rad.value),
         warnings=warnings,
     )
 
 
-def _edges(rig: Rig, track: WheelTrack) -> tuple[EdgeAngles, float | None, str, tuple[str, ...]]:
+def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None, str, tuple[str, ...]]:
     stated = rig.wheel.cutout_edges_rad
     if stated is not None:
         u = float(np.sqrt(np.mean([e.standard_uncertainty**2 for e in stated])))
         values = (stated[0].value, stated[1].value, stated[2].value, stated[3].value)
         return values, u or None, "rig.toml", ()
-    if track.application_edges_rad is not None:
-        return track.application_edges_rad, None, "application_edges of the first recording", ()
+    seen = [track.application_edges_rad for track in tracks if track.application_edges_rad is not None]
+    if seen:
+        a, b, c, d = (float(angle) for angle in np.mean(seen, axis=0))
+        return (a, b, c, d), None, "application_edges of the recordings", ()
     text = "cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording tells them"
     return _IDEAL_EDGES, None, "ideal", (text,)
+
+
+def _camera_roll(recordings: list[ReducedRecording], centre_angle_rad: float) -> float | None:
+    """Angle by which the camera is turned against the rig: bisector of the mask in the image minus phi_M, rad."""
+    turned = [np.exp(1j * (r.axle.bisector_rad - centre_angle_rad)) for r in recordings if r.axle is not None]
+    return float(np.angle(np.mean(turned))) if turned else None
 
 
 def _mask_shift(recordings: list[ReducedRecording]) -> tuple[float, float | None]:
@@ -111,11 +121,3 @@ def _mask_shift(recordings: list[ReducedRecording]) -> tuple[float, float | None
     shifts = np.array([v.mean_angle_rad - v.bisector_rad for v in views])
     weights = np.array([1 / max(v.u_bisector_rad, 1e-6) ** 2 for v in views])
     return float(np.average(shifts, weights=weights)), float(np.mean([v.u_bisector_rad for v in views]))
-
-
-def as_times(geometry: WheelGeometry, angular_frequency_rad_per_s: float) -> tuple[Contribution, ...]:
-    """The angle budget as standard uncertainties of a delay at one wheel speed."""
-    return tuple(
-        Contribution(source=source, kind=kind, standard_uncertainty_s=u / angular_frequency_rad_per_s)
-        for source, kind, u in geometry.angle_budget
-    )

@@ -35,9 +35,11 @@ def average(runs: list[ReducedRecording]) -> ExposedFraction:
     angles, fractions = [], []
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
-        found = plateaus.find(angle, run.pixel_count, name=run.name)
+        seen = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
+        angle, counted = angle[seen], run.pixel_count[seen]
+        found = plateaus.find(angle, counted, name=run.name)
         angles.append(angle)
-        fractions.append(plateaus.normalise(angle, run.pixel_count, plateaus=found))
+        fractions.append(plateaus.normalise(angle, counted, plateaus=found))
     angle, fraction = np.concatenate(angles), np.concatenate(fractions)
     origin = float(np.angle(np.mean(np.exp(1j * n * angle)))) / n
     sample = np.mod(np.rint((angle - origin) * n / TURN).astype(np.int64), n)

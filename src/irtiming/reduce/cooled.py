@@ -1,7 +1,7 @@
 """The recipe for a snapshot photon camera: one recording in, one number per frame out (Schatz 2023, 3.1.2, 3.1.3)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -12,12 +12,14 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Choices, Opening, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import axle_view, kernels, nonuniformity, opening, wheel_angles
+from irtiming.reduce import axle_view, kernels, nonuniformity, opening, plateaus, wheel_angles
 from irtiming.reduce.nonuniformity import Correction
 
 TURN = 2 * np.pi
 _DEAD_SHARE = 0.05
 _FEWEST_FRAMES = 100
+_MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
+_FEWEST_SETTLED, _MOST_SETTLED = 5, 60
 _MOST_SAMPLES_PER_TRIGGER = 4
 _SAMPLES_WITHOUT_SCHEME = 1000
 
@@ -66,14 +68,14 @@ def reduce(
     tally = _measure(recording, found, correct, angle, progress)
     count, zeros, full = (np.concatenate(part) for part in (tally.count, tally.zeros, tally.full))
     total = np.concatenate(tally.total)
-    if found.peaks_dn[1] < found.peaks_dn[0]:
-        count = found.weight.size - count
+    count = count if found.peaks_dn[1] > found.peaks_dn[0] else found.weight.size - count
     kept, remarks = _kept(recording, angle, _dead(zeros, full, found.weight.size))
-    row0, row1, column0, column1 = found.roi
+    harmonic = _without_mean(tally, found, correct)
+    found = _settled(recording, found, correct, np.where(kept, angle, np.nan), total)
     axle = axle_view.locate(
-        _without_mean(tally, found, correct),
+        harmonic,
         found,
-        pixel_gain=correct.gain[row0:row1, column0:column1],
+        pixel_gain=correct.gain[found.roi[0] : found.roi[1], found.roi[2] : found.roi[3]],
         turns_clockwise=rig.wheel.rotation == "clockwise",
     )
     return ReducedRecording(
@@ -147,6 +149,32 @@ def _without_mean(tally: _Tally, found: Opening, correct: Correction) -> Array:
     gain = np.where(correct.bad, 1.0, correct.gain)
     level = (0.5 * (found.open_frame_dn + found.covered_frame_dn) - correct.offset_dn) / gain
     return np.asarray(tally.harmonic - tally.turning[:, None, None] * level[rows, columns])
+
+
+def _settled(recording: Recording, found: Opening, correct: Correction, angle: Array, total: Array) -> Opening:
+    """The opening with mean frames from the middle of the plateaus, where no blurred edge is near.
+
+    The frames that were looked at first were chosen by their brightness alone: an edge that just touches the border hides
+    in the noise of the sum, yet turns the image of the mask by a milliradian.
+    """
+    known = np.flatnonzero(np.isfinite(angle))
+    intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
+    bright_when_open = found.peaks_dn[1] > found.peaks_dn[0]
+    means = []
+    for bright in (bright_when_open, not bright_when_open):
+        middles = [_middle(interval) for interval in intervals if interval[2] == int(bright)]
+        frames = known[np.any([plateaus.inside(angle[known], middle) for middle in middles], axis=0)]
+        if frames.size < _FEWEST_SETTLED:
+            return found
+        picked = frames[np.linspace(0, frames.size - 1, min(frames.size, _MOST_SETTLED)).astype(int)]
+        means.append(opening.mean_frame(recording.frames.pick([int(i) for i in picked]), correct))
+    return replace(found, open_frame_dn=means[0], covered_frame_dn=means[1])
+
+
+def _middle(interval: plateaus.Plateau) -> plateaus.Plateau:
+    start, end, level = interval
+    margin = (1 - _MIDDLE_PART) / 2 * (end - start)
+    return start + margin, end - margin, level
 
 
 def _dead(zeros: Ticks, full: Ticks, n_pixels: int) -> np.ndarray:

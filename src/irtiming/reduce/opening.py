@@ -17,6 +17,8 @@ _SCOUTS = 240
 _SCOUT_BYTES = 2**27
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
 _LARGEST_BORDER_PX = 16
+_PLATE = 0.1  # of the contrast: more than the mask plate around the opening should show
+_FLAT = 0.003  # of the contrast per pixel: less is no blur any more
 
 
 @final
@@ -48,8 +50,8 @@ def find(recording: Recording, correct: Correction, *, choices: Choices) -> Open
         If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
     """
     scouts = _scout(recording, correct)
-    open_dn = _mean_frame(scouts.raw[scouts.open_frames], correct)
-    covered_dn = _mean_frame(scouts.raw[scouts.covered_frames], correct)
+    open_dn = mean_frame(scouts.raw[scouts.open_frames], correct)
+    covered_dn = mean_frame(scouts.raw[scouts.covered_frames], correct)
     step = float(np.median((open_dn - covered_dn)[scouts.seeds]))
     contrast = (open_dn - covered_dn) / step
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
@@ -178,7 +180,8 @@ def _largest_part(mask: Mask) -> Mask:
     return np.asarray(labels == sizes.argmax())
 
 
-def _mean_frame(raw: Pixels, correct: Correction) -> Array:
+def mean_frame(raw: Pixels, correct: Correction) -> Array:
+    """Mean of corrected frames, shape (row, column), DN."""
     mean = np.zeros(raw.shape[1:])
     for frame in raw:
         mean += corrected(frame, correct)
@@ -186,13 +189,16 @@ def _mean_frame(raw: Pixels, correct: Correction) -> Array:
 
 
 def _border(contrast: Array, mask: Mask) -> int:
-    """Width of the blurred border, px: where the mean contrast of a ring no longer falls."""
+    """Width of the blurred border, px: where the mean contrast of a ring no longer falls.
+
+    It may level off above zero: where the mask plate is not as warm as the wheel, it shows around the opening.
+    """
     distance = ndimage.distance_transform_edt(~mask)
     rings = [float(contrast[(distance > k) & (distance <= k + 1)].mean()) for k in range(_LARGEST_BORDER_PX + 4)]
-    ground = float(np.median(rings[-6:]))
-    spread = float(np.ptp(rings[-6:]))
+    steps = np.abs(np.diff(rings))
+    flat = max(_FLAT, 2 * float(np.median(steps[-6:])))
     for k in range(_LARGEST_BORDER_PX):
-        if abs(rings[k] - ground) < max(0.003, 2 * spread):
+        if abs(rings[k]) < _PLATE and steps[k] < flat and steps[k + 1] < flat:
             return k + 2
     return _LARGEST_BORDER_PX
 

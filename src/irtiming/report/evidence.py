@@ -28,6 +28,11 @@ class Geometry(Protocol):
         """Where the cutout edge angles come from."""
         ...
 
+    @property
+    def camera_roll_rad(self) -> float | None:
+        """Angle rho by which the camera is turned against the rig, from the mask's image."""
+        ...
+
 
 class Evidence(Protocol):
     """Result, counterpart, and what led to them.

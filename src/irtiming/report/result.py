@@ -106,6 +106,7 @@ def _geometry(evidence: Evidence) -> dict[str, Any]:
         "beta_1": gates.application_rad,
         "beta_2": gates.control_rad,
         "gate_height": {"value": gates.height_m, "unit": "m"},
+        "camera_roll": evidence.geometry.camera_roll_rad,
         "opening_angle": model.opening_angle_rad,
         "opening_angle_fitted": [fit.opening_angle_rad for fit in evidence.edge_fits],
         "angle_unit": "rad",

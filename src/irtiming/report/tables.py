@@ -248,6 +248,7 @@ def choices(evidence: Evidence) -> Table:
         ("border of the summed region", _common(recordings, lambda r: f"{r.opening.border_px} px"), "automatic"),
         ("dead pixels replaced", _common(recordings, lambda r: str(r.opening.n_bad_pixels)), "automatic"),
         ("axle in the image (row, column)", _common(recordings, _axle_text), "automatic"),
+        ("camera roll, from the mask's image", _roll_text(evidence), "automatic"),
         ("reference edge", chosen.reference_edge, _maker(chosen.reference_edge != "automatic")),
         ("cutout edges from", evidence.geometry.edges_from, "automatic"),
         ("control slots", "learned from their timestamps (published method: equal)", "automatic"),
@@ -299,6 +300,11 @@ def _threshold_text(recording: ReducedRecording) -> str:
 def _axle_text(recording: ReducedRecording) -> str:
     view = recording.axle
     return "not found" if view is None else f"({view.row_px:.1f}, {view.column_px:.1f}) px"
+
+
+def _roll_text(evidence: Evidence) -> str:
+    roll = evidence.geometry.camera_roll_rad
+    return "not found" if roll is None else f"{np.degrees(roll):+.3f}°"
 
 
 def _delay_text(delay_s: float) -> str:

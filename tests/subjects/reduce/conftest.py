@@ -59,7 +59,7 @@ class PaperWheel:
 
 
 class FramesInMemory:
-    """A stack of frames that hands out blocks of seven."""
+    """A stack of frames that hands out blocks of 97, so that the last one is shorter."""
 
     def __init__(self, frames):
         self._frames = np.asarray(frames, np.uint16)
@@ -69,8 +69,8 @@ class FramesInMemory:
         return self._frames.shape
 
     def blocks(self):
-        for first in range(0, len(self._frames), 7):
-            yield first, self._frames[first : first + 7]
+        for first in range(0, len(self._frames), 97):
+            yield first, self._frames[first : first + 97]
 
     def pick(self, indices):
         return self._frames[indices]

@@ -32,6 +32,7 @@ class _Geometry:
     model: WheelModel
     gates: GateAngles
     edges_from: str = "rig.toml"
+    camera_roll_rad: float | None = 0.01
 
 
 @dataclass(frozen=True)
