@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import shared_residual
-from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, edge_in_opening, exposed_fraction
+from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.estimate import EdgeDelayFit
@@ -22,12 +22,12 @@ from irtiming.records.reduced import ReducedRecording
 TURN = 2 * np.pi
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
-_QUIETEST = 1e-7  # of the step: noise below is rounding
+_LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
 _NEIGHBOURS = 15
 _DROPPED_SHARE = 0.05
 _LARGEST_SPREAD = 0.1  # of the step
 _SMALLEST_WIDTH_RAD = 1e-3
-_N_SHAPE = 4  # parameters besides the edge delays: opening angle, sum when covered, step, drift
+_BORDER_RAD = 0.1  # where the axle was not found in the image
 
 
 @final
@@ -42,6 +42,7 @@ class _Problem:
     time: Array
     covered_dn: float
     step_dn: float
+    border_rad: float
 
     def angle(self, delay_s: float) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad."""
@@ -84,6 +85,7 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
         time=(ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks))),
         covered_dn=covered,
         step_dn=step,
+        border_rad=_border(reduced),
     )
     problem = _inside_track(problem, omega)
     start = _scan(problem)
@@ -98,7 +100,7 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
         )
     alone = _beside_neighbours(residual, problem.angle(float(values[:4].mean())))
     spread = 1.4826 * float(np.median(np.abs(alone)))
-    outlier = np.abs(alone) > _OUTLIER * max(spread, _QUIETEST)
+    outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
     if outlier.mean() > _DROPPED_SHARE:
         raise EstimationError(
             f"{reduced.name}: {outlier.sum()} of {outlier.size} frames differ from their neighbours by more than {_OUTLIER:.0f} "
@@ -123,6 +125,15 @@ def _beside_neighbours(residual: Array, angle: Array) -> Array:
     alone = np.empty_like(residual)
     alone[order] = sorted_by_angle - np.median(pairs, axis=0)
     return alone
+
+
+def _border(reduced: ReducedRecording) -> float:
+    """Angle about the axle of the border by which the summed region exceeds the opening, rad."""
+    if reduced.axle is None:
+        return _BORDER_RAD
+    rows, columns = np.nonzero(reduced.opening.mask)
+    radius = np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px).mean()
+    return float(np.clip(reduced.opening.border_px / radius, 1e-2, 0.3))
 
 
 def _levels(reduced: ReducedRecording) -> tuple[float, float]:
@@ -172,7 +183,21 @@ def _shifted(values: Array, problem: _Problem) -> tuple[WheelModel, float]:
 
 def _expected(values: Array, problem: _Problem) -> Array:
     shifted, mean = _shifted(values, problem)
-    return exposed_fraction(problem.angle(mean), shifted, sweep_rad=problem.sweep_rad)
+    angle = problem.angle(mean)
+    fraction, skewed, plate = _shapes(angle, shifted, problem)
+    return fraction + values[8] * skewed + values[9] * plate
+
+
+def _shapes(angle: Array, model: WheelModel, problem: _Problem) -> tuple[Array, Array, Array]:
+    """Exposed fraction of the even opening, and what a skewed opening and a shining mask plate add to it.
+
+    A plate that is not as warm as the wheel shows around the opening while a cutout passes: an opening that is wider by the
+    summed border.
+    """
+    fraction = exposed_fraction(angle, model, sweep_rad=problem.sweep_rad)
+    wider = replace(model, opening_angle_rad=model.opening_angle_rad + 2 * problem.border_rad)
+    plate = exposed_fraction(angle, wider, sweep_rad=problem.sweep_rad) - fraction
+    return fraction, skewed_fraction(angle, model, sweep_rad=problem.sweep_rad), plate
 
 
 def _misfit(values: Array, problem: _Problem) -> Array:
@@ -182,7 +207,7 @@ def _misfit(values: Array, problem: _Problem) -> Array:
 
 
 def _derivative(values: Array, problem: _Problem) -> Array:
-    """Analytic derivatives of the misfit, shape (n, 8)."""
+    """Analytic derivatives of the misfit, shape (n, 10); skew and plate are small and taken as even in the others."""
     shifted, mean = _shifted(values, problem)
     angle, gamma = problem.angle(mean), shifted.opening_angle_rad
     omega = problem.reduced.track.angular_frequency_rad_per_s
@@ -190,14 +215,16 @@ def _derivative(values: Array, problem: _Problem) -> Array:
     step = values[6] / problem.step_dn
     columns = [-step * s * omega / gamma * c for s, c in zip(EDGE_SIGNS, crossing, strict=True)]
     half = 0.5 * problem.sweep_rad
-    fraction = exposed_fraction(angle, shifted, sweep_rad=problem.sweep_rad)
+    fraction, skewed, plate = _shapes(angle, shifted, problem)
     ends = 0.5 * (_open_share(angle + half, shifted, 1) + _open_share(angle + half, shifted, -1))
     columns.append(step * (fraction - ends) / gamma)
     time = problem.time[problem.kept]
     columns += [
         np.full(angle.size, -1 / problem.step_dn),
-        -(fraction + values[7] * time) / problem.step_dn,
+        -(fraction + values[7] * time + values[8] * skewed + values[9] * plate) / problem.step_dn,
         -step * time,
+        -step * skewed,
+        -step * plate,
     ]
     return np.stack(columns, axis=1)
 
@@ -215,8 +242,8 @@ def _open_share(angle: Array, model: WheelModel, side: int) -> Array:
 def _fit(problem: _Problem, start_s: float, opening_angle_rad: float) -> tuple[Array, Array, Array]:
     """Values, covariance (for white residuals) and residuals. Edge delays are scaled by the quarter turn."""
     step = problem.step_dn
-    initial = np.array([start_s] * 4 + [opening_angle_rad, problem.covered_dn, step, 0.0])
-    scale = np.array([1e-4] * 4 + [1e-3, abs(step) * 1e-3, abs(step) * 1e-3, 1e-3])
+    initial = np.array([start_s] * 4 + [opening_angle_rad, problem.covered_dn, step, 0.0, 0.0, 0.0])
+    scale = np.array([1e-4] * 4 + [1e-3, abs(step) * 1e-3, abs(step) * 1e-3, 1e-3, 1e-2, 1e-2])
     found = least_squares(_misfit, initial, jac=_derivative, x_scale=scale, args=(problem,), xtol=1e-14, ftol=1e-14)
     values = np.asarray(found.x)
     if not np.all(np.isfinite(values)) or not 0.2 < values[4] / problem.model.opening_angle_rad < 5:

@@ -188,6 +188,31 @@ def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: flo
     return np.stack(crossing)
 
 
+def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
+    """What an opening adds to the exposed fraction that is brighter towards one end, its mean angle kept.
+
+    The light of the opening is taken as 1 + s u along its angle, u from -1 to 1, and its centre is shifted back by as much
+    as that moves the mean. A mask whose own centre lies beside the axle looks like this to the wheel.
+
+    Parameters
+    ----------
+    wheel_angle_rad, model, sweep_rad
+        As for :func:`exposed_fraction`.
+
+    Returns
+    -------
+    Same shape; the exposed fraction grows by s times this. On a slope it is (1 - u^2) / 4 - 1 / 6, whose mean is zero: a
+    skew does not look like a delay.
+    """
+    low, high = _opening_ends(np.asarray(wheel_angle_rad) + sweep_rad / 2, model)
+    edges, gamma = model.cutout_edges_rad, model.opening_angle_rad
+    arcs = _open_arc(high, edges), _open_arc(low, edges)
+    moment = gamma / 2 * (arcs[0] + arcs[1]) - _open_arc_integral(high, edges) + _open_arc_integral(low, edges)
+    crossing = edge_in_opening(wheel_angle_rad, model, sweep_rad=sweep_rad)
+    moving = sum(s * c for s, c in zip(EDGE_SIGNS, crossing, strict=True))
+    return np.asarray(2 / gamma**2 * moment - moving / 6)
+
+
 def slope_centres_rad(model: WheelModel) -> Array:
     """Wheel angles at which edge 0..3 passes the middle of the opening, shape (4,), in [0, 2 pi).
 

@@ -132,14 +132,14 @@ def test_wild_frames_are_dropped_and_told(recording):
 
 
 def test_analytic_derivatives_are_those_of_the_misfit(recording, monkeypatch):
-    """Oracle: central differences of the misfit in all eight parameters, at a point away from the solution."""
+    """Oracle: central differences of the misfit in all ten parameters, at a point away from the solution."""
     seen = {}
 
     def spy(misfit, initial, *, jac, args, **options):
         point = initial.copy()
         point[:4] = DELAY + np.array([1e-5, -2e-5, 3e-5, 0])
         point[7] = 0.003
-        steps = np.array([1e-8] * 4 + [1e-6, abs(point[6]) * 1e-6, abs(point[6]) * 1e-6, 1e-6])
+        steps = np.array([1e-8] * 4 + [1e-6, abs(point[6]) * 1e-6, abs(point[6]) * 1e-6, 1e-6, 1e-6, 1e-6])
         for k, step in enumerate(steps):
             ahead, behind = point.copy(), point.copy()
             ahead[k], behind[k] = point[k] + step, point[k] - step

@@ -12,6 +12,7 @@ from irtiming.physics.wheel import (
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
+    skewed_fraction,
     slope_centres_rad,
     wheel_model,
 )
@@ -166,3 +167,18 @@ def test_opening_without_plateau_is_refused(edges, opening_deg):
         wheel_model(
             tuple(np.radians(edges)), 0.2, opening_angle_rad=radians(opening_deg), centre_angle_rad=radians(-90)
         )
+
+
+@pytest.mark.parametrize("theta", np.radians([3.0, 40.0, 100.0, 170.0, 200.0, 261.0, 333.0]))
+def test_skewed_opening_against_counting_its_light(theta):
+    """Oracle: brute force; light 1 + s u over 200 000 points, its centre moved back by s gamma / 6, less the even opening."""
+    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
+    skew, gamma = 1e-3, model.opening_angle_rad
+    u = (np.arange(200_000) + 0.5) / 100_000 - 1
+    alpha = model.opening_coordinate_rad + theta + gamma / 2 * u - skew * gamma / 6
+    edges = np.array(model.cutout_edges_rad)
+    beside = np.mod(alpha, 2 * np.pi)
+    is_open = ((beside >= edges[1]) & (beside < edges[2])) | (beside >= edges[3])
+    counted = float(np.mean((1 + skew * u) * is_open))
+    added = (counted - float(exposed_fraction(np.array(theta), model))) / skew
+    assert float(skewed_fraction(np.array(theta), model)) == pytest.approx(added, abs=6e-3)
