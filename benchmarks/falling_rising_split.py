@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -87,6 +88,7 @@ def _split(values: np.ndarray) -> float:
 
 
 def draw(results: dict[Case, tuple[list[float], float]], path: Path) -> None:
+    rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "irtiming"})
     figure = Figure(figsize=(9.6, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     _curves(left, {c: r for c, r in results.items() if c.blur_px == 0.1}, "Hardly any blur (0.1 px): integration time")

@@ -11,7 +11,7 @@ from irtiming.estimate import edge_delays, published, slopes, trigger_delay, whe
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.reduced import Choices, Opening, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.reduce import average_runs, cooled, pooled_slots
 
@@ -72,7 +72,8 @@ def analyse(
     reduced: list[ReducedRecording] = []
     for recording in recordings:
         _check_fits_with(recording, reduced, choices)
-        reduced.append(_reduce(recording, rig, choices, progress))
+        before = reduced[0].opening if reduced else None
+        reduced.append(_reduce(recording, rig, choices, progress, before=before))
     if not reduced:
         raise EstimationError("no recording given; name at least one recording file")
     reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
@@ -126,7 +127,9 @@ def _check_fits_with(recording: Recording, before: list[ReducedRecording], choic
         )
 
 
-def _reduce(recording: Recording, rig: Rig, choices: Choices, progress: Progress | None) -> ReducedRecording:
+def _reduce(
+    recording: Recording, rig: Rig, choices: Choices, progress: Progress | None, *, before: Opening | None
+) -> ReducedRecording:
     total = recording.frames.shape[0]
 
     def told(done: int) -> None:
@@ -134,7 +137,7 @@ def _reduce(recording: Recording, rig: Rig, choices: Choices, progress: Progress
             progress(recording.name, done, total)
 
     try:
-        return cooled.reduce(recording, rig, choices=choices, progress=told)
+        return cooled.reduce(recording, rig, choices=choices, progress=told, before=before)
     except IrTimingError as error:
         error.add_note(f"while reducing {recording.source or recording.name}")
         raise

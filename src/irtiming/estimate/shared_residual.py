@@ -15,6 +15,7 @@ from irtiming.records.estimate import EdgeDelayFit
 
 TURN = 2 * np.pi
 _BINS = 200
+_ALL_NOISE = 0.8  # of the residual power: the estimate itself scatters by 0.1, so more is taken as noise alone
 
 
 @final
@@ -42,7 +43,8 @@ def split(fits: list[EdgeDelayFit]) -> SplitCovariance:
     own = (binned - np.nansum(binned, axis=0) / seen) * np.sqrt(len(fits) / (len(fits) - 1))
     noise, shared = [], []
     for fit, whole, rest in zip(fits, binned, own, strict=True):
-        share = min(1.0, _power(rest) / _power(whole))
+        share = _power(rest) / _power(whole)
+        share = 1.0 if share > _ALL_NOISE else share
         noise.append(fit.covariance_s2 * share)
         shared.append(fit.covariance_s2 * (1 - share) * fit.angular_frequency_rad_per_s**2)
     return SplitCovariance(noise_s2=np.array(noise), shared_rad2=np.mean(shared, axis=0))

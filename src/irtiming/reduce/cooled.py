@@ -38,8 +38,9 @@ class _Tally:
 
 
 def reduce(
-    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None] = lambda n: None
-) -> ReducedRecording:
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None] = lambda n: None,
+    before: Opening | None = None,
+) -> ReducedRecording:  # fmt: skip
     """Pixel counts and pixel sums of every frame, and the wheel's track.
 
     Parameters
@@ -52,6 +53,8 @@ def reduce(
         What a person decided instead of the automatic choice.
     progress
         Told the number of frames done so far.
+    before
+        Opening of an earlier recording of the same camera, taken over where it is still in place.
 
     Raises
     ------
@@ -64,17 +67,14 @@ def reduce(
     equal = wheel_angles.track(recording, rig, slots="equal", reference_edge=choices.reference_edge)
     triggers = wheel_angles.frame_trigger_ticks(recording)
     angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
-    found = opening.find(recording, correct, choices=choices)
+    found = opening.find(recording, correct, choices=choices, before=before)
     tally = _measure(recording, found, correct, angle, progress)
-    count, zeros, full = (np.concatenate(part) for part in (tally.count, tally.zeros, tally.full))
-    total = np.concatenate(tally.total)
-    count = count if found.peaks_dn[1] > found.peaks_dn[0] else found.weight.size - count
-    kept, remarks = _kept(recording, angle, _dead(zeros, full, found.weight.size))
-    harmonic = _without_mean(tally, found, correct)
-    found = _settled(recording, found, correct, np.where(kept, angle, np.nan), total)
+    count, total, dead = _gathered(tally, found)
+    kept, remarks = _kept(recording, angle, dead)
+    settled = _settled(recording, found, correct, np.where(kept, angle, np.nan), total)
     axle = axle_view.locate(
-        harmonic,
-        found,
+        _without_mean(tally, found, correct),
+        settled,
         pixel_gain=correct.gain[found.roi[0] : found.roi[1], found.roi[2] : found.roi[3]],
         turns_clockwise=rig.wheel.rotation == "clockwise",
     )
@@ -89,7 +89,7 @@ def reduce(
         samples_per_turn=_samples_per_turn(recording),
         track=learned,
         equal_track=equal,
-        opening=found,
+        opening=settled,
         axle=axle,
         integration_time_s=recording.integration_time_s,
         trigger_delay_time_set_s=recording.trigger_delay_time_set_s,
@@ -141,6 +141,13 @@ def _measure(
         tally.turning += phase.sum(axis=1, dtype=float)
         progress(first + len(block))
     return tally
+
+
+def _gathered(tally: _Tally, found: Opening) -> tuple[Ticks, Array, np.ndarray]:
+    """Pixels on the open side of the threshold, pixel sum, and whether the frame is dead, each of shape (n_frame,)."""
+    count, zeros, full = (np.concatenate(part) for part in (tally.count, tally.zeros, tally.full))
+    open_side = count if found.peaks_dn[1] > found.peaks_dn[0] else found.weight.size - count
+    return open_side, np.concatenate(tally.total), _dead(zeros, full, found.weight.size)
 
 
 def _without_mean(tally: _Tally, found: Opening, correct: Correction) -> Array:

@@ -32,7 +32,7 @@ class _Scouts:
     covered_frames: Mask
 
 
-def find(recording: Recording, correct: Correction, *, choices: Choices) -> Opening:
+def find(recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None) -> Opening:
     """The opening, its region of interest, threshold and weights.
 
     Parameters
@@ -43,6 +43,9 @@ def find(recording: Recording, correct: Correction, *, choices: Choices) -> Open
         Non-uniformity correction.
     choices
         Region and threshold where a person set them.
+    before
+        The opening of an earlier recording of the same camera. Where it is still in place it is taken over: a border that
+        is drawn anew each time, a pixel more here or there, would shift the delays against each other.
 
     Raises
     ------
@@ -57,6 +60,8 @@ def find(recording: Recording, correct: Correction, *, choices: Choices) -> Open
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
     mask = _largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
     border_px = _border(contrast, mask)
+    if before is not None and _is_in_place(mask, before.mask):
+        mask, border_px = before.mask, before.border_px
     roi = choices.roi or _box(mask, border_px + 4, recording.name)
     _check_roi(roi, mask, recording)
     rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])
@@ -186,6 +191,13 @@ def mean_frame(raw: Pixels, correct: Correction) -> Array:
     for frame in raw:
         mean += corrected(frame, correct)
     return mean / len(raw)
+
+
+def _is_in_place(mask: Mask, before: Mask) -> bool:
+    """Whether two masks differ by no more than single pixels of their border."""
+    union = mask | before
+    border = union & ~ndimage.binary_erosion(union)
+    return bool(np.sum(mask ^ before) <= 0.25 * border.sum())
 
 
 def _border(contrast: Array, mask: Mask) -> int:

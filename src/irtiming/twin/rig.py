@@ -29,8 +29,8 @@ class Tolerances:
 
     ring_edge_rad: float = 0.5e-3
     cutout_error_rad: float = 0.05e-3
-    slot_error_rad: float = 0.05e-3
-    slot_eccentricity_rad: float = 0.3e-3
+    slot_error_rad: float = 0.35e-3
+    slot_eccentricity_rad: float = 0.4e-3
     beam_m: float = 0.02e-3
     mask_angle_rad: float = math.radians(0.1)
     mask_centre_m: float = 0.1e-3
