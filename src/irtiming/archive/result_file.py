@@ -70,6 +70,21 @@ def write_atomically(text: str, path: str | Path) -> None:
         raise unwritable(target, error) from error
 
 
+def require_place(path: str | Path) -> None:
+    """Refuse a place where nothing can be written, before the long work whose result should go there.
+
+    Raises
+    ------
+    ArchiveError
+        If the path is a folder, or its folder does not exist or may not be written to.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise ArchiveError(f"{target}: is a folder; name a file to write")
+    if not os.access(target.parent, os.W_OK):
+        raise unwritable(target, PermissionError("no permission"))
+
+
 def unwritable(path: Path, error: OSError) -> ArchiveError:
     """Error for a file that could not be written, with the reason and the cure."""
     if not path.parent.is_dir():

@@ -52,6 +52,9 @@ def analyse(
         slope_limits=_limits(slope_limits),
         reference_edge=reference_edge,
     )
+    for place in (json, report):
+        if place is not None:
+            result_file.require_place(place)
     owner = rig_file.read_rig(rig)
     with shown("frames") as told:
         analysis = run_analysis((reader.read(path) for path in recording), owner, choices=choices, progress=told)

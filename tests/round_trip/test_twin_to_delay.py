@@ -1,0 +1,89 @@
+"""From a simulated rig with known truth to the delay: the twin and the estimator share no formula."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.measurement import analyse
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import EdgeFaults, Faults, paper_scene, with_wheel_speed
+
+BASE = paper_scene(100, 120)
+SCENES = {
+    "as in the paper": BASE,
+    "counterclockwise": replace(BASE, wheel=replace(BASE.wheel, rotation="counterclockwise")),
+    "cold blackbody": replace(BASE, radiance=replace(BASE.radiance, blackbody_k=287.0)),
+    "rolled camera": replace(BASE, optics=replace(BASE.optics, roll_rad=0.06)),
+    "distorting lens": replace(BASE, optics=replace(BASE.optics, distortion=-0.05)),
+    "long integration": replace(BASE, timing=replace(BASE.timing, integration_time_s=3e-3, substeps=64)),
+    "long delay": replace(BASE, timing=replace(BASE.timing, trigger_delay_s=14e-3)),
+    "fast wheel": with_wheel_speed(BASE, 11.0),
+    "faults": replace(
+        BASE,
+        faults=Faults(
+            lost_frames=25,
+            control_slot=EdgeFaults(missing=12, doubled=3, spurious=3),
+            application=EdgeFaults(missing=2),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_truth_lies_within_the_stated_uncertainty(name):
+    """Oracle: the scene; rig.toml is off by its stated uncertainties, and 3.5 of them leave one chance in 2000."""
+    rig = twin.draw(SCENES[name], seed=77)
+    analysis = analyse(twin.series(rig.scene, [0.0, 0.025], repeats=1, seed=5), rig.measured)
+    best = analysis.best.estimate
+    values = dict(zip(best.names, best.values, strict=True))
+    u = dict(zip(best.names, best.standard_uncertainties, strict=True))
+    timing = rig.scene.timing
+    assert abs(values["trigger_delay"] - timing.trigger_delay_s) < 3.5 * u["trigger_delay"]
+    middle = timing.trigger_delay_s + timing.integration_time_s / 2
+    assert abs(values["exposure_midpoint_delay"] - middle) < 3.5 * u["exposure_midpoint_delay"]
+    assert u["trigger_delay"] < 2e-3 / rig.scene.trigger.wheel_hz / 2 / np.pi
+    _, second = analysis.best.relative_delays
+    assert abs(second.value_s - 0.025) < 3.5 * second.standard_uncertainty_s
+    assert second.standard_uncertainty_s < 4e-6
+
+
+def test_both_methods_on_a_perfect_rig_of_the_papers_size():
+    """Oracle: the scene; without any imperfection the published middle of the window is right to a few microseconds too."""
+    nothing = dict.fromkeys(
+        (
+            "cutout_error_rad",
+            "slot_error_rad",
+            "slot_eccentricity_rad",
+            "beam_m",
+            "mask_angle_rad",
+            "mask_centre_m",
+            "roll_rad",
+        ),
+        0.0,
+    )
+    perfect = twin.Tolerances(**nothing, ring_edge_rad=2e-4, u_beam_m=0.0, u_mask_angle_rad=0.0)
+    scene = paper_scene(512, 640)
+    scene = replace(scene, radiance=replace(scene.radiance, mask_k=scene.radiance.wheel_k, narcissus_dn=0.0))
+    scene = with_wheel_speed(scene, 3.0, samples=250)
+    rig = twin.draw(scene, seed=4, tolerances=perfect)
+    analysis = analyse([twin.simulate(rig.scene, seed=4)], rig.measured)
+    truth = rig.scene.timing.trigger_delay_s
+    for result, limit in ((analysis.best, 10e-6), (analysis.as_published, 15e-6)):
+        k = result.estimate.names.index("trigger_delay")
+        assert result.estimate.values[k] == pytest.approx(truth, abs=limit)
+    falling, rising = (
+        analysis.best.estimate.values[analysis.best.estimate.names.index(f"trigger_delay_{w}")]
+        for w in ("falling", "rising")
+    )
+    assert falling - rising == pytest.approx(0, abs=3e-6)
+
+
+def test_several_wheel_speeds_need_no_caliper():
+    """Oracle: the scene; angle errors drop out between 3 and 9 Hz, so the delay is known to a microsecond or so."""
+    rig = twin.draw(BASE, seed=21)
+    recordings = [twin.simulate(with_wheel_speed(rig.scene, hz), seed=int(hz)) for hz in (3.0, 9.0)]
+    estimate = analyse(recordings, rig.measured).best.estimate
+    k = estimate.names.index("trigger_delay")
+    assert estimate.standard_uncertainties[k] < 1e-6
+    assert estimate.values[k] == pytest.approx(rig.scene.timing.trigger_delay_s, abs=2.5e-6)
