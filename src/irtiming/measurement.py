@@ -86,7 +86,7 @@ def analyse(
     groups = _by_delay(reduced)
     published_fits = [
         slopes.fit(
-            average_runs.average(runs),
+            average_runs.average(runs, plateau_margin=choices.plateau_margin),
             equal.model,
             angular_frequency_rad_per_s=float(np.mean([r.equal_track.angular_frequency_rad_per_s for r in runs])),
             limits=choices.slope_limits,

@@ -24,6 +24,13 @@ def analyse(
     threshold_level: Annotated[
         float, typer.Option(help="Place of the threshold between the histogram peaks, 0 covered .. 1 open.")
     ] = 0.5,
+    border_px: Annotated[
+        int | None,
+        typer.Option(min=0, max=64, help="Border of the summed region around the opening, px. Else automatic."),
+    ] = None,
+    plateau_margin: Annotated[
+        float, typer.Option(help="Share of a plateau's width kept away from each of its corners.")
+    ] = 0.15,
     slope_limits: Annotated[
         str, typer.Option(metavar="LOW,HIGH", help="Opening fractions that lines are fitted to.")
     ] = ("0.05,0.95"),
@@ -49,6 +56,8 @@ def analyse(
         roi=_region(roi),
         threshold_dn=threshold_dn,
         threshold_level=_between(threshold_level, 0.05, 0.95, "--threshold-level"),
+        border_px=border_px,
+        plateau_margin=_between(plateau_margin, 0.0, 0.45, "--plateau-margin"),
         slope_limits=_limits(slope_limits),
         reference_edge=reference_edge,
     )

@@ -20,14 +20,17 @@ class Choices:
 
     ``roi`` is (first row, end row, first column, end column), ends excluded. ``threshold_dn`` is a corrected pixel
     value; ``threshold_level`` the place between the histogram peaks where it is put otherwise (0 covered, 1 open).
-    ``slope_limits`` are the opening fractions between which lines are fitted. ``reference_edge`` names the application
-    edge that is the angle zero.
+    ``border_px`` is by how much the summed region exceeds the opening; ``plateau_margin`` the share of a plateau's width that
+    is kept away from each of its corners. ``slope_limits`` are the opening fractions between which lines are fitted.
+    ``reference_edge`` names the application edge that is the angle zero.
     """
 
     method: Method = "pixel-sum"
     roi: tuple[int, int, int, int] | None = None
     threshold_dn: float | None = None
     threshold_level: float = 0.5
+    border_px: int | None = None
+    plateau_margin: float = 0.15
     slope_limits: tuple[float, float] = (0.05, 0.95)
     reference_edge: ReferenceEdge = "automatic"
 

@@ -12,13 +12,15 @@ TURN = 2 * np.pi
 _VISITS_FOR_OWN_SCATTER = 5  # with fewer, all points share one pooled scatter
 
 
-def average(runs: list[ReducedRecording]) -> ExposedFraction:
+def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> ExposedFraction:
     """Opening fraction of pixel counts over the wheel angle at the trigger, averaged over runs.
 
     Parameters
     ----------
     runs
         Recordings of one nominal delay and one rotation speed.
+    plateau_margin
+        Share of a plateau's width kept away from each of its corners.
 
     Returns
     -------
@@ -37,7 +39,7 @@ def average(runs: list[ReducedRecording]) -> ExposedFraction:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
         seen = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
         angle, counted = angle[seen], run.pixel_count[seen]
-        found = plateaus.find(angle, counted, name=run.name)
+        found = plateaus.find(angle, counted, name=run.name, margin=plateau_margin)
         angles.append(angle)
         fractions.append(plateaus.normalise(angle, counted, plateaus=found))
     angle, fraction = np.concatenate(angles), np.concatenate(fractions)

@@ -62,6 +62,7 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     border_px = _border(contrast, mask)
     if before is not None and _is_in_place(mask, before.mask):
         mask, border_px = before.mask, before.border_px
+    border_px = border_px if choices.border_px is None else choices.border_px
     roi = choices.roi or _box(mask, border_px + 4, recording.name)
     _check_roi(roi, mask, recording)
     rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])

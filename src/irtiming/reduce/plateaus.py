@@ -7,7 +7,6 @@ from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array
 
 TURN = 2 * np.pi
-_MARGIN = 0.15  # of the width between two corners, kept away from each corner
 _MIDDLE = (0.2, 0.8)
 _SMOOTHED = 5  # neighbouring points that a running median takes together
 _EXTREME = 0.01  # of the points may lie beyond the levels
@@ -17,11 +16,11 @@ Plateau = tuple[float, float, int]
 """Start and end angle (rad, end above start, start in [0, 2 pi)) and level: 0 covered, 1 open."""
 
 
-def find(wheel_angle_rad: Array, value: Array, *, name: str) -> tuple[Plateau, ...]:
+def find(wheel_angle_rad: Array, value: Array, *, name: str, margin: float = 0.15) -> tuple[Plateau, ...]:
     """The four plateaus of a turn.
 
     A straight line through the middle of each slope is prolonged to the lowest and the highest value; a plateau is what
-    lies between two such corners, less 15 % on both sides.
+    lies between two such corners, less a margin on both sides.
 
     Parameters
     ----------
@@ -29,6 +28,8 @@ def find(wheel_angle_rad: Array, value: Array, *, name: str) -> tuple[Plateau, .
         Shape (n,); angles in [0, 2 pi) and counts or sums, in any order.
     name
         Of the recording, for messages.
+    margin
+        Share of the width between two corners that is kept away from each of them.
 
     Raises
     ------
@@ -60,7 +61,7 @@ def find(wheel_angle_rad: Array, value: Array, *, name: str) -> tuple[Plateau, .
                 f"covered for {np.degrees(width):.2f} deg, at least {np.degrees(_NARROWEST_RAD):.1f} deg "
                 "are needed; use a narrower mask"
             )
-        lower, upper = start + _MARGIN * width, end - _MARGIN * width
+        lower, upper = start + margin * width, end - margin * width
         found.append((lower % TURN, lower % TURN + upper - lower, int(slope > 0)))
     return tuple(found)
 

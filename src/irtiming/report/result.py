@@ -119,6 +119,8 @@ def _choices(evidence: Evidence) -> dict[str, Any]:
         "roi": None if chosen.roi is None else list(chosen.roi),
         "threshold": chosen.threshold_dn,
         "threshold_level": chosen.threshold_level,
+        "border_px": chosen.border_px,
+        "plateau_margin": chosen.plateau_margin,
         "slope_limits": list(chosen.slope_limits),
         "reference_edge": chosen.reference_edge,
         "search_started_at": [fit.start_delay_s for fit in evidence.edge_fits],

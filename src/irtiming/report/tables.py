@@ -245,7 +245,12 @@ def choices(evidence: Evidence) -> Table:
         ("region of interest", _common(recordings, _roi_text), _maker(chosen.roi is not None)),
         ("threshold", _common(recordings, _threshold_text), _maker(chosen.threshold_dn is not None)),
         ("threshold level between the peaks", f"{chosen.threshold_level:.0%}", _maker(chosen.threshold_level != 0.5)),
-        ("border of the summed region", _common(recordings, lambda r: f"{r.opening.border_px} px"), "automatic"),
+        (
+            "border of the summed region",
+            _common(recordings, lambda r: f"{r.opening.border_px} px"),
+            _maker(chosen.border_px is not None),
+        ),
+        ("margin of the plateaus", f"{chosen.plateau_margin:.0%} of their width", _maker(chosen.plateau_margin != 0.15)),
         ("dead pixels replaced", _common(recordings, lambda r: str(r.opening.n_bad_pixels)), "automatic"),
         ("axle in the image (row, column)", _common(recordings, _axle_text), "automatic"),
         ("camera roll, from the mask's image", _roll_text(evidence), "automatic"),
