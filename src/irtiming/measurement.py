@@ -139,7 +139,7 @@ def _reduce(
     try:
         return cooled.reduce(recording, rig, choices=choices, progress=told, before=before)
     except IrTimingError as error:
-        error.add_note(f"while reducing {recording.source or recording.name}")
+        error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *recording.warnings]))
         raise
 
 

@@ -12,16 +12,18 @@ _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zÂ
 
 
 def seconds(text: str) -> float:
-    """Seconds from text such as ``"250 us"``, ``"25ms"``, ``"0.025"`` or ``"20 min"``.
+    """Seconds from text such as ``"250 us"``, ``"25ms"``, ``"0"`` or ``"20 min"``.
 
     Raises
     ------
     UnitError
-        If the text is not a number followed by s, ms, us, ns, min or h.
+        If the text is not a number followed by s, ms, us, ns, min or h; only zero needs no unit.
     """
     match = _QUANTITY.fullmatch(text)
     if match is None or match[2] not in _FACTORS:
         raise UnitError(f"'{text}' is not a time; write a number and s, ms, us, ns, min or h, such as '250 us'")
+    if not match[2] and float(match[1]) != 0:
+        raise UnitError(f"'{text}' has no unit; write s, ms, us, ns, min or h behind it, such as '{match[1]} ms'")
     return float(match[1]) * _FACTORS[match[2]]
 
 

@@ -48,6 +48,17 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     assert second.standard_uncertainty_s < 4e-6
 
 
+def test_lost_frames_do_not_move_the_delay():
+    """Oracle: the same recording whole; a tenth of its frames lost may cost noise, 0.4 us, and 0.02 px of the axle."""
+    rig = twin.draw(BASE, seed=1)
+    broken = replace(rig.scene, faults=Faults(lost_frames=100))
+    whole, lossy = (analyse([twin.simulate(s, seed=9)], rig.measured) for s in (rig.scene, broken))
+    axles = [a.recordings[0].axle for a in (whole, lossy)]
+    assert axles[1].column_px == pytest.approx(axles[0].column_px, abs=0.02)
+    assert axles[1].row_px == pytest.approx(axles[0].row_px, abs=0.02)
+    assert lossy.best.estimate.values[0] == pytest.approx(whole.best.estimate.values[0], abs=12e-6)
+
+
 def test_both_methods_on_a_perfect_rig_of_the_papers_size():
     """Oracle: the scene; without any imperfection the published middle of the window is right to a few microseconds too."""
     nothing = dict.fromkeys(

@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -70,18 +70,29 @@ def write_atomically(text: str, path: str | Path) -> None:
         raise unwritable(target, error) from error
 
 
-def require_place(path: str | Path) -> None:
-    """Refuse a place where nothing can be written, before the long work whose result should go there.
+def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> None:
+    """Refuse a place where no result may be written, before the long work whose result should go there.
+
+    Parameters
+    ----------
+    path
+        Where the result should go.
+    besides
+        Files that are read or written too: none of them may be overwritten.
 
     Raises
     ------
     ArchiveError
-        If the path is a folder, or its folder does not exist or may not be written to.
+        If the path is a folder or one of the other files, or its folder does not exist or may not be written to.
     """
     target = Path(path)
     if target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
-    if not os.access(target.parent, os.W_OK):
+    if target.resolve() in {Path(other).resolve() for other in besides}:
+        raise ArchiveError(
+            f"{target}: is another file of this command and would be overwritten; name a new file to write"
+        )
+    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK):
         raise unwritable(target, PermissionError("no permission"))
 
 

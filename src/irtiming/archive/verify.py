@@ -121,7 +121,7 @@ def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
     if contents[layout.CAMERA_TYPE] != "photon":
         return
     needed = (
-        (layout.INTEGRATION_TIME, "the middle of the integration cannot be given"),
+        (layout.INTEGRATION_TIME, "analyse can then give the middle of the integration only, not its start"),
         (layout.REFERENCE_LOW, "the frames cannot be corrected for non-uniformity"),
     )
     for field, consequence in needed:

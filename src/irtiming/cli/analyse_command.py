@@ -61,9 +61,10 @@ def analyse(
         slope_limits=_limits(slope_limits),
         reference_edge=reference_edge,
     )
-    for place in (json, report):
-        if place is not None:
-            result_file.require_place(place)
+    if json is not None:
+        result_file.require_place(json, besides=[*recording, rig])
+    if report is not None:
+        result_file.require_place(report, besides=[*recording, rig, *([json] if json else [])])
     owner = rig_file.read_rig(rig)
     with shown("frames") as told:
         analysis = run_analysis((reader.read(path) for path in recording), owner, choices=choices, progress=told)

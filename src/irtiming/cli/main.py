@@ -32,7 +32,8 @@ def run() -> None:
     try:
         app()
     except (IrTimingError, OSError) as error:
-        _end(str(error), 2)
+        notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
+        _end(f"{error}{notes}", 2)
     except KeyboardInterrupt:
         _end("stopped; files not yet finished were removed or end in .part", 130)
 

@@ -20,8 +20,9 @@ def print_result(analysis: Analysis, console: Console) -> None:
     for text in analysis.warnings:
         console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
     shown = [tables.parameters(analysis)]
-    if len(analysis.recordings) > 1:
-        shown.append(_ours(tables.relative_delays(analysis)))
+    relative = _ours(tables.relative_delays(analysis))
+    if relative.rows:
+        shown.append(relative)
     for table in (*shown, tables.budget(analysis)):
         print_table(table, console)
 

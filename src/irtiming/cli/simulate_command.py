@@ -30,7 +30,7 @@ Frames = Annotated[int, typer.Option(min=1, help="Triggers in a run, and samples
 Integration = Annotated[str, typer.Option("--integration-time", help="Integration time, such as '250 us'.")]
 Seed = Annotated[int, typer.Option(min=0, help="Draws rig and runs; the same seed gives the same files.")]
 Blur = Annotated[float, typer.Option(min=0, max=20, help="Optical blur in pixels, standard deviation.")]
-Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Turn the wheel the other way.")]
+Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirror the rig: wheel, gates and image.")]
 Distortion = Annotated[float, typer.Option(min=-0.2, max=0.2, help="Radial distortion at the image corner, relative.")]
 MaskOffset = Annotated[float | None, typer.Option("--mask-offset-mm", help="Mask centre this far right of the axle.")]
 LostFrames = Annotated[int, typer.Option(min=0, help="Frames lost in each run.")]
@@ -85,8 +85,10 @@ def simulate(
         wheel=replace(nominal.wheel, rotation=rotation),
         optics=replace(nominal.optics, blur_px=blur_px, distortion=distortion),
         timing=replace(nominal.timing, integration_time_s=_positive(integration_time)),
-        faults=replace(nominal.faults, lost_frames=min(lost_frames, frames - 1)),
+        faults=replace(nominal.faults, lost_frames=lost_frames),
     )
+    if lost_frames >= frames:
+        raise PlanError(f"{lost_frames} lost frames of {frames} were asked for; at least one must be left")
     rig = draw(nominal, seed=seed)
     if mask_offset_mm is not None:
         mask = replace(rig.scene.mask, centre_x_m=mask_offset_mm * 1e-3, centre_y_m=0.0)

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from irtiming.archive.finding import Finding
-from irtiming.archive.result_file import write_result
+from irtiming.archive.result_file import require_place, write_result
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
 
@@ -27,6 +27,8 @@ def verify(
     Exit status 0 if no file has an error (warnings may remain), 2 otherwise.
     """
     screen = Console()
+    if json is not None:
+        require_place(json, besides=files)
     results: dict[Path, list[Finding]] = {}
     for path in files:
         with shown("frames") as told:

@@ -24,6 +24,7 @@ _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
 _LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
 _NEIGHBOURS = 15
+_GAP_SEARCH = 81  # delays over the scan: closer together than the shortest gap in the slots is long
 _DROPPED_SHARE = 0.05
 _LARGEST_SPREAD = 0.1  # of the step
 _SMALLEST_WIDTH_RAD = 1e-3
@@ -144,9 +145,10 @@ def _levels(reduced: ReducedRecording) -> tuple[float, float]:
 
 
 def _inside_track(problem: _Problem, omega: float) -> _Problem:
-    """Leave out frames whose exposure, for any delay of the scan, may fall outside the recorded wheel."""
+    """Leave out frames whose exposure, for any delay of the scan, may fall outside the recorded wheel or into a gap."""
     quarter_s = TURN / 4 / omega
-    inside = np.isfinite(problem.angle(-quarter_s)) & np.isfinite(problem.angle(quarter_s))
+    trials = np.linspace(-quarter_s, quarter_s, _GAP_SEARCH)
+    inside = np.all([np.isfinite(problem.angle(float(trial))) for trial in trials], axis=0)
     if inside.sum() < 100:
         raise EstimationError(
             f"{problem.reduced.name}: {inside.sum()} frames lie a quarter turn inside the recorded wheel, at least 100 must; "

@@ -18,6 +18,7 @@ _FALLING = (0, 2)
 _RISING = (1, 3)
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _SUSPICIOUS_BIRGE = 2.0
+_RUNS_THAT_TELL = 4
 _LARGEST_EDGE_RAD = 5e-3
 
 
@@ -89,8 +90,8 @@ def _covariances(
     n = per_rad.size
     found = shared_residual.split(fits)
     noise = np.zeros((n, n))
-    for k, own in enumerate(found.noise_s2):
-        noise[4 * k : 4 * k + 4, 4 * k : 4 * k + 4] = own
+    for k, (own, factor) in enumerate(zip(found.noise_s2, _run_to_run(fits), strict=True)):
+        noise[4 * k : 4 * k + 4, 4 * k : 4 * k + 4] = own * factor
     shared = np.tile(found.shared_rad2, (len(fits), len(fits))) * np.outer(per_rad, per_rad)
     same_edge = np.equal.outer(np.arange(n) % 4, np.arange(n) % 4)
     parts = [
@@ -168,25 +169,47 @@ def _remarks(fits: list[EdgeDelayFit]) -> tuple[str, ...]:
     return tuple(remarks)
 
 
-def _birge_remark(fits: list[EdgeDelayFit]) -> list[str]:
-    """Compare the scatter of recordings at the same speed with their own uncertainties (Birge ratio)."""
-    remarks = []
+def _by_speed(fits: list[EdgeDelayFit]) -> list[tuple[float, list[int]]]:
+    """Wheel rate in Hz and the indices of its fits, for each rate."""
     speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
-    for speed in np.unique(speeds):
-        group = [fit for fit, s in zip(fits, speeds, strict=True) if s == speed]
-        if len(group) < 2:
+    return [(float(speed), [int(k) for k in np.flatnonzero(speeds == speed)]) for speed in np.unique(speeds)]
+
+
+def _birge_ratio(group: list[EdgeDelayFit]) -> float:
+    """Scatter of the delays of recordings at one speed over what their own noise explains."""
+    delay = np.array([fit.edge_delay_s.mean() for fit in group])
+    variance = np.array([fit.covariance_s2.mean() for fit in group])
+    mean = np.average(delay, weights=1 / variance)
+    birge = float(np.sqrt(np.sum((delay - mean) ** 2 / variance) / (len(group) - 1)))
+    if not np.isfinite(birge):
+        raise EstimationError(
+            f"the delays of {len(group)} recordings have no finite scatter: {delay}; check the frames"
+        )
+    return birge
+
+
+def _run_to_run(fits: list[EdgeDelayFit]) -> Array:
+    """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1.
+
+    Only where four or more recordings at one speed tell it: fewer say little about their scatter.
+    """
+    factor = np.ones(len(fits))
+    for _, members in _by_speed(fits):
+        if len(members) >= _RUNS_THAT_TELL:
+            factor[members] = max(1.0, _birge_ratio([fits[k] for k in members]) ** 2)
+    return factor
+
+
+def _birge_remark(fits: list[EdgeDelayFit]) -> list[str]:
+    """A doubt where recordings at the same speed scatter far more than their own uncertainties say."""
+    remarks = []
+    for speed, members in _by_speed(fits):
+        if len(members) < 2:
             continue
-        delay = np.array([fit.edge_delay_s.mean() for fit in group])
-        variance = np.array([fit.covariance_s2.mean() for fit in group])
-        mean = np.average(delay, weights=1 / variance)
-        birge = float(np.sqrt(np.sum((delay - mean) ** 2 / variance) / (len(group) - 1)))
-        if not np.isfinite(birge):
-            raise EstimationError(
-                f"the delays of {len(group)} recordings have no finite scatter: {delay}; check the frames"
-            )
-        if birge > 1 + _SUSPICIOUS_BIRGE / np.sqrt(2 * (len(group) - 1)):
+        birge = _birge_ratio([fits[k] for k in members])
+        if birge > 1 + _SUSPICIOUS_BIRGE / np.sqrt(2 * (len(members) - 1)):
             remarks.append(
-                f"{len(group)} recordings at {speed:.4g} Hz scatter {birge:.2f} times more than their noise explains "
+                f"{len(members)} recordings at {speed:.4g} Hz scatter {birge:.2f} times more than their noise explains "
                 "(Birge ratio); something changed between them"
             )
     return remarks

@@ -12,6 +12,7 @@ from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
 
 TURN = 2 * np.pi
+_LARGEST_ROLL_RAD = 0.5
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
 
@@ -78,19 +79,32 @@ def geometry(
     ]
     if u_shift is not None:
         budget.append(("mask beside the axle (image)", "A", u_shift))
-    if opening.centre_angle_rad.standard_uncertainty == 0:
-        warnings += (
-            "rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too small",
-        )
+    roll = _camera_roll(recordings, opening.centre_angle_rad.value)
+    warnings += _doubts(rig, roll if off_axle_mask else None)
     return WheelGeometry(
         model=model,
         gates=gates,
         angle_budget=tuple(budget),
         u_edge_rad=u_edge,
         edges_from=edges_from,
-        camera_roll_rad=_camera_roll(recordings, opening.centre_angle_rad.value),
+        camera_roll_rad=roll,
         warnings=warnings,
     )
+
+
+def _doubts(rig: Rig, roll_rad: float | None) -> tuple[str, ...]:
+    """What is missing in rig.toml, or does not fit the image."""
+    doubts = []
+    if rig.mask_opening.centre_angle_rad.standard_uncertainty == 0:
+        doubts.append(
+            "rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too small"
+        )
+    if roll_rad is not None and abs(roll_rad) > _LARGEST_ROLL_RAD:
+        doubts.append(
+            f"the mask stands {np.degrees(roll_rad):+.0f} deg beside its place in rig.toml, more than a rolled camera explains; "
+            "check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored"
+        )
+    return tuple(doubts)
 
 
 def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None, str, tuple[str, ...]]:

@@ -68,8 +68,8 @@ def reduce(
     triggers = wheel_angles.frame_trigger_ticks(recording)
     angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
     found = opening.find(recording, correct, choices=choices, before=before)
-    tally = _measure(recording, found, correct, angle, progress)
-    count, total, dead = _gathered(tally, found)
+    tally, dead = _measured_alive(recording, found, correct, angle, progress)
+    count, total = _gathered(tally, found)
     kept, remarks = _kept(recording, angle, dead)
     settled = _settled(recording, found, correct, np.where(kept, angle, np.nan), total)
     axle = axle_view.locate(
@@ -117,7 +117,8 @@ def _measure(
 ) -> _Tally:
     """The single pass: counts, sums, pixels at the limits and the second harmonic of every pixel.
 
-    Frames without a wheel angle and dead frames have no part in the harmonic.
+    Frames without a wheel angle have no part in the harmonic; each other one counts by its share of the turn, so that a lost
+    frame is stood in for by its neighbours.
     """
     rows, columns = slice(found.roi[0], found.roi[1]), slice(found.roi[2], found.roi[3])
     thresholds = np.ascontiguousarray(nonuniformity.raw_thresholds(found.threshold_dn, correct)[rows, columns])
@@ -125,7 +126,9 @@ def _measure(
     constant = float(np.sum(found.weight * correct.offset_dn[rows, columns]))
     full_scale = 2**recording.bit_depth - 1
     tally = _Tally(harmonic=np.zeros((2, *weights.shape)))
-    known = np.where(np.isfinite(angle), np.stack([np.cos(2 * angle), np.sin(2 * angle)]), 0).astype(np.float32)
+    share = _share_of_turn(angle, _samples_per_turn(recording))
+    wave = np.stack([np.cos(2 * angle), np.sin(2 * angle)])
+    weighted = np.where(share > 0, share * wave, 0.0).astype(np.float32)
     for first, block in recording.frames.blocks():
         part = block[:, rows, columns]
         now = slice(first, first + len(block))
@@ -135,19 +138,47 @@ def _measure(
         tally.zeros.append(zeros)
         tally.full.append(full)
         block_harmonic = np.zeros(tally.harmonic.shape, np.float32)
-        phase = np.where(_dead(zeros, full, weights.size), np.float32(0), known[:, now])
-        kernels.add_harmonic(part, phase[0], phase[1], block_harmonic)
+        kernels.add_harmonic(part, weighted[0, now], weighted[1, now], block_harmonic)
         tally.harmonic += block_harmonic
-        tally.turning += phase.sum(axis=1, dtype=float)
+        tally.turning += weighted[:, now].sum(axis=1, dtype=float)
         progress(first + len(block))
     return tally
 
 
-def _gathered(tally: _Tally, found: Opening) -> tuple[Ticks, Array, np.ndarray]:
-    """Pixels on the open side of the threshold, pixel sum, and whether the frame is dead, each of shape (n_frame,)."""
-    count, zeros, full = (np.concatenate(part) for part in (tally.count, tally.zeros, tally.full))
+def _share_of_turn(angle: Array, samples_per_turn: int) -> Array:
+    """How much of the turn each frame stands for, shape (n_frame,), mean about 1; 0 for a frame without an angle.
+
+    Frames at one nominal angle share what lies half-way to the nearest nominal angles that were seen.
+    """
+    known = np.isfinite(angle)
+    sample = np.mod(np.rint(np.where(known, angle, 0.0) / TURN * samples_per_turn).astype(int), samples_per_turn)
+    count = np.bincount(sample[known], minlength=samples_per_turn)
+    seen = np.flatnonzero(count)
+    if seen.size < 3:
+        return known.astype(float)
+    gap = np.diff(seen, append=seen[0] + samples_per_turn)
+    span = np.zeros(samples_per_turn)
+    span[seen] = (gap + np.roll(gap, 1)) / 2
+    share = np.where(known, span[sample] / np.maximum(count[sample], 1), 0.0)
+    return np.asarray(share * known.sum() / share.sum())
+
+
+def _measured_alive(
+    recording: Recording, found: Opening, correct: Correction, angle: Array, progress: Callable[[int], None]
+) -> tuple[_Tally, np.ndarray]:
+    """The pass, and which frames are dead: if there are any, it is made again, for their neighbours to stand in for them."""
+    tally = _measure(recording, found, correct, angle, progress)
+    dead = _dead(np.concatenate(tally.zeros), np.concatenate(tally.full), found.weight.size)
+    if dead.any():
+        tally = _measure(recording, found, correct, np.where(dead, np.nan, angle), progress)
+    return tally, dead
+
+
+def _gathered(tally: _Tally, found: Opening) -> tuple[Ticks, Array]:
+    """Pixels on the open side of the threshold, and pixel sum, each of shape (n_frame,)."""
+    count = np.concatenate(tally.count)
     open_side = count if found.peaks_dn[1] > found.peaks_dn[0] else found.weight.size - count
-    return open_side, np.concatenate(tally.total), _dead(zeros, full, found.weight.size)
+    return open_side, np.concatenate(tally.total)
 
 
 def _without_mean(tally: _Tally, found: Opening, correct: Correction) -> Array:

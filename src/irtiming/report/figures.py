@@ -71,7 +71,7 @@ def fitted(evidence: Evidence) -> Panel:
 def mean_frames(evidence: Evidence) -> Panel:
     """What was found in the frames."""
     others = len(evidence.recordings) - 1
-    more = f" The other recording{'s were' if others > 1 else ' was'} treated alike, by itself." if others else ""
+    more = f" The other recording{'s share' if others > 1 else ' shares'} this region." if others else ""
     return Panel(
         title="The mask opening as the camera sees it",
         caption="Left: mean frame with the wheel open. Right: open minus covered. The summed region holds the opening with its "

@@ -132,7 +132,11 @@ def _paper_cells(measured: float | None, u: float | None, deviation: float | Non
     """As printed, to the last digit."""
     if measured is None or u is None or deviation is None:
         return "–", "–", "–"
-    return f"{measured / MS:.3f}", f"{u / US:.3f}", fixed(deviation / US, 3)
+    return (
+        f"{measured / MS:.3f}",
+        f"{u / US:.3f}",
+        fixed(deviation / US, 3),
+    )
 
 
 def beside_the_paper(evidence: Evidence) -> Table:

@@ -114,7 +114,7 @@ CASES = {
     "no integration time": (
         lambda file: file.__delitem__(f"{CAMERA}/count_time"),
         "warning",
-        ["count_time is absent or unreadable in a photon recording: the middle"],
+        ["count_time is absent or unreadable in a photon recording: analyse can then give the middle"],
     ),
     "no reference": (
         lambda file: file.__delitem__(REFERENCE),
