@@ -22,6 +22,7 @@ from irtiming.records.reduced import Choices
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import Scene, paper_scene, with_wheel_speed
 
+PAPER_SPLIT_US = 567.74 - 488.91
 LEVELS = (0.34, 0.42, 0.50, 0.58, 0.66)
 PERFECT = twin.Tolerances(
     ring_edge_rad=2e-4, cutout_error_rad=0, slot_error_rad=0, slot_eccentricity_rad=0, beam_m=0, mask_angle_rad=0,
@@ -105,8 +106,8 @@ def _curves(axes: Axes, results: dict[Case, tuple[list[float], float]], title: s
         axes.plot(LEVELS, counted, "o-", color=f"C{number}", label=str(case))
         axes.plot(0.5, summed, "x", color=f"C{number}", markersize=9, markeredgewidth=2)
     axes.axhline(0, color="0.6", linewidth=0.8)
-    axes.axhline(78.85, color="0.3", linestyle=":", linewidth=1)
-    axes.annotate("Schatz 2023: 78.85 µs", (0.34, 78.85), xytext=(0, 3), textcoords="offset points", fontsize=8)
+    axes.axhline(PAPER_SPLIT_US, color="0.3", linestyle=":", linewidth=1)
+    axes.annotate(f"Schatz 2023: {PAPER_SPLIT_US:.2f} µs", (0.34, PAPER_SPLIT_US), xytext=(0, 3), textcoords="offset points", fontsize=8)
     axes.set_xlabel("threshold between the peaks (0 wheel, 1 blackbody)")
     axes.set_title(title, fontsize=10)
     axes.legend(fontsize=8, title="o counts   × sums", title_fontsize=8)
