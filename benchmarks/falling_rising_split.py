@@ -107,7 +107,8 @@ def _curves(axes: Axes, results: dict[Case, tuple[list[float], float]], title: s
         axes.plot(0.5, summed, "x", color=f"C{number}", markersize=9, markeredgewidth=2)
     axes.axhline(0, color="0.6", linewidth=0.8)
     axes.axhline(PAPER_SPLIT_US, color="0.3", linestyle=":", linewidth=1)
-    axes.annotate(f"Schatz 2023: {PAPER_SPLIT_US:.2f} µs", (0.34, PAPER_SPLIT_US), xytext=(0, 3), textcoords="offset points", fontsize=8)
+    words = f"Schatz 2023: {PAPER_SPLIT_US:.2f} µs"
+    axes.annotate(words, (0.34, PAPER_SPLIT_US), xytext=(0, 3), textcoords="offset points", fontsize=8)
     axes.set_xlabel("threshold between the peaks (0 wheel, 1 blackbody)")
     axes.set_title(title, fontsize=10)
     axes.legend(fontsize=8, title="o counts   × sums", title_fontsize=8)
