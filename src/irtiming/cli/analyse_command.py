@@ -68,12 +68,12 @@ def analyse(
     owner = rig_file.read_rig(rig)
     with shown("frames") as told:
         analysis = run_analysis((reader.read(path) for path in recording), owner, choices=choices, progress=told)
-    print_result(analysis, Console())
     found = certificate.report(analysis)
     if json is not None:
         result_file.write_result(found.result, json)
     if report is not None:
         result_file.write_atomically(found.page, report)
+    print_result(analysis, Console())
 
 
 def _numbers(text: str, n: int, option: str) -> list[float]:

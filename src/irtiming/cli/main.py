@@ -3,6 +3,7 @@
 Exit status: 0 done, 2 unusable input with one line on standard error that says what is, what must be and what to do.
 """
 
+import os
 import sys
 from typing import NoReturn
 
@@ -31,6 +32,8 @@ def run() -> None:
     """Run the command line; what the user can cure ends in one line and exit status 2."""
     try:
         app()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # whoever read the output has enough of it
     except (IrTimingError, OSError) as error:
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
         _end(f"{error}{notes}", 2)
