@@ -24,6 +24,7 @@ _KEYS = {
 _ROTATIONS = ("clockwise", "counterclockwise")
 _FROM_IDEAL_DEG = 10.0
 _LARGEST = 1e12
+_SMALLEST_HALF_SEPARATION_MM = 1.0
 _LARGEST_MM = 1000.0
 _HALF_TURN_TOLERANCE_RAD = 1e-3
 
@@ -218,10 +219,10 @@ def _light_gates(section: _Section, wheel: _Section) -> LightGates:
         height_difference_m=section.measured("height_difference", "mm", limits=(0.0, _LARGEST_MM)),
         whole_slots_between=section.count("whole_slots_between", (0, most)),
     )
-    if gates.half_separation_m.value == 0:
-        raise section.impossible(
-            "half_separation_mm", "= 0 mm", cure="it must be greater than 0: half the beams' distance"
-        )
+    half_mm = 1e3 * gates.half_separation_m.value
+    if half_mm < _SMALLEST_HALF_SEPARATION_MM:
+        cure = f"it must be greater than {_SMALLEST_HALF_SEPARATION_MM:g} mm: half the beams' distance, in millimetres"
+        raise section.impossible("half_separation_mm", f"= {half_mm:g} mm", cure=cure)
     return gates
 
 
