@@ -13,13 +13,12 @@ from scipy.optimize import least_squares
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import shared_residual
-from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
+from irtiming.physics.wheel import EDGE_SIGNS, TURN, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 
-TURN = 2 * np.pi
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
 _LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm

@@ -10,10 +10,10 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
 
-TURN = 2 * np.pi
 _BINS = 200
 _ALL_NOISE = 0.8  # of the residual power: the estimate itself scatters by 0.1, so more is taken as noise alone
 

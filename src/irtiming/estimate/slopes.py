@@ -3,12 +3,11 @@
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, slope_centres_rad
+from irtiming.physics.wheel import EDGE_SIGNS, TURN, WheelModel, slope_centres_rad
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import PublishedFit, SlopeLine
 from irtiming.records.reduced import ExposedFraction
 
-TURN = 2 * np.pi
 _FEWEST_POINTS = 10
 
 

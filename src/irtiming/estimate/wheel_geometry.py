@@ -6,12 +6,11 @@ from typing import Literal, final
 import numpy as np
 
 from irtiming.physics.light_gates import GateAngles, gate_angles
-from irtiming.physics.wheel import EdgeAngles, WheelModel, wheel_model
+from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
 
-TURN = 2 * np.pi
 _LARGEST_ROLL_RAD = 0.5
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 

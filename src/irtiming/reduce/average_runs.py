@@ -3,12 +3,12 @@
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import ExposedFraction, ReducedRecording
 from irtiming.reduce import plateaus
 
-TURN = 2 * np.pi
 _VISITS_FOR_OWN_SCATTER = 5  # with fewer, all points share one pooled scatter
 
 

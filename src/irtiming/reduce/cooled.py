@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
@@ -15,7 +16,6 @@ from irtiming.records.rig import Rig
 from irtiming.reduce import axle_view, kernels, nonuniformity, opening, plateaus, wheel_angles
 from irtiming.reduce.nonuniformity import Correction
 
-TURN = 2 * np.pi
 _DEAD_SHARE = 0.05
 _FEWEST_FRAMES = 100
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges

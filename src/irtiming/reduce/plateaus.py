@@ -4,9 +4,9 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 
-TURN = 2 * np.pi
 _MIDDLE = (0.2, 0.8)
 _SMOOTHED = 5  # neighbouring points that a running median takes together
 _EXTREME = 0.01  # of the points may lie beyond the levels

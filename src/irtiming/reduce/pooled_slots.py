@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_track import WheelTrack
-
-TURN = 2 * np.pi
 
 
 def pool(tracks: list[WheelTrack]) -> list[WheelTrack]:

@@ -6,6 +6,7 @@ from typing import Literal, final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReferenceEdge
@@ -14,7 +15,6 @@ from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.edge_train import EdgeTrain, number_edges
 from irtiming.reduce.slot_table import SlotTable, equal_slots, learn_slots
 
-TURN = 2 * np.pi
 _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 
 

@@ -6,13 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from irtiming.physics.wheel import WheelModel, corner_angles_rad, exposed_fraction, slope_centres_rad
+from irtiming.physics.wheel import TURN, WheelModel, corner_angles_rad, exposed_fraction, slope_centres_rad
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit, SlopeLine
 from irtiming.report import sheet
 from irtiming.report.evidence import Evidence
 
-TURN = 2 * np.pi
 _MOST_PANELS = 8
 _BINS = 60
 

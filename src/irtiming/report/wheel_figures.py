@@ -3,12 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.report import sheet
 from irtiming.report.evidence import Evidence
 
-TURN = 2 * np.pi
 _PER_MILLION = 1e6
 
 
