@@ -1,0 +1,160 @@
+"""What the exact model of a rolling microbolometer camera is made of, and what its fit gives for one recording."""
+
+from dataclasses import dataclass
+from typing import final
+
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.rolling import ComplexArray
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SectorShape:
+    """Place and shape of the mask opening in the image: an annular sector, blurred.
+
+    ``axle_row_px``, ``axle_column_px`` say where the wheel's axle appears; polar angles are taken about it. The mask's own
+    arcs have their centre ``offset_row_px``, ``offset_column_px`` beside it, and radii about that centre. ``bisector_rad`` is
+    the direction of the mask's bisector, ``opening_angle_rad`` gamma, ``blur_px`` the standard deviation of the Gaussian that
+    smears light along rows and along columns. ``mirrored`` is true for a counterclockwise wheel: then columns are counted
+    leftwards from the axle, and polar angles, bisector and column offset with them.
+    """
+
+    axle_row_px: float
+    axle_column_px: float
+    offset_row_px: float
+    offset_column_px: float
+    inner_radius_px: float
+    outer_radius_px: float
+    bisector_rad: float
+    opening_angle_rad: float
+    blur_px: float
+    mirrored: bool = False
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SectorFit:
+    """The sector fitted to the contrast image.
+
+    Parameters
+    ----------
+    shape, covariance
+        The sector; covariance (9, 9) of its numbers, in their order.
+    contrast
+        Shape (roi rows, roi columns); how much each pixel takes part, as measured: about 1 for a pixel wholly in the light.
+    model_contrast
+        The same by the sector alone.
+    plate, plate_angle_rad
+        What the mask plate beside the opening adds (it is seen where the wheel is cut out, and need not be as warm as the
+        wheel), and the polar angle from the bisector at which it acts; shape (roi rows, roi columns).
+    uneven, uneven_angle_rad
+        A smooth field where the cutouts pass, since the solid wheel mirrors the camera unevenly; same shape.
+    hills
+        Root mean square height of the hills that the field is made of.
+    excess, excess_angle_rad
+        What is left beyond that and beyond noise, pixel gains that differ and burrs of the mask; same shape.
+    gain_scatter, border_scatter
+        Standard deviation of a pixel's contrast beyond noise, well inside and on the border of the opening.
+    phase_rad
+        Phase of the image beyond what the timing explains.
+    ring_radii_px
+        Between which radii the wheel's cutouts show the mask plate.
+    row_delay_s, u_row_delay_s
+        Row delay as the phases of the contrast image give it: a check on the row sums.
+    reduced_chi_square
+        Of the image; above 1 where the opening is no perfect sector.
+    roi
+        First row, end row, first column, end column, ends excluded.
+    n_rounds
+        How often it was fitted, each time with the timing of the last.
+    """
+
+    shape: SectorShape
+    covariance: Array
+    contrast: Array
+    model_contrast: Array
+    plate: Array
+    plate_angle_rad: Array
+    uneven: Array
+    uneven_angle_rad: Array
+    hills: float
+    excess: Array
+    excess_angle_rad: Array
+    gain_scatter: float
+    border_scatter: float
+    phase_rad: float
+    ring_radii_px: tuple[float, float]
+    row_delay_s: float
+    u_row_delay_s: float
+    reduced_chi_square: float
+    roi: tuple[int, int, int, int]
+    n_rounds: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowTimingFit:
+    """The exact model fitted to the row sums of one recording.
+
+    Parameters
+    ----------
+    edge_delay_s
+        Shape (4,); delay of row 0 as the passing of each wheel edge 0..3 gives it, set delay taken off.
+    time_constant_s, row_delay_s
+        tau and t_row.
+    covariance_s2
+        Shape (6, 6), in the order of the four edge delays, tau, t_row: from the residuals.
+    shape_effect
+        Shape (6, 9); change of the six per unit of each number of the sector's shape.
+    start_s
+        Where the search began: delay, tau, t_row.
+    n_steps
+        Steps from there.
+    row_px
+        Shape (n_row,); rows that were fitted.
+    wheel_angle_rad
+        Shape (n,), at the trigger plus the set delay, in [0, 2 pi); frames in the order of the recording.
+    fraction, model, residual
+        Shape (n, n_row); row sums over each row's gain and offset, opening fraction; the model; their difference.
+    noise
+        Shape (n_row,); standard deviation of the residuals.
+    harmonics
+        Shape (n_row, M + 1); the model, harmonics over ``wheel_angle_rad``.
+    gain_dn
+        Shape (n_row,); row sum from covered to open, DN; negative for a cold blackbody.
+    widening
+        Factor on the variances because the residuals are correlated; 1 when they are white.
+    """
+
+    name: str
+    trigger_delay_time_set_s: float
+    angular_frequency_rad_per_s: float
+    edge_delay_s: Array
+    time_constant_s: float
+    row_delay_s: float
+    covariance_s2: Array
+    shape_effect: Array
+    start_s: tuple[float, float, float]
+    n_steps: int
+    row_px: Ticks
+    wheel_angle_rad: Array
+    fraction: Array
+    model: Array
+    residual: Array
+    noise: Array
+    harmonics: ComplexArray
+    gain_dn: Array
+    widening: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimeConstantScan:
+    """How much worse the data fit with another time constant, all else at its best.
+
+    Shapes (k,): ``time_constant_s``, and ``deviation``, twice the log-likelihood lost: 1 at one standard uncertainty, were
+    the residuals white.
+    """
+
+    time_constant_s: Array
+    deviation: Array

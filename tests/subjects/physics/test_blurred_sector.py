@@ -1,0 +1,155 @@
+"""A blurred sector against sub-pixels that are counted one by one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from irtiming.physics.blurred_sector import image, light_points, pixel_places, row_harmonics
+from irtiming.records.row_timing import SectorShape
+
+SHAPE = SectorShape(
+    axle_row_px=33.37,
+    axle_column_px=29.61,
+    offset_row_px=0.31,
+    offset_column_px=-0.43,
+    inner_radius_px=7.3,
+    outer_radius_px=26.4,
+    bisector_rad=float(np.radians(-93)),
+    opening_angle_rad=float(np.radians(75)),
+    blur_px=0.8,
+)
+ROI = (2, 36, 5, 55)
+SUB = 16
+
+
+def _counted(shape):
+    """Sub-pixels: row (n,), column (k,), polar angle about the axle from the bisector (n, k), and area in the light, px^2."""
+    place = (np.arange(SUB) + 0.5) / SUB - 0.5
+    row, column = (np.arange(45)[:, None] + place).ravel(), (np.arange(64)[:, None] + place).ravel()
+    down, across = row[:, None] - shape.axle_row_px, column[None, :] - shape.axle_column_px
+    across = -across if shape.mirrored else across
+    own_down, own_across = down - shape.offset_row_px, across - shape.offset_column_px
+    radius = np.hypot(own_down, own_across)
+    beside = np.angle(np.exp(1j * (np.arctan2(own_down, own_across) - shape.bisector_rad)))
+    inside = (
+        (radius > shape.inner_radius_px)
+        & (radius < shape.outer_radius_px)
+        & (np.abs(beside) < shape.opening_angle_rad / 2)
+    )
+    polar = np.angle(np.exp(1j * (np.arctan2(down, across) - shape.bisector_rad)))
+    return row, column, polar, inside / SUB**2
+
+
+def _into(pixels, places, blur):
+    """Share of light from each place that a Gaussian carries into each pixel, shape (place, pixel)."""
+    high, low = ((pixels + half - places[:, None]) / blur for half in (0.5, -0.5))
+    return norm.cdf(high) - norm.cdf(low)
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["clockwise", "counterclockwise"])
+def shape(request):
+    """The sector as a clockwise and as a counterclockwise wheel counts its angles."""
+    return replace(SHAPE, mirrored=request.param)
+
+
+@pytest.mark.parametrize("blur", [0.4, 0.8, 3.0])
+def test_image_is_that_of_the_counted_sub_pixels(shape, blur):
+    """Oracle: 16 x 16 sub-pixels a pixel, each spread by a Gaussian; complex brightness, so that angles count too."""
+    shape = replace(shape, blur_px=blur)
+    row, column, polar, area = _counted(shape)
+    by_row, by_column = _into(np.arange(*ROI[:2]), row, blur), _into(np.arange(*ROI[2:]), column, blur)
+    expected = by_row.T @ (np.exp(-2j * polar) * area) @ by_column
+    points = light_points(shape)
+    found = image(points, np.exp(-2j * points.angle_rad), blur_px=blur, roi=ROI)
+    assert found.shape == (34, 50)
+    np.testing.assert_allclose(found, expected, atol=0.012)  # the border is jagged by a sixteenth of a pixel
+    assert np.abs(found - expected).mean() < 6e-4
+
+
+def test_row_harmonics_are_the_sums_over_the_sub_pixels(shape):
+    """Oracle: exp(-i m angle) added up over the sub-pixels, times the share that falls into the row."""
+    row, _, polar, area = _counted(shape)
+    rows = np.array([9, 5, 20, 28, 40])
+    by_line = np.stack([(np.exp(-1j * m * polar) * area).sum(axis=1) for m in range(31)], axis=1)
+    expected = _into(rows, row, SHAPE.blur_px).T @ by_line
+    found = row_harmonics(light_points(shape), rows, blur_px=SHAPE.blur_px, n_harmonics=30)
+    np.testing.assert_allclose(found, expected, atol=0.05)
+    size = np.abs(expected[:, 0]).max()
+    assert np.abs(found - expected).max() / size < 2e-3
+
+
+def test_light_is_as_much_as_the_sector_is_large():
+    """Oracle: gamma (R^2 - r^2) / 2, before and after the blur, and whichever way it is added up."""
+    area = SHAPE.opening_angle_rad * (SHAPE.outer_radius_px**2 - SHAPE.inner_radius_px**2) / 2
+    points = light_points(SHAPE)
+    assert points.area_px2.sum() == pytest.approx(area, rel=1e-12)
+    for blur in (0.5, 2.0):
+        points = light_points(replace(SHAPE, blur_px=blur))
+        whole = image(points, np.ones(points.row_px.size, complex), blur_px=blur, roi=(-20, 80, -20, 90))
+        assert whole.sum().real == pytest.approx(area, rel=1e-6)
+        rows = row_harmonics(points, np.arange(-20, 80), blur_px=blur, n_harmonics=3)
+        np.testing.assert_allclose(rows[:, 0].real, whole.sum(axis=1).real, atol=2e-5)
+        np.testing.assert_array_equal(rows[:, 0].imag, 0)
+
+
+def test_quadrature_is_fine_enough():
+    """Oracle: the same with nodes for a quarter of the blur, sixteen times as many."""
+    rows = np.arange(5, 34)
+    coarse, fine = light_points(SHAPE), light_points(replace(SHAPE, blur_px=SHAPE.blur_px / 4))
+    assert fine.row_px.size > 10 * coarse.row_px.size
+    few, many = (row_harmonics(p, rows, blur_px=SHAPE.blur_px, n_harmonics=64) for p in (coarse, fine))
+    np.testing.assert_allclose(few, many, atol=2e-5)
+
+
+def test_a_mirrored_sector_is_the_mirror_image():
+    """Oracle: the image read backwards about the axle's column; rows and their angles stay."""
+    straight = replace(SHAPE, axle_column_px=30.0)
+    other = replace(straight, mirrored=True)
+    one, two = (
+        image(p, np.exp(1j * p.angle_rad), blur_px=SHAPE.blur_px, roi=(0, 40, 0, 61))
+        for p in (light_points(straight), light_points(other))
+    )
+    np.testing.assert_allclose(two, one[:, ::-1], atol=1e-12)
+    rows = np.arange(8, 30)
+    harmonics = [row_harmonics(light_points(s), rows, blur_px=0.8, n_harmonics=9) for s in (straight, other)]
+    np.testing.assert_allclose(harmonics[0], harmonics[1], atol=1e-12)
+
+
+def test_one_point_of_light_is_spread_as_a_gaussian():
+    """Oracle: products of differences of the normal distribution (scipy.stats), up to five blurs away."""
+    points = light_points(SHAPE)
+    value = np.zeros(points.row_px.size, complex)
+    value[100] = (2 - 1j) / points.area_px2[100]
+    found = image(points, value, blur_px=0.8, roi=ROI)
+    expected = np.outer(
+        _into(np.arange(*ROI[:2]), points.row_px[100:101], 0.8),
+        _into(np.arange(*ROI[2:]), points.column_px[100:101], 0.8),
+    )
+    np.testing.assert_allclose(found, (2 - 1j) * expected, atol=1e-6)
+
+
+def test_places_of_the_pixels_are_their_polar_coordinates(shape):
+    """Oracle: by hand for the pixel four rows above and three columns beside the axle, and a turn all around."""
+    at_axle = replace(shape, axle_row_px=20.0, axle_column_px=30.0, bisector_rad=float(np.radians(-90)))
+    angle, radius = pixel_places(at_axle, roi=(16, 25, 27, 34))
+    assert radius[0, 0] == pytest.approx(5)
+    assert abs(angle[0, 0]) == pytest.approx(np.arctan2(3, 4))
+    assert np.sign(angle[0, 0]) == (1 if shape.mirrored else -1)  # a wheel's own sense counts as clockwise
+    assert angle[0, 3] == pytest.approx(0)
+    assert np.all((angle >= -np.pi) & (angle < np.pi))
+    assert angle.shape == radius.shape == (9, 7)
+
+
+def test_angles_are_taken_about_the_axle_not_about_the_mask():
+    """Oracle: arctan2 of each node about the axle; the mask's own centre lies beside it."""
+    points = light_points(SHAPE)
+    polar = np.arctan2(points.row_px - SHAPE.axle_row_px, points.column_px - SHAPE.axle_column_px) - SHAPE.bisector_rad
+    np.testing.assert_allclose(np.exp(1j * points.angle_rad), np.exp(1j * polar), atol=1e-12)
+    own = np.hypot(
+        points.row_px - SHAPE.axle_row_px - SHAPE.offset_row_px,
+        points.column_px - SHAPE.axle_column_px - SHAPE.offset_column_px,
+    )
+    assert own.min() > SHAPE.inner_radius_px
+    assert own.max() < SHAPE.outer_radius_px
