@@ -8,7 +8,7 @@ import typer
 
 from irtiming.cli.progress import Told, shown
 from irtiming.errors import ArchiveError, PlanError
-from irtiming.units import seconds
+from irtiming.units import readable_time, seconds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -16,18 +16,45 @@ if TYPE_CHECKING:
     from irtiming.records.recording import Recording
     from irtiming.records.rig import Rotation
     from irtiming.twin.rig import SimulatedRig
-    from irtiming.twin.scene import Scene
+    from irtiming.twin.scene import Scene, Timing
+
+_SHORTEST_S = 1e-6
+_STEEPEST_DRIFT = 1000.0  # DN per second
 
 OutDir = Annotated[Path, typer.Argument(help="Folder for the recordings; made if it is not there.")]
-Camera = Annotated[Literal["photon"], typer.Option(help="Kind of camera.")]
-Rows = Annotated[int, typer.Option(min=16, max=4096, help="Pixels down the image.")]
+Camera = Annotated[Literal["photon", "microbolometer"], typer.Option(help="Snapshot or rolling camera.")]
+Rows = Annotated[
+    int | None, typer.Option(min=16, max=4096, help="Pixels down the image: 512, of a microbolometer 480.")
+]
 Columns = Annotated[int, typer.Option(min=16, max=4096, help="Pixels across the image.")]
 Delays = Annotated[list[str] | None, typer.Option("--delay", help="Extra trigger delay, such as '25 ms'; repeatable.")]
 WheelRates = Annotated[list[float] | None, typer.Option("--wheel-hz", help="Wheel rate in Hz; repeatable.")]
 FrameRate = Annotated[float, typer.Option(help="Frame rate to come near to, in Hz.")]
 Runs = Annotated[int, typer.Option(min=1, help="Runs for each delay and wheel rate.")]
 Frames = Annotated[int, typer.Option(min=1, help="Triggers in a run, and samples per turn of the wheel.")]
-Integration = Annotated[str, typer.Option("--integration-time", help="Integration time, such as '250 us'.")]
+Integration = Annotated[
+    str | None, typer.Option("--integration-time", help="Integration time of a photon camera; 250 us if not given.")
+]
+TriggerDelay = Annotated[
+    str | None, typer.Option("--trigger-delay", help="The camera's own delay, such as '3.9 ms'; else drawn at random.")
+]
+TimeConstant = Annotated[
+    str | None, typer.Option("--time-constant", help="Lag of a microbolometer, such as '6 ms'; else drawn at random.")
+]
+RowDelay = Annotated[
+    str | None,
+    typer.Option(
+        "--row-delay",
+        help="Between rows of a microbolometer: '38.76 us', or '-40 us' from the last row up; else drawn.",
+    ),
+]
+NucAt = Annotated[
+    list[str] | None,
+    typer.Option("--nuc-at", help="A microbolometer closes its shutter this long after the first trigger; repeatable."),
+]
+DriftRate = Annotated[
+    float | None, typer.Option("--drift-dn-per-s", help="Drift of a microbolometer's values, DN per second.")
+]
 Seed = Annotated[int, typer.Option(min=0, help="Draws rig and runs; the same seed gives the same files.")]
 Blur = Annotated[float, typer.Option(min=0, max=20, help="Optical blur in pixels, standard deviation.")]
 Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirror the rig: wheel, gates and image.")]
@@ -50,17 +77,53 @@ class _Series:
     seed: int
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Asked:
+    """What the user wants of the camera, as it was typed; None where nothing was said."""
+
+    camera: Literal["photon", "microbolometer"]
+    integration_time: str | None
+    trigger_delay: str | None
+    time_constant: str | None
+    row_delay: str | None
+    nuc_at: tuple[str, ...]
+    drift_dn_per_s: float | None
+
+    def refuse_foreign(self) -> None:
+        """Refuse options that make no sense for this kind of camera."""
+        foreign: dict[str, object] = {"--integration-time": self.integration_time}
+        if self.camera == "photon":
+            foreign = {
+                "--time-constant": self.time_constant,
+                "--row-delay": self.row_delay,
+                "--nuc-at": self.nuc_at or None,
+                "--drift-dn-per-s": self.drift_dn_per_s,
+            }
+        given = [option for option, value in foreign.items() if value is not None]
+        if given:
+            raise PlanError(
+                f"{', '.join(given)} with --camera {self.camera}, which has no such thing; leave out "
+                f"{given[0]}, or take --camera {'microbolometer' if self.camera == 'photon' else 'photon'}"
+            )
+
+
 def simulate(
     out_dir: OutDir,
     camera: Camera = "photon",
-    rows: Rows = 512,
+    rows: Rows = None,
     columns: Columns = 640,
     delay: Delays = None,
     wheel_hz: WheelRates = None,
     frame_hz: FrameRate = 30.303,
     runs: Runs = 1,
     frames: Frames = 1000,
-    integration_time: Integration = "250 us",
+    integration_time: Integration = None,
+    trigger_delay: TriggerDelay = None,
+    time_constant: TimeConstant = None,
+    row_delay: RowDelay = None,
+    nuc_at: NucAt = None,
+    drift_dn_per_s: DriftRate = None,
     seed: Seed = 1,
     blur_px: Blur = 0.7,
     counterclockwise: Counterclockwise = False,
@@ -76,20 +139,28 @@ def simulate(
     """
     from irtiming.archive.result_file import write_result
     from irtiming.twin.rig import draw
-    from irtiming.twin.scene import paper_scene
 
-    nominal = paper_scene(rows, columns)
+    asked = _Asked(
+        camera=camera,
+        integration_time=integration_time,
+        trigger_delay=trigger_delay,
+        time_constant=time_constant,
+        row_delay=row_delay,
+        nuc_at=tuple(nuc_at or ()),
+        drift_dn_per_s=drift_dn_per_s,
+    )
+    nominal = _nominal(asked, rows, columns)
     rotation: Rotation = "counterclockwise" if counterclockwise else "clockwise"
     nominal = replace(
         nominal,
         wheel=replace(nominal.wheel, rotation=rotation),
         optics=replace(nominal.optics, blur_px=blur_px, distortion=distortion),
-        timing=replace(nominal.timing, integration_time_s=_positive(integration_time)),
         faults=replace(nominal.faults, lost_frames=lost_frames),
     )
     if lost_frames >= frames:
         raise PlanError(f"{lost_frames} lost frames of {frames} were asked for; at least one must be left")
     rig = draw(nominal, seed=seed)
+    rig = replace(rig, scene=replace(rig.scene, timing=_stated(rig.scene.timing, asked)))
     if mask_offset_mm is not None:
         mask = replace(rig.scene.mask, centre_x_m=mask_offset_mm * 1e-3, centre_y_m=0.0)
         rig = replace(rig, scene=replace(rig.scene, mask=mask))
@@ -106,11 +177,49 @@ def simulate(
         write_result({"camera": camera, "seed": seed, **files}, json)
 
 
-def _positive(text: str) -> float:
-    """Time in seconds that cannot be zero."""
+def _nominal(asked: _Asked, rows: int | None, columns: int) -> "Scene":
+    """Scene of the paper for this kind of camera, with what was asked for that is never drawn."""
+    from irtiming.twin.scene import microbolometer_scene, paper_scene
+    from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
+
+    asked.refuse_foreign()
+    if asked.camera == "photon":
+        return paper_scene(rows or 512, columns)
+    scene = microbolometer_scene(rows or 480, columns)
+    drift = asked.drift_dn_per_s or 0.0
+    if not abs(drift) <= _STEEPEST_DRIFT:
+        raise PlanError(f"a drift of {drift} DN per second was asked for; it must lie within +-{_STEEPEST_DRIFT:g}")
+    events = tuple(ShutterEvent(start_s=start_s) for start_s in sorted(seconds(text) for text in asked.nuc_at))
+    return replace(
+        scene,
+        correction=SelfCorrection(events=events),
+        drift=Drift(per_second_dn=drift),
+    )
+
+
+def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
+    """The camera's timing, with what was asked for in place of what was drawn."""
+    from irtiming.twin.scene import CameraTiming
+
+    if asked.trigger_delay is not None:
+        delay_s = _between(asked.trigger_delay, "a trigger delay", lowest_s=0.0)
+        drawn = replace(drawn, trigger_delay_s=delay_s)
+    if isinstance(drawn, CameraTiming):
+        integration_s = _between(asked.integration_time or "250 us", "an integration time", lowest_s=_SHORTEST_S)
+        return replace(drawn, integration_time_s=integration_s)
+    if asked.time_constant is not None:
+        lag_s = _between(asked.time_constant, "a time constant", lowest_s=_SHORTEST_S)
+        drawn = replace(drawn, time_constant_s=lag_s)
+    if asked.row_delay is not None:
+        drawn = replace(drawn, row_delay_s=_between(asked.row_delay, "a row delay", lowest_s=-1.0))
+    return drawn
+
+
+def _between(text: str, what: str, *, lowest_s: float) -> float:
+    """Time in seconds from the lowest that can be to one second."""
     time_s = seconds(text)
-    if not 0 < time_s < 1:
-        raise PlanError(f"an integration time of '{text}' was asked for; it must lie between 0 and 1 s")
+    if not lowest_s <= time_s <= 1:
+        raise PlanError(f"{what} of '{text}' was asked for; it must lie between {readable_time(lowest_s)} and 1 s")
     return time_s
 
 
@@ -123,6 +232,8 @@ def _write_all(rig: "SimulatedRig", wanted: _Series, out_dir: Path) -> dict[str,
     from irtiming.twin.rig import truth
 
     scenes = _scenes(rig.scene, wanted)
+    for scene in scenes:
+        _refuse_impossible(scene)
     try:
         out_dir.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -149,6 +260,21 @@ def _write_all(rig: "SimulatedRig", wanted: _Series, out_dir: Path) -> dict[str,
         "rig": str(out_dir / "rig.toml"),
         "truth": str(out_dir / "truth.json"),
     }
+
+
+def _refuse_impossible(scene: "Scene") -> None:
+    """Refuse rows that take longer than a frame, and a correction outside the run."""
+    from irtiming.twin.bolometer import refuse_slow_readout
+
+    refuse_slow_readout(scene)
+    trigger = scene.trigger
+    run_s = trigger.n_triggers * trigger.camera_period_ticks / trigger.clock_frequency_hz
+    for event in scene.correction.events:
+        if not -event.duration_s < event.start_s < run_s:
+            raise PlanError(
+                f"--nuc-at {readable_time(event.start_s)} lies outside the run of {readable_time(run_s)}; "
+                "give a time within it, or more --frames"
+            )
 
 
 def _share_of(told: Told, name: str, *, before: int, total: int) -> "Callable[[int, int], None]":

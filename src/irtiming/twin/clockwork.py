@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.twin.noise import generator
-from irtiming.twin.scene import EdgeFaults, Scene, SpeedWander, TriggerGenerator
+from irtiming.twin.scene import CameraTiming, EdgeFaults, Scene, SpeedWander, TriggerGenerator
 
 _STEP_S = 100e-6
 _DOUBLE_S = 8e-6
@@ -59,7 +59,7 @@ def spin(scene: Scene, *, seed: int) -> Motion:
     rate = 2 * math.pi * trigger.wheel_hz
     start_s = -trigger.lead_turns / trigger.wheel_hz
     last_s = (trigger.n_triggers - 1) * trigger.camera_period_ticks / trigger.clock_frequency_hz
-    after_s = trigger.trigger_delay_time_set_s + scene.timing.trigger_delay_s + scene.timing.integration_time_s
+    after_s = trigger.trigger_delay_time_set_s + scene.timing.trigger_delay_s + _longest_read_s(scene)
     end_s = last_s + after_s + 1.5 / trigger.wheel_hz
     step_s = min(_STEP_S, 1 / (2000 * trigger.wheel_hz))
     time = start_s + step_s * np.arange(math.ceil((end_s - start_s) / step_s) + 1, dtype=np.float64)
@@ -74,6 +74,13 @@ def spin(scene: Scene, *, seed: int) -> Motion:
     for _ in range(2):  # the ripple hangs on the angle that it changes, by some microradians
         angle = steady + _ripple(scene.wander, angle, rate * step_s)
     return Motion(time_s=time, angle_rad=angle)
+
+
+def _longest_read_s(scene: Scene) -> float:
+    """How long after its trigger delay a frame still takes values."""
+    if isinstance(scene.timing, CameraTiming):
+        return scene.timing.integration_time_s
+    return max(0.0, (scene.detector.rows - 1) * scene.timing.row_delay_s)
 
 
 def _run_in(wander: SpeedWander, step_s: float) -> int:

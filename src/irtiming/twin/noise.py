@@ -3,7 +3,7 @@
 Every random number hangs on (seed, purpose, index), so that any frame can be made again by itself.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, final, get_args
 
 import numpy as np
@@ -26,6 +26,7 @@ Purpose = Literal[
     "reference_low",
     "reference_high",
     "run",
+    "correction",
 ]
 """What a series of random numbers is for; the order counts, so add at the end."""
 
@@ -44,6 +45,7 @@ class FixedPattern:
     offset_dn: Values
     highest_dn: float
     noise_dn: float
+    row_noise_dn: float = 0.0
 
 
 def fixed_pattern(detector: Detector) -> FixedPattern:
@@ -59,7 +61,30 @@ def fixed_pattern(detector: Detector) -> FixedPattern:
     dead = random.choice(gain.size, size=min(detector.dead_pixels, gain.size), replace=False)
     gain.flat[dead] = 0
     offset.flat[dead] = np.where(random.random(dead.size) < 0.5, -1e3, highest + 1e3)
-    return FixedPattern(gain=gain, offset_dn=offset, highest_dn=highest, noise_dn=detector.noise_dn)
+    return FixedPattern(
+        gain=gain,
+        offset_dn=offset,
+        highest_dn=highest,
+        noise_dn=detector.noise_dn,
+        row_noise_dn=detector.row_noise_dn,
+    )
+
+
+def corrected_pattern(detector: Detector, surface_dn: float, *, residual: Values) -> FixedPattern:
+    """Pattern that is left after the camera has corrected itself on a surface of this level.
+
+    Parameters
+    ----------
+    detector
+        Gain and dead pixels.
+    surface_dn
+        Level at which only the residual offset is left.
+    residual
+        Shape (row, column), multiples of the detector's spread of offsets.
+    """
+    pattern = fixed_pattern(detector)
+    offset = detector.offset_spread_dn * residual + (1 - pattern.gain) * surface_dn
+    return replace(pattern, offset_dn=np.where(pattern.gain == 0, pattern.offset_dn, offset).astype(np.float32))
 
 
 def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Generator, out: Pixels) -> None:
@@ -82,6 +107,9 @@ def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Gene
         noise = random.standard_normal(signal_dn.shape, dtype=np.float32)
         noise *= np.float32(pattern.noise_dn)
         signal_dn += noise
+    if pattern.row_noise_dn > 0:
+        row_noise = random.standard_normal((signal_dn.shape[0], 1), dtype=np.float32)
+        signal_dn += row_noise * np.float32(pattern.row_noise_dn)
     np.clip(signal_dn, 0, pattern.highest_dn, out=signal_dn)
     signal_dn += np.float32(0.5)
     out[...] = signal_dn

@@ -38,7 +38,7 @@ class Picture:
 def picture(scene: Scene) -> Picture:
     """Trace the scene's rays and give everything in it its brightness."""
     table = trace(scene)
-    closed = _solid_wheel(scene)
+    closed = solid_wheel(scene)
     behind = closed.ravel()[table.pixel]
     radiance = scene.radiance
     edge = scene.wheel.cutout_edges_rad
@@ -54,7 +54,7 @@ def picture(scene: Scene) -> Picture:
     )
 
 
-def _solid_wheel(scene: Scene) -> Values:
+def solid_wheel(scene: Scene) -> Values:
     """Signal of the solid wheel, DN: its radiation less the cold detector's mirror image in the middle."""
     rows, columns = scene.detector.rows, scene.detector.columns
     row = (np.arange(rows) - (rows - 1) / 2)[:, None]

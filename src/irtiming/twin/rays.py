@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from os import cpu_count
-from typing import Any, NamedTuple, TypeAlias, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from numba import njit
 from scipy.special import ndtri
 
 from irtiming.records.arrays import Array
+from irtiming.twin.kernels import View, in_opening, scatter, to_rig, undistorted, wrapped
 from irtiming.twin.scene import ChopperWheel, MaskPlate, Optics, Scene
 
 Offsets: TypeAlias = npt.NDArray[np.float32]
@@ -25,7 +26,6 @@ Indices: TypeAlias = npt.NDArray[np.int32]
 
 _RAY_BUDGET = 3.4e7
 _MOST_ALONG_PIXEL = 32
-_NEWTON_STEPS = 6
 
 
 @final
@@ -106,29 +106,6 @@ def _gaussian_pairs(n: int) -> Array:
     return both / np.sqrt(np.mean(both**2, axis=0)) if half else both
 
 
-class _View(NamedTuple):
-    """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image."""
-
-    middle_row: float
-    middle_column: float
-    half_diagonal: float
-    distortion: float
-    axle_row: float
-    axle_column: float
-    cos_roll: float
-    sin_roll: float
-    pitch: float
-    mirror: float
-    ring_inner: float
-    ring_outer: float
-    mask_x: float
-    mask_y: float
-    mask_inner: float
-    mask_outer: float
-    mask_centre: float
-    mask_half: float
-
-
 def trace(scene: Scene) -> RayTable:
     """Follow every ray of every pixel once; the wheel turns later.
 
@@ -141,7 +118,7 @@ def trace(scene: Scene) -> RayTable:
 def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, columns: int) -> RayTable:
     along = rays_along_pixel(optics, rows * columns)
     pattern = ray_pattern(along, optics.blur_px)
-    view = _view(wheel, mask, optics, (rows, columns))
+    view = view_of(wheel, mask, optics=optics, shape=(rows, columns))
     steps = (pattern.row_step, pattern.column_step, pattern.sub_row, pattern.sub_column)
     reach = float(max(abs(pattern.row_step).max(), abs(pattern.column_step).max()) + 2) * 2
 
@@ -161,17 +138,17 @@ def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, colu
     )
 
 
-def _view(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, shape: tuple[int, int]) -> _View:
+def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tuple[int, int]) -> View:
     """Numbers of the scene in the form that the kernel reads."""
     middle_row, middle_column = (shape[0] - 1) / 2, (shape[1] - 1) / 2
     half_diagonal = math.hypot(*shape) / 2
-    axle_row, axle_column = _undistorted(
+    axle_row, axle_column = undistorted(
         optics.wheel_centre_row_px - middle_row,
         optics.wheel_centre_column_px - middle_column,
         half_diagonal,
         optics.distortion,
     )
-    return _View(
+    return View(
         middle_row=middle_row,
         middle_column=middle_column,
         half_diagonal=half_diagonal,
@@ -194,62 +171,7 @@ def _view(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, shape: tuple[int
 
 
 @njit(cache=True, nogil=True)
-def _undistorted(row: float, column: float, half_diagonal: float, distortion: float) -> tuple[float, float]:
-    """Where a point seen at (row, column) from the image centre would be without distortion, px.
-
-    Newton's method for r_u in r_d = r_u (1 + k r_u^2), radii in half diagonals.
-    """
-    seen = math.hypot(row, column) / half_diagonal
-    if distortion == 0.0 or seen == 0.0:
-        return row, column
-    radius = seen
-    for _ in range(_NEWTON_STEPS):
-        radius -= (radius * (1 + distortion * radius**2) - seen) / (1 + 3 * distortion * radius**2)
-    return row * radius / seen, column * radius / seen
-
-
-@njit(cache=True, nogil=True)
-def _to_rig(row: float, column: float, view: _View) -> tuple[float, float]:
-    """Point of the rig plane, m from the axle, that appears at this place of the image."""
-    flat_row, flat_column = _undistorted(
-        row - view.middle_row, column - view.middle_column, view.half_diagonal, view.distortion
-    )
-    down = (flat_row - view.axle_row) * view.pitch
-    right = (flat_column - view.axle_column) * view.pitch
-    return right * view.cos_roll + down * view.sin_roll, down * view.cos_roll - right * view.sin_roll
-
-
-@njit(cache=True, nogil=True)
-def _wrapped(angle: float) -> float:
-    """Angle within half a turn of zero."""
-    return angle - 2 * math.pi * math.floor(angle / (2 * math.pi) + 0.5)
-
-
-@njit(cache=True, nogil=True)
-def _in_opening(x: float, y: float, view: _View) -> bool:
-    """Whether a point of the rig plane lies in the mask's annular sector."""
-    x, y = x - view.mask_x, y - view.mask_y
-    radius = math.hypot(x, y)
-    if radius < view.mask_inner or radius > view.mask_outer:
-        return False
-    return abs(_wrapped(math.atan2(y, x) - view.mask_centre)) <= view.mask_half
-
-
-@njit(cache=True, nogil=True)
-def _scatter(row: int, column: int, ray: int) -> tuple[float, float]:
-    """Two random numbers within half of zero that belong to one sub-pixel of the image."""
-    mixed = np.uint64(row + 1024) * np.uint64(0x9E3779B97F4A7C15)
-    mixed ^= np.uint64(column + 1024) * np.uint64(0xC2B2AE3D27D4EB4F)
-    mixed ^= np.uint64(ray + 1) * np.uint64(0x165667B19E3779F9)
-    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    mixed ^= mixed >> np.uint64(31)
-    low, high = mixed & np.uint64(0xFFFFFFFF), mixed >> np.uint64(32)
-    return np.float64(low) / 4294967296.0 - 0.5, np.float64(high) / 4294967296.0 - 0.5
-
-
-@njit(cache=True, nogil=True)
-def _trace_row(row: int, columns: int, view: _View, steps: Any, reach: tuple[int, float]) -> Any:
+def _trace_row(row: int, columns: int, view: View, steps: Any, reach: tuple[int, float]) -> Any:
     """Live pixels of one row: flat index, reference angle, counts of opening and plate rays, offsets."""
     row_step, column_step, sub_row, sub_column = steps
     n_ray, along = row_step.size, reach[0]
@@ -260,7 +182,7 @@ def _trace_row(row: int, columns: int, view: _View, steps: Any, reach: tuple[int
     behind = np.empty((2, n_ray), np.float32)
     live = 0
     for column in range(columns):
-        x, y = _to_rig(float(row), float(column), view)
+        x, y = to_rig(float(row), float(column), view)
         radius, margin = math.hypot(x, y), reach[1] * view.pitch
         if radius < view.ring_inner - margin or radius > view.ring_outer + margin:
             continue
@@ -268,15 +190,15 @@ def _trace_row(row: int, columns: int, view: _View, steps: Any, reach: tuple[int
         found = np.zeros(2, np.int32)
         for ray in range(n_ray):
             cell_row, cell_column = row + row_step[ray], column + column_step[ray]
-            jitter_row, jitter_column = _scatter(cell_row, cell_column, ray)
+            jitter_row, jitter_column = scatter(cell_row, cell_column, ray)
             place_row = cell_row - 0.5 + (sub_row[ray] + 0.5 + jitter_row) / along
             place_column = cell_column - 0.5 + (sub_column[ray] + 0.5 + jitter_column) / along
-            x, y = _to_rig(place_row, place_column, view)
+            x, y = to_rig(place_row, place_column, view)
             radius = math.hypot(x, y)
             if radius < view.ring_inner or radius > view.ring_outer:
                 continue
-            kind = 0 if _in_opening(x, y, view) else 1
-            behind[kind, found[kind]] = _wrapped(math.atan2(y, view.mirror * x) - centre)
+            kind = 0 if in_opening(x, y, view) else 1
+            behind[kind, found[kind]] = wrapped(math.atan2(y, view.mirror * x) - centre)
             found[kind] += 1
         if found[0] + found[1] > 0:
             pixel[live], reference[live] = row * columns + column, centre

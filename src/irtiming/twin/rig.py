@@ -8,14 +8,16 @@ from typing import Any, final
 
 import numpy as np
 
-from irtiming.errors import GeometryError
+from irtiming.errors import GeometryError, PlanError
+from irtiming.records.arrays import Ticks
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+from irtiming.twin.bolometer import bolometer_shots
 from irtiming.twin.clockwork import Motion, spin, tick_streams
 from irtiming.twin.frames import SimulatedFrames, WheelShots, nonuniformity_reference
 from irtiming.twin.noise import FixedPattern, fixed_pattern, generator
 from irtiming.twin.pixels import Picture, picture
-from irtiming.twin.scene import ChopperWheel, Detector, Radiance, Scene
+from irtiming.twin.scene import CameraTiming, ChopperWheel, Detector, Radiance, Scene, Timing
 
 
 @final
@@ -24,7 +26,8 @@ class Tolerances:
     """Standard deviations of a rig about its drawing, and of its owner's measurements about the rig.
 
     ``ring_edge_rad`` is half the width of a uniform spread. ``slot_eccentricity_rad`` is the amplitude of
-    the slots' once-per-turn error, at a random phase.
+    the slots' once-per-turn error, at a random phase. ``trigger_delay_s`` is a photon camera's; a microbolometer
+    has ``bolometer_delay_s``, ``time_constant_s`` and ``row_delay_s``.
     """
 
     ring_edge_rad: float = 0.5e-3
@@ -37,6 +40,9 @@ class Tolerances:
     roll_rad: float = math.radians(0.5)
     wheel_centre_px: float = 1.0
     trigger_delay_s: float = 30e-6
+    bolometer_delay_s: float = 300e-6
+    time_constant_s: float = 300e-6
+    row_delay_s: float = 1e-6
     u_beam_m: float = 0.05e-3
     u_mask_angle_rad: float = math.radians(0.03)
 
@@ -81,13 +87,22 @@ def draw(nominal: Scene, *, seed: int, tolerances: Tolerances | None = None) -> 
             wheel_centre_row_px=random.normal(nominal.optics.wheel_centre_row_px, spread.wheel_centre_px),
             wheel_centre_column_px=random.normal(nominal.optics.wheel_centre_column_px, spread.wheel_centre_px),
         ),
-        timing=replace(
-            nominal.timing,
-            trigger_delay_s=abs(random.normal(nominal.timing.trigger_delay_s, spread.trigger_delay_s)),
-        ),
+        timing=_drawn_timing(nominal.timing, spread, random),
         detector=replace(nominal.detector, pattern_seed=int(random.integers(2**31))),
     )
     return SimulatedRig(scene=scene, measured=_measured(scene, spread, random))
+
+
+def _drawn_timing(nominal: Timing, spread: Tolerances, random: np.random.Generator) -> Timing:
+    """Timing of one camera of its kind."""
+    if isinstance(nominal, CameraTiming):
+        return replace(nominal, trigger_delay_s=abs(random.normal(nominal.trigger_delay_s, spread.trigger_delay_s)))
+    return replace(
+        nominal,
+        trigger_delay_s=abs(random.normal(nominal.trigger_delay_s, spread.bolometer_delay_s)),
+        time_constant_s=abs(random.normal(nominal.time_constant_s, spread.time_constant_s)),
+        row_delay_s=random.normal(nominal.row_delay_s, spread.row_delay_s),
+    )
 
 
 def _drawn_wheel(nominal: ChopperWheel, spread: Tolerances, random: np.random.Generator) -> ChopperWheel:
@@ -153,22 +168,14 @@ def simulate(scene: Scene, *, seed: int, name: str = "twin") -> Recording:
     motion = spin(scene, seed=seed)
     ticks = tick_streams(scene, motion, seed=seed)
     kept = _kept_frames(scene, seed)
-    trigger = scene.trigger
-    shot, pattern = _prepared(scene)
+    trigger, timing = scene.trigger, scene.timing
+    photon = isinstance(timing, CameraTiming)
+    make = (_wheel_shots if photon else bolometer_shots)(scene, motion, kept=kept, seed=seed)
     return Recording(
         name=name,
-        camera_type="photon",
-        readout_mode="snapshot",
-        frames=SimulatedFrames(
-            shape=(kept.size, scene.detector.rows, scene.detector.columns),
-            make=WheelShots(
-                shot=shot,
-                pattern=pattern,
-                wheel_angle_rad=_exposed_angles(scene, motion, seed)[kept],
-                frame_number=kept,
-                seed=seed,
-            ),
-        ),
+        camera_type="photon" if photon else "microbolometer",
+        readout_mode="snapshot" if photon else "rolling",
+        frames=SimulatedFrames(shape=(kept.size, scene.detector.rows, scene.detector.columns), make=make),
         frame_number=kept,
         clock_frequency_hz=trigger.clock_frequency_hz,
         camera_trigger_ticks=ticks.camera_trigger,
@@ -176,14 +183,26 @@ def simulate(scene: Scene, *, seed: int, name: str = "twin") -> Recording:
         application_slot_ticks=ticks.application_slot,
         application_edge_ticks=ticks.application_edges,
         rotation_speed_hz=trigger.wheel_hz,
-        integration_time_s=scene.timing.integration_time_s,
+        integration_time_s=timing.integration_time_s if isinstance(timing, CameraTiming) else None,
         trigger_delay_time_set_s=trigger.trigger_delay_time_set_s,
         bit_depth=scene.detector.bits,
         camera_period_ticks=trigger.camera_period_ticks,
         wheel_period_ticks=trigger.turn_period_ticks,
         blackbody_temperature_k=scene.radiance.blackbody_k,
-        nonuniformity=_reference(scene.radiance, scene.detector),
+        nonuniformity=_reference(scene.radiance, scene.detector) if photon else None,
         source=f"twin, seed {seed}",
+    )
+
+
+def _wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> WheelShots:
+    """Frames of one run of a photon camera."""
+    shot, pattern = _prepared(scene)
+    return WheelShots(
+        shot=shot,
+        pattern=pattern,
+        wheel_angle_rad=_exposed_angles(scene, motion, seed)[kept],
+        frame_number=kept,
+        seed=seed,
     )
 
 
@@ -218,6 +237,8 @@ def _kept_frames(scene: Scene, seed: int) -> Any:
 def _exposed_angles(scene: Scene, motion: Motion, seed: int) -> Any:
     """Wheel angles, shape (n_trigger, n_instant), rad, at the middles of the equal parts of each window."""
     trigger, timing = scene.trigger, scene.timing
+    if not isinstance(timing, CameraTiming):
+        raise PlanError("snapshots from a microbolometer camera; start from paper_scene()")
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
     triggered_s = np.arange(trigger.n_triggers) * trigger.camera_period_ticks / trigger.clock_frequency_hz
     jitter_s = timing.jitter_s * generator(seed, "exposure").standard_normal(trigger.n_triggers)
@@ -249,18 +270,16 @@ def series(
         random = generator(seed, "run", index=index)
         start = random.uniform(0, 2 * math.pi) if random_start else scene.trigger.start_angle_rad
         trigger = replace(scene.trigger, trigger_delay_time_set_s=delay_s, start_angle_rad=start)
-        name = f"cooled-{trigger.wheel_hz:g}Hz-{delay_s * 1e3:g}ms" + (f"-run{repeat + 1:02d}" if repeats > 1 else "")
+        kind = "cooled" if isinstance(scene.timing, CameraTiming) else "bolo"
+        name = f"{kind}-{trigger.wheel_hz:g}Hz-{delay_s * 1e3:g}ms" + (f"-run{repeat + 1:02d}" if repeats > 1 else "")
         yield simulate(replace(scene, trigger=trigger), seed=int(random.integers(2**31)), name=name)
 
 
 def truth(scene: Scene) -> dict[str, object]:
     """True values of all that can be measured on the scene's recordings, flat, keys with their unit."""
-    timing, optics = scene.timing, scene.optics
+    optics = scene.optics
     return {
-        "camera": "photon",
-        "trigger_delay_s": timing.trigger_delay_s,
-        "exposure_midpoint_delay_s": timing.trigger_delay_s + timing.integration_time_s / 2,
-        "integration_time_s": timing.integration_time_s,
+        **_camera_truth(scene),
         "beta_1_rad": scene.beams.beta_1_rad,
         "beta_2_rad": scene.beams.beta_2_rad,
         "ring_edges_rad": list(scene.wheel.ring_edges_rad),
@@ -278,4 +297,29 @@ def truth(scene: Scene) -> dict[str, object]:
         "blur_px": optics.blur_px,
         "distortion": optics.distortion,
         "rotation": scene.wheel.rotation,
+    }
+
+
+def _camera_truth(scene: Scene) -> dict[str, object]:
+    """What is true of this kind of camera only."""
+    timing, drift, events = scene.timing, scene.drift, scene.correction.events
+    if isinstance(timing, CameraTiming):
+        return {
+            "camera": "photon",
+            "trigger_delay_s": timing.trigger_delay_s,
+            "exposure_midpoint_delay_s": timing.trigger_delay_s + timing.integration_time_s / 2,
+            "integration_time_s": timing.integration_time_s,
+        }
+    return {
+        "camera": "microbolometer",
+        "trigger_delay_s": timing.trigger_delay_s,
+        "time_constant_s": timing.time_constant_s,
+        "row_delay_s": timing.row_delay_s,
+        "shutter_start_s": [event.start_s for event in events],
+        "shutter_duration_s": [event.duration_s for event in events],
+        "shutter_kind": " ".join(event.kind for event in events),
+        "shutter_level_jump_dn": [event.level_jump_dn for event in events],
+        "drift_per_second_dn": drift.per_second_dn,
+        "drift_settling_dn": drift.settling_dn,
+        "drift_settling_time_s": drift.settling_time_s,
     }

@@ -1,17 +1,20 @@
 """Everything that the twin is made of, true to the last digit.
 
 Frozen, hashable records in SI units. The defaults are the experiment of Schatz 2023, section 3.1, with a
-perfect wheel; `irtiming.twin.rig.draw` adds the imperfections. Lengths lie in the rig plane: x to the right
-and y downwards as the camera sees them, from the axle. Angles are polar angles in that plane, clockwise as
-the camera sees it.
+perfect wheel; `microbolometer_scene` is that of section 3.2; `irtiming.twin.rig.draw` adds the imperfections.
+Lengths lie in the rig plane: x to the right and y downwards as the camera sees them, from the axle. Angles are
+polar angles in that plane, clockwise as the camera sees it.
 """
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import TypeAlias, final
 
 from irtiming.errors import GeometryError, PlanError
 from irtiming.records.rig import Rotation
+from irtiming.twin.upkeep import Drift, SelfCorrection
+
+_SHORTEST_LAG_S = 1e-6
 
 
 @final
@@ -149,7 +152,7 @@ class Radiance:
     A mean pixel gives ``base_dn`` at 288.15 K and ``dn_per_k`` more per kelvin. A straight line is enough:
     the two-point correction and the normalisation take out any monotonic curve. ``narcissus_dn`` is missing
     at the image centre where solid wheel mirrors the cold detector, as a Gaussian of
-    ``narcissus_radius_m``.
+    ``narcissus_radius_m``; negative where it mirrors a warm camera.
     """
 
     blackbody_k: float = 303.15
@@ -171,7 +174,10 @@ class Radiance:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Detector:
-    """Pixels and their faults; ``pattern_seed`` fixes gain, offset and place of the dead ones."""
+    """Pixels and their faults; ``pattern_seed`` fixes gain, offset and place of the dead ones.
+
+    ``noise_dn`` is drawn for each pixel, ``row_noise_dn`` for each row of each frame.
+    """
 
     rows: int = 512
     columns: int = 640
@@ -182,6 +188,7 @@ class Detector:
     noise_dn: float = 20.0
     dead_pixels: int = 0
     pattern_seed: int = 0
+    row_noise_dn: float = 0.0
 
 
 @final
@@ -196,6 +203,33 @@ class CameraTiming:
     integration_time_s: float = 250e-6
     jitter_s: float = 0.05e-6
     substeps: int = 16
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BolometerTiming:
+    """Rolling microbolometer: row y is read ``trigger_delay_s`` + y ``row_delay_s`` after the trigger.
+
+    Each pixel follows what it sees with ``time_constant_s``. ``row_delay_s`` is negative where the last row
+    is read first. ``jitter_s`` is the standard deviation of the whole frame's delay.
+    """
+
+    trigger_delay_s: float = 3.872e-3
+    time_constant_s: float = 4.819e-3
+    row_delay_s: float = 38.76e-6
+    jitter_s: float = 0.05e-6
+
+    def __post_init__(self) -> None:
+        """Refuse a pixel that does not lag."""
+        if not _SHORTEST_LAG_S <= self.time_constant_s < math.inf:
+            raise PlanError(
+                f"time constant of {self.time_constant_s} s; a microbolometer's must be at least "
+                f"{_SHORTEST_LAG_S * 1e6:g} us: check the unit"
+            )
+
+
+Timing: TypeAlias = CameraTiming | BolometerTiming
+"""When a camera takes its values; also says which kind of camera it is."""
 
 
 @final
@@ -245,7 +279,10 @@ class Faults:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """The whole simulated experiment; every number is the true one."""
+    """The whole simulated experiment; every number is the true one.
+
+    The kind of ``timing`` is the kind of camera. ``correction`` and ``drift`` are a microbolometer camera's.
+    """
 
     wheel: ChopperWheel = field(default_factory=ChopperWheel)
     wander: SpeedWander = field(default_factory=SpeedWander)
@@ -254,9 +291,19 @@ class Scene:
     optics: Optics = field(default_factory=Optics)
     radiance: Radiance = field(default_factory=Radiance)
     detector: Detector = field(default_factory=Detector)
-    timing: CameraTiming = field(default_factory=CameraTiming)
+    timing: Timing = field(default_factory=CameraTiming)
     trigger: TriggerGenerator = field(default_factory=TriggerGenerator)
     faults: Faults = field(default_factory=Faults)
+    correction: SelfCorrection = field(default_factory=SelfCorrection)
+    drift: Drift = field(default_factory=Drift)
+
+    def __post_init__(self) -> None:
+        """Refuse what only a microbolometer camera does from another one."""
+        if isinstance(self.timing, CameraTiming) and (self.correction.events or self.drift != Drift()):
+            raise PlanError(
+                "shutter events or drift with a photon camera; the twin has them for the microbolometer only: "
+                "start from microbolometer_scene()"
+            )
 
 
 def paper_scene(rows: int = 512, columns: int = 640) -> Scene:
@@ -267,14 +314,60 @@ def paper_scene(rows: int = 512, columns: int = 640) -> Scene:
     GeometryError
         If the image is smaller than 16 rows or columns: the opening would be a few pixels.
     """
-    if min(rows, columns) < 16:
-        raise GeometryError(f"image of {rows} x {columns} pixels; the twin needs at least 16 x 16 to show a wheel")
+    _refuse_tiny(rows, columns)
     optics = Optics(
         pixel_pitch_m=0.1024 / min(rows, columns),
         wheel_centre_row_px=(rows - 1) / 2,
         wheel_centre_column_px=(columns - 1) / 2,
     )
     return Scene(optics=optics, detector=Detector(rows=rows, columns=columns))
+
+
+def microbolometer_scene(rows: int = 480, columns: int = 640) -> Scene:
+    """Experiment of Schatz 2023, section 3.2: cold blackbody, wheel that fills the image.
+
+    The mask's opening is 193 of 480 rows high; smaller images show the same with fewer pixels. The row delay
+    stays that of the paper.
+
+    Raises
+    ------
+    GeometryError
+        If the image is smaller than 16 rows or columns: the opening would be a few pixels.
+    """
+    _refuse_tiny(rows, columns)
+    return Scene(
+        wheel=ChopperWheel(inner_radius_m=6.8e-3),
+        mask=MaskPlate(inner_radius_m=8.1e-3, outer_radius_m=40.2e-3),
+        optics=Optics(
+            pixel_pitch_m=0.084 / min(rows, columns),
+            wheel_centre_row_px=(rows - 1) / 2 + 0.02 * min(rows, columns),
+            wheel_centre_column_px=(columns - 1) / 2,
+        ),
+        radiance=Radiance(
+            blackbody_k=288.15,
+            wheel_k=296.15,
+            mask_k=296.45,
+            narcissus_dn=-100.0,
+            narcissus_radius_m=15.0e-3,
+            base_dn=6000.0,
+            dn_per_k=80.0,
+        ),
+        detector=Detector(
+            rows=rows,
+            columns=columns,
+            bits=16,
+            saturation_dn=65535.0,
+            gain_spread=0.01,
+            offset_spread_dn=4.0,
+            noise_dn=5.0,
+        ),
+        timing=BolometerTiming(),
+    )
+
+
+def _refuse_tiny(rows: int, columns: int) -> None:
+    if min(rows, columns) < 16:
+        raise GeometryError(f"image of {rows} x {columns} pixels; the twin needs at least 16 x 16 to show a wheel")
 
 
 def with_wheel_speed(scene: Scene, wheel_hz: float, *, frame_hz: float = 30.303, samples: int = 1000) -> Scene:

@@ -1,0 +1,87 @@
+"""From a place in the image to the rig plane and what lies there: the steps that rays of both cameras take."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+_NEWTON_STEPS = 6
+
+
+class View(NamedTuple):
+    """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image."""
+
+    middle_row: float
+    middle_column: float
+    half_diagonal: float
+    distortion: float
+    axle_row: float
+    axle_column: float
+    cos_roll: float
+    sin_roll: float
+    pitch: float
+    mirror: float
+    ring_inner: float
+    ring_outer: float
+    mask_x: float
+    mask_y: float
+    mask_inner: float
+    mask_outer: float
+    mask_centre: float
+    mask_half: float
+
+
+@njit(cache=True, nogil=True)
+def undistorted(row: float, column: float, half_diagonal: float, distortion: float) -> tuple[float, float]:
+    """Where a point seen at (row, column) from the image centre would be without distortion, px.
+
+    Newton's method for r_u in r_d = r_u (1 + k r_u^2), radii in half diagonals.
+    """
+    seen = math.hypot(row, column) / half_diagonal
+    if distortion == 0.0 or seen == 0.0:
+        return row, column
+    radius = seen
+    for _ in range(_NEWTON_STEPS):
+        radius -= (radius * (1 + distortion * radius**2) - seen) / (1 + 3 * distortion * radius**2)
+    return row * radius / seen, column * radius / seen
+
+
+@njit(cache=True, nogil=True)
+def to_rig(row: float, column: float, view: View) -> tuple[float, float]:
+    """Point of the rig plane, m from the axle, that appears at this place of the image."""
+    flat_row, flat_column = undistorted(
+        row - view.middle_row, column - view.middle_column, view.half_diagonal, view.distortion
+    )
+    down = (flat_row - view.axle_row) * view.pitch
+    right = (flat_column - view.axle_column) * view.pitch
+    return right * view.cos_roll + down * view.sin_roll, down * view.cos_roll - right * view.sin_roll
+
+
+@njit(cache=True, nogil=True)
+def wrapped(angle: float) -> float:
+    """Angle within half a turn of zero."""
+    return angle - 2 * math.pi * math.floor(angle / (2 * math.pi) + 0.5)
+
+
+@njit(cache=True, nogil=True)
+def in_opening(x: float, y: float, view: View) -> bool:
+    """Whether a point of the rig plane lies in the mask's annular sector."""
+    x, y = x - view.mask_x, y - view.mask_y
+    radius = math.hypot(x, y)
+    if radius < view.mask_inner or radius > view.mask_outer:
+        return False
+    return abs(wrapped(math.atan2(y, x) - view.mask_centre)) <= view.mask_half
+
+
+@njit(cache=True, nogil=True)
+def scatter(row: int, column: int, ray: int) -> tuple[float, float]:
+    """Two random numbers within half of zero that belong to one sub-pixel of the image."""
+    mixed = np.uint64(row + 1024) * np.uint64(0x9E3779B97F4A7C15)
+    mixed ^= np.uint64(column + 1024) * np.uint64(0xC2B2AE3D27D4EB4F)
+    mixed ^= np.uint64(ray + 1) * np.uint64(0x165667B19E3779F9)
+    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    mixed ^= mixed >> np.uint64(31)
+    low, high = mixed & np.uint64(0xFFFFFFFF), mixed >> np.uint64(32)
+    return np.float64(low) / 4294967296.0 - 0.5, np.float64(high) / 4294967296.0 - 0.5

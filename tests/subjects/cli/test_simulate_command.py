@@ -1,0 +1,86 @@
+"""What `irtiming simulate` makes for each kind of camera, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from irtiming.archive import reader
+from irtiming.cli.main import app
+from irtiming.errors import IrTimingError
+
+_SMALL = ("--rows", "24", "--columns", "32", "--frames", "40")
+
+
+def _simulate(folder: Path, *options: str) -> dict[str, object]:
+    done = CliRunner().invoke(app, ["simulate", str(folder), *options])
+    if done.exception is not None:
+        raise done.exception
+    return json.loads((folder / "truth.json").read_text())
+
+
+def test_microbolometer_gets_what_was_asked(tmp_path: Path) -> None:
+    """Oracle: the options, in SI units; a negative time may stand behind an option."""
+    truth = _simulate(
+        tmp_path, "--camera", "microbolometer", *_SMALL, "--time-constant", "6 ms", "--row-delay", "-40 us",
+        "--trigger-delay", "3.9 ms", "--nuc-at", "0.9 s", "--nuc-at", "0.1 s", "--drift-dn-per-s", "-0.5",
+        "--delay", "25 ms",
+    )  # fmt: skip
+    assert truth["camera"] == "microbolometer"
+    assert truth["time_constant_s"] == pytest.approx(6e-3)
+    assert truth["row_delay_s"] == pytest.approx(-40e-6)
+    assert truth["trigger_delay_s"] == pytest.approx(3.9e-3)
+    assert truth["shutter_start_s"] == [0.1, 0.9]
+    assert truth["drift_per_second_dn"] == -0.5
+    recording = reader.read(tmp_path / "bolo-3Hz-25ms.nxs")
+    assert (recording.camera_type, recording.readout_mode) == ("microbolometer", "rolling")
+    assert recording.frames.shape == (40, 24, 32)
+    assert recording.trigger_delay_time_set_s == 0.025
+
+
+def test_what_is_not_said_is_drawn(tmp_path: Path) -> None:
+    """Oracle: the paper's numbers within five tolerances, not exactly; other with another seed."""
+    one, other = (
+        _simulate(tmp_path / seed, "--camera", "microbolometer", *_SMALL, "--seed", seed) for seed in ("1", "2")
+    )
+    for name, value, tolerance in (
+        ("time_constant_s", 4.819e-3, 3e-4),
+        ("trigger_delay_s", 3.872e-3, 3e-4),
+        ("row_delay_s", 38.76e-6, 1e-6),
+    ):
+        assert one[name] == pytest.approx(value, abs=5 * tolerance)
+        assert value != one[name] != other[name]
+
+
+def test_photon_camera_is_the_default(tmp_path: Path) -> None:
+    """Oracle: an integration time of 250 us unless said, a delay that was said."""
+    assert _simulate(tmp_path / "a", *_SMALL)["integration_time_s"] == 250e-6
+    truth = _simulate(tmp_path / "b", *_SMALL, "--integration-time", "1 ms", "--trigger-delay", "420 us")
+    assert (truth["camera"], truth["integration_time_s"]) == ("photon", 1e-3)
+    assert truth["trigger_delay_s"] == pytest.approx(420e-6)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--row-delay", "1 us"), "--row-delay with --camera photon"),
+        (("--nuc-at", "1 s", "--time-constant", "5 ms"), "--time-constant, --nuc-at with --camera photon"),
+        (("--camera", "microbolometer", "--integration-time", "1 ms"), "--integration-time with --camera microbol"),
+        (("--camera", "microbolometer", "--nuc-at", "2 s"), "2 s lies outside the run of 1 s"),
+        (("--camera", "microbolometer", "--nuc-at", "1 s", "--nuc-at", "1.2 s"), "not overlap"),
+        (("--camera", "microbolometer", "--row-delay", "-2 ms"), "takes 48 ms, longer than the camera period"),
+        (("--camera", "microbolometer", "--time-constant", "0 s"), "time constant of '0 s'"),
+        (("--camera", "microbolometer", "--trigger-delay", "-1 ms"), "trigger delay of '-1 ms'"),
+        (("--camera", "microbolometer", "--drift-dn-per-s", "nan"), "drift of nan"),
+        (("--integration-time", "0 s"), "integration time of '0 s'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_nothing_is_left(
+    tmp_path: Path, options: tuple[str, ...], says: str
+) -> None:
+    """Oracle: the message names the option; no file is written."""
+    with pytest.raises(IrTimingError, match=".") as refused:
+        _simulate(tmp_path / "new", *_SMALL, *options)
+    assert says in str(refused.value)
+    assert not (tmp_path / "new").exists()
