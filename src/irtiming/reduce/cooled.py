@@ -13,15 +13,13 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Choices, Opening, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import axle_view, kernels, nonuniformity, opening, plateaus, wheel_angles
+from irtiming.reduce import axle_view, kernels, nominal_angles, nonuniformity, opening, plateaus, wheel_angles
 from irtiming.reduce.nonuniformity import Correction
 
 _DEAD_SHARE = 0.05
 _FEWEST_FRAMES = 100
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
 _FEWEST_SETTLED, _MOST_SETTLED = 5, 60
-_MOST_SAMPLES_PER_TRIGGER = 4
-_SAMPLES_WITHOUT_SCHEME = 1000
 
 
 @final
@@ -86,7 +84,7 @@ def reduce(
         trigger_ticks=triggers[kept],
         pixel_sum=total[kept],
         pixel_count=count[kept].astype(float),
-        samples_per_turn=_samples_per_turn(recording),
+        samples_per_turn=nominal_angles.samples_per_turn(recording),
         track=learned,
         equal_track=equal,
         opening=settled,
@@ -126,7 +124,7 @@ def _measure(
     constant = float(np.sum(found.weight * correct.offset_dn[rows, columns]))
     full_scale = 2**recording.bit_depth - 1
     tally = _Tally(harmonic=np.zeros((2, *weights.shape)))
-    share = _share_of_turn(angle, _samples_per_turn(recording))
+    share = _share_of_turn(angle, nominal_angles.samples_per_turn(recording))
     wave = np.stack([np.cos(2 * angle), np.sin(2 * angle)])
     weighted = np.where(share > 0, share * wave, 0.0).astype(np.float32)
     for first, block in recording.frames.blocks():
@@ -242,12 +240,3 @@ def _kept(recording: Recording, angle: Array, dead: np.ndarray) -> tuple[np.ndar
     if lost:
         remarks.append(f"{lost} frames lost between the first and the last: their triggers are skipped")
     return ~(outside | dead), tuple(remarks)
-
-
-def _samples_per_turn(recording: Recording) -> int:
-    """Nominal wheel angles per turn, T / gcd(T, C) (Schatz 2023, 2.3); about one per trigger without a scheme."""
-    turn = recording.wheel_period_ticks or round(recording.clock_frequency_hz / recording.rotation_speed_hz)
-    camera = recording.camera_period_ticks or int(np.median(np.diff(recording.camera_trigger_ticks)))
-    n_triggers = recording.camera_trigger_ticks.size
-    n = turn // int(np.gcd(turn, camera))
-    return n if n <= _MOST_SAMPLES_PER_TRIGGER * n_triggers else min(_SAMPLES_WITHOUT_SCHEME, n_triggers)

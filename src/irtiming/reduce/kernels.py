@@ -1,13 +1,14 @@
 """The compiled inner loops of the reduction; each reads every raw pixel once, in the order of memory.
 
-Frames are shared among threads. Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one
+Frames are shared among threads where that pays: not in the loops at the end, which on pixels side by side in memory take less
+time than a thread needs to wake up. Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one
 vector register where eight bytes per count would fit four, and memory, not arithmetic, sets the pace.
 """
 
 import numpy as np
 from numba import njit, prange
 
-from irtiming.records.arrays import Array, Pixels, Ticks
+from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 
 
 @njit(parallel=True, cache=True)
@@ -89,3 +90,55 @@ def add_harmonic(frames: Pixels, cosine: np.ndarray, sine: np.ndarray, into: np.
                 value = np.float32(values[column])
                 into[0, row, column] += c * value
                 into[1, row, column] += s * value
+
+
+@njit(cache=True)
+def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
+    """Sum of the taken pixels of each row, shape (frame, row).
+
+    ``frames`` (frame, row, column), at most 65537 columns; ``taken`` (row, column) has all bits set where a pixel is taken,
+    none elsewhere.
+    """
+    n_frames, n_rows, n_columns = frames.shape
+    sums = np.zeros((n_frames, n_rows), np.int64)
+    for frame in range(n_frames):
+        for row in range(n_rows):
+            values, bits = frames[frame, row], taken[row]
+            total = np.uint32(0)
+            for column in range(n_columns):
+                total = np.uint32(total + np.uint32(values[column] & bits[column]))
+            sums[frame, row] = total
+    return sums
+
+
+@njit(cache=True)
+def repeats(frames: Pixels, before: Pixels) -> Mask:
+    """Which frames are, bit by bit, the one before them, shape (frame,); ``before`` (row, column) precedes the first."""
+    n_frames, n_rows, n_columns = frames.shape
+    same = np.ones(n_frames, np.bool_)
+    for frame in range(n_frames):
+        last = frames[frame - 1] if frame > 0 else before
+        for row in range(n_rows):
+            now, then = frames[frame, row], last[row]
+            for column in range(n_columns):
+                if now[column] != then[column]:
+                    same[frame] = False
+                    break
+            if not same[frame]:
+                break
+    return same
+
+
+@njit(cache=True, fastmath=True)
+def add_projection(frames: Pixels, cosine: Array, sine: Array, into: Array) -> None:
+    """Add cosine[frame] * value, sine[frame] * value and value to ``into``, shape (3, row, column), in double precision."""
+    n_frames, n_rows, n_columns = frames.shape
+    for row in range(n_rows):
+        for frame in range(n_frames):
+            values = frames[frame, row]
+            c, s = cosine[frame], sine[frame]
+            for column in range(n_columns):
+                value = np.float64(values[column])
+                into[0, row, column] += c * value
+                into[1, row, column] += s * value
+                into[2, row, column] += value

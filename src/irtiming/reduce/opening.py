@@ -11,14 +11,10 @@ from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Choices, Opening
+from irtiming.reduce import mask_shape, scouts
 from irtiming.reduce.nonuniformity import Correction, corrected
 
-_SCOUTS = 240
-_SCOUT_BYTES = 2**27
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
-_LARGEST_BORDER_PX = 16
-_PLATE = 0.1  # of the contrast: more than the mask plate around the opening should show
-_FLAT = 0.003  # of the contrast per pixel: less is no blur any more
 
 
 @final
@@ -52,19 +48,19 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     ReductionError
         If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
     """
-    scouts = _scout(recording, correct)
-    open_dn = mean_frame(scouts.raw[scouts.open_frames], correct)
-    covered_dn = mean_frame(scouts.raw[scouts.covered_frames], correct)
-    step = float(np.median((open_dn - covered_dn)[scouts.seeds]))
+    seen = _scout(recording, correct)
+    open_dn = mean_frame(seen.raw[seen.open_frames], correct)
+    covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
+    step = float(np.median((open_dn - covered_dn)[seen.seeds]))
     contrast = (open_dn - covered_dn) / step
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
-    mask = _largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
-    border_px = _border(contrast, mask)
-    if before is not None and _is_in_place(mask, before.mask):
+    mask = mask_shape.largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
+    border_px = mask_shape.border_px(contrast, mask)
+    if before is not None and mask_shape.is_in_place(mask, before.mask):
         mask, border_px = before.mask, before.border_px
     border_px = border_px if choices.border_px is None else choices.border_px
-    roi = choices.roi or _box(mask, border_px + 4, recording.name)
-    _check_roi(roi, mask, recording)
+    roi = choices.roi or mask_shape.box(mask, margin=border_px + 4, name=recording.name)
+    mask_shape.check_roi(roi, mask, name=recording.name)
     rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])
     region = ndimage.distance_transform_edt(~mask) <= border_px
     peaks = _peaks(open_dn, mask, roi)
@@ -89,9 +85,7 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
 
 
 def _scout(recording: Recording, correct: Correction) -> _Scouts:
-    n_frames, n_rows, n_columns = recording.frames.shape
-    n = max(24, min(_SCOUTS, n_frames, _SCOUT_BYTES // (2 * n_rows * n_columns)))
-    raw = _alive(recording, recording.frames.pick(_spread(n, n_frames)))
+    raw = _alive(recording, recording.frames.pick(scouts.indices(recording.frames.shape)))
     seeds = _changing_pixels(raw, correct, recording.name)
     values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
     low, high = float(values.min()), float(values.max())
@@ -117,14 +111,6 @@ def _scout(recording: Recording, correct: Correction) -> _Scouts:
         open_frames=tops if bright_when_open else bottoms,
         covered_frames=bottoms if bright_when_open else tops,
     )
-
-
-def _spread(n: int, n_frames: int) -> list[int]:
-    """Indices of n frames over the whole recording, at irregular distances: regular ones could fall in step with the wheel."""
-    if n >= n_frames:
-        return list(range(n_frames))
-    place = np.arange(n) + np.mod(np.arange(n) * 0.6180339887, 1.0)
-    return [int(i) for i in place * n_frames / n]
 
 
 def _level_part(near: Mask, values: Array) -> Mask:
@@ -167,7 +153,7 @@ def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
     swing = ndimage.median_filter(swing, 3)
     swing[correct.bad] = 0
     quiet, loud = float(np.median(swing)), float(np.quantile(swing, 0.995))
-    seeds = _largest_part(swing > 0.6 * loud)
+    seeds = mask_shape.largest_part(swing > 0.6 * loud)
     if loud < 4 * quiet + 1 or seeds.sum() < 30:
         raise ReductionError(
             f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
@@ -177,72 +163,12 @@ def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
     return seeds
 
 
-def _largest_part(mask: Mask) -> Mask:
-    labels, n = ndimage.label(mask)
-    if n == 0:
-        return mask
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return np.asarray(labels == sizes.argmax())
-
-
 def mean_frame(raw: Pixels, correct: Correction) -> Array:
     """Mean of corrected frames, shape (row, column), DN."""
     mean = np.zeros(raw.shape[1:])
     for frame in raw:
         mean += corrected(frame, correct)
     return mean / len(raw)
-
-
-def _is_in_place(mask: Mask, before: Mask) -> bool:
-    """Whether two masks differ by no more than single pixels of their border."""
-    union = mask | before
-    border = union & ~ndimage.binary_erosion(union)
-    return bool(np.sum(mask ^ before) <= 0.25 * border.sum())
-
-
-def _border(contrast: Array, mask: Mask) -> int:
-    """Width of the blurred border, px: where the mean contrast of a ring no longer falls.
-
-    It may level off above zero: where the mask plate is not as warm as the wheel, it shows around the opening.
-    """
-    distance = ndimage.distance_transform_edt(~mask)
-    rings = [float(contrast[(distance > k) & (distance <= k + 1)].mean()) for k in range(_LARGEST_BORDER_PX + 4)]
-    steps = np.abs(np.diff(rings))
-    flat = max(_FLAT, 2 * float(np.median(steps[-6:])))
-    for k in range(_LARGEST_BORDER_PX):
-        if abs(rings[k]) < _PLATE and steps[k] < flat and steps[k + 1] < flat:
-            return k + 2
-    return _LARGEST_BORDER_PX
-
-
-def _box(mask: Mask, margin: int, name: str) -> tuple[int, int, int, int]:
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    n_rows, n_columns = mask.shape
-    if rows[0] < 2 or columns[0] < 2 or rows[-1] > n_rows - 3 or columns[-1] > n_columns - 3:
-        raise ReductionError(
-            f"{name}: the opening spans rows {rows[0]}..{rows[-1]} and columns {columns[0]}..{columns[-1]} of a "
-            f"{n_rows} x {n_columns} image and is cut by its border; the whole opening with 2 pixels around it must be in view"
-        )
-    return (
-        max(0, int(rows[0]) - margin), min(n_rows, int(rows[-1]) + margin + 1),
-        max(0, int(columns[0]) - margin), min(n_columns, int(columns[-1]) + margin + 1),
-    )  # fmt: skip
-
-
-def _check_roi(roi: tuple[int, int, int, int], mask: Mask, recording: Recording) -> None:
-    n_rows, n_columns = mask.shape
-    if not (0 <= roi[0] < roi[1] <= n_rows and 0 <= roi[2] < roi[3] <= n_columns):
-        raise ReductionError(
-            f"{recording.name}: region of interest {roi} lies outside the image of {n_rows} rows and {n_columns} columns; "
-            "give first row, end row, first column, end column"
-        )
-    outside = int(mask.sum() - mask[roi[0] : roi[1], roi[2] : roi[3]].sum())
-    if outside:
-        raise ReductionError(
-            f"{recording.name}: region of interest {roi} leaves out {outside} of {mask.sum()} pixels of the opening; "
-            "it must hold the whole opening"
-        )
 
 
 def _peaks(open_dn: Array, mask: Mask, roi: tuple[int, int, int, int]) -> tuple[float, float]:

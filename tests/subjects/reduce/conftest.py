@@ -215,3 +215,92 @@ def flat_reference() -> Callable[..., NonuniformityReference]:
         return NonuniformityReference(low_dn=low, high_dn=high, low_noise_dn=noise, high_noise_dn=noise, n_frames=50)
 
     return make
+
+
+@dataclass(frozen=True, kw_only=True)
+class PaperBolometer:
+    """A rolling camera whose pixels lag: `PaperCamera`'s light, each ray relaxed by small steps, each row read on its own."""
+
+    camera: PaperCamera = field(default_factory=lambda: PaperCamera(plate_dn=4950.0, blackbody_dn=4000.0))
+    rate_hz: float = 3.0
+    delay_s: float = 2.3e-3
+    time_constant_s: float = 6e-3
+    row_delay_s: float = 60e-6
+    noise_dn: float = 5.0
+
+    def response(self, n=7200):
+        """Lagged opening of one ray over the wheel coordinate, shape (n,): Euler's method, three turns."""
+        wheel = TURN * np.arange(n) / n
+        edges = self.camera.edges
+        target = ((wheel >= edges[1]) & (wheel < edges[2])) | (wheel >= edges[3])
+        keep = np.exp(-1 / (n * self.rate_hz * self.time_constant_s))
+        value, seen = 0.5, np.zeros(n)
+        for _ in range(3):
+            for k in range(n):
+                value = target[k] + (value - target[k]) * keep
+                seen[k] = value
+        return wheel, seen
+
+    def opening(self):
+        """How much of each pixel is opening, shape (row, column)."""
+        return self.camera.light_by_angle()[0].sum(axis=0)
+
+    def scene(self, theta):
+        """Values without noise for wheel angles at the triggers, shape (frame, row, column)."""
+        camera = self.camera
+        light, used = camera.light_by_angle()
+        alpha = (used + 0.5) / len(light) * TURN
+        wheel, seen = self.response()
+        values = np.empty((theta.size, camera.rows, camera.columns))
+        for row in range(camera.rows):
+            at = theta + TURN * self.rate_hz * (self.delay_s + row * self.row_delay_s)
+            share = np.interp(at[:, None] + alpha, wheel, seen, period=TURN)
+            opening = light[used, row]
+            values[:, row] = camera.plate_dn + (camera.wheel_dn - camera.plate_dn) * opening.sum(axis=0)
+            values[:, row] += (camera.blackbody_dn - camera.wheel_dn) * (share @ opening)
+        return values
+
+    def noisy(self, values, *, seed=0):
+        """What the camera makes of them."""
+        noise = np.random.default_rng(seed).normal(0, self.noise_dn, values.shape)
+        return np.clip(np.rint(values + noise), 0, 65535).astype(np.uint16)
+
+
+@pytest.fixture(scope="session")
+def paper_bolometer() -> type[PaperBolometer]:
+    """Rolling camera that sees mask and wheel by brute force."""
+    return PaperBolometer
+
+
+@pytest.fixture(scope="session")
+def rolled(paper_wheel, recorded) -> Callable[..., Recording]:
+    """Recording of a rolling microbolometer: ``rolled(frames, triggers=..., **fields)``.
+
+    Frame i belongs to trigger i unless ``frame_number`` says otherwise.
+    """
+    wheel = paper_wheel(duration_s=36.0)
+
+    def record(frames, **fields):
+        values = {
+            "camera_type": "microbolometer",
+            "readout_mode": "rolling",
+            "bit_depth": 16,
+            "integration_time_s": None,
+            "n_triggers": len(frames),
+        }
+        return recorded(wheel, frames=frames, **(values | fields))
+
+    return record
+
+
+@pytest.fixture(scope="session")
+def trigger_angles(paper_wheel) -> Callable[[int], np.ndarray]:
+    """Wheel angle of `rolled` at each of its triggers, shape (n,)."""
+    wheel = paper_wheel(duration_s=36.0)
+    return lambda n: wheel.theta(0.35 + 0.033 * np.arange(n))
+
+
+@pytest.fixture(scope="session")
+def turning(paper_bolometer, trigger_angles) -> np.ndarray:
+    """Thousand noise-free frames before a cold blackbody; copy before you write."""
+    return paper_bolometer().scene(trigger_angles(1000))

@@ -63,3 +63,37 @@ def test_harmonic_of_every_pixel(frames):
     kernels.add_harmonic(frames, cosine, sine, into)
     expected = 1000 + np.einsum("kf,frc->krc", np.stack([cosine, sine]).astype(float), frames.astype(float))
     np.testing.assert_allclose(into, expected, atol=65536 * 1e-6 * max(1, len(frames)))
+
+
+def test_sums_within_take_the_taken_pixels_of_each_row():
+    """Oracle: NumPy on whole numbers; full scale over 640 columns does not overflow."""
+    frames, rng = _frames((5, 7, 640)), np.random.default_rng(8)
+    frames[0] = 65535
+    taken = rng.random((7, 640)) < 0.6
+    bits = np.where(taken, 0xFFFF, 0).astype(np.uint16)
+    wanted = (frames.astype(np.int64) * taken).sum(axis=2)
+    assert np.array_equal(kernels.sum_within(frames, bits), wanted)
+    assert np.array_equal(
+        kernels.sum_within(frames[:, 2:5, 3:], bits[2:5, 3:]).sum(axis=1),
+        (frames[:, 2:5, 3:].astype(np.int64) * taken[2:5, 3:]).sum(axis=(1, 2)),
+    )
+
+
+def test_repeated_frames_are_those_equal_to_the_last_bit():
+    """Oracle: by hand; one bit of the last pixel makes a frame another one."""
+    frames = _frames((6, 4, 5))
+    frames[2] = frames[1]
+    frames[4] = frames[3]
+    frames[4, -1, -1] ^= 1
+    assert kernels.repeats(frames, frames[0]).tolist() == [True, False, True, False, False, False]
+    assert kernels.repeats(frames[:1], frames[5]).tolist() == [False]
+
+
+def test_projections_add_up():
+    """Oracle: the sums in NumPy, added to what is there."""
+    frames, rng = _frames((9, 6, 11)), np.random.default_rng(9)
+    cosine, sine = rng.normal(size=(2, 9))
+    into = rng.normal(size=(3, 6, 11))
+    wanted = into + np.stack([np.einsum("n,nij->ij", weight, frames) for weight in (cosine, sine, np.ones(9))])
+    kernels.add_projection(frames, cosine, sine, into)
+    np.testing.assert_allclose(into, wanted, rtol=1e-12)

@@ -1,0 +1,100 @@
+"""Pixels of the opening that do not follow the wheel, and who stands in for them."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from irtiming.records.arrays import Array, Mask, Pixels
+
+_LEAST_CONTRAST = 0.5  # of that around
+_MOST_CONTRAST = 2.0
+_NOISY = 4.0  # times the usual scatter against the neighbours
+_FELT = 0.03  # of the contrast: less scatter does no harm
+_MOST_BAD = 0.25  # of a row
+_RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
+
+
+def find(live: Pixels, contrast: Array, *, mask: Mask, summed: Mask) -> Mask:
+    """Dead, stuck and blinking pixels among those that are summed.
+
+    Parameters
+    ----------
+    live
+        Frames that show the scene, shape (frame, row, column).
+    contrast
+        Shape (row, column); how much each pixel follows the wheel, about 1 within the opening.
+    mask, summed
+        The opening, and the opening with its blurred border.
+    """
+    rows, columns = np.flatnonzero(summed.any(axis=1)), np.flatnonzero(summed.any(axis=0))
+    box = np.s_[max(rows[0] - 2, 0) : rows[-1] + 3, max(columns[0] - 2, 0) : columns[-1] + 3]
+    inside, near = mask[box], contrast[box]
+    bad = ndimage.binary_erosion(inside, iterations=2) & ((near < _LEAST_CONTRAST) | (near > _MOST_CONTRAST))
+    bad |= inside & _stands_out(near)
+    beside_bad = ndimage.binary_dilation(bad, np.ones((1, 3), bool))
+    bad |= _noisy(live[:, *box], ndimage.binary_erosion(inside, iterations=3) & ~beside_bad)
+    found = np.zeros_like(summed)
+    found[box] = bad & summed[box]
+    return found
+
+
+def mended(contrast: Array) -> Array:
+    """Contrast with the pixels that stand out from all their neighbours replaced by the neighbours' median."""
+    return np.where(_stands_out(contrast), ndimage.median_filter(contrast, footprint=_RING), contrast)
+
+
+def stand_ins(bad: Mask, wanted: Mask) -> tuple[npt.NDArray[Any], Mask]:
+    """Who stands in for each bad pixel that is wanted: the nearest good ones left and right in its own row.
+
+    Other rows are read at other times and will not do.
+
+    Parameters
+    ----------
+    bad, wanted
+        Shape (row, column).
+
+    Returns
+    -------
+    Shape (n, 4): row, column, column of the good pixel on its left and on its right, the same where there is one only; and
+    the rows where more than a quarter of the wanted pixels are bad, shape (row,), which cannot be summed.
+    """
+    hopeless = np.sum(bad & wanted, axis=1) > _MOST_BAD * wanted.sum(axis=1)
+    found = []
+    for row, column in np.argwhere(bad & wanted & ~hopeless[:, None]):
+        good = np.flatnonzero(~bad[row])
+        left, right = good[good < column], good[good > column]
+        near_left = left[-1] if left.size else right[0]
+        near_right = right[0] if right.size else left[-1]
+        found.append((row, column, near_left, near_right))
+    return np.array(found, int).reshape(-1, 4), np.asarray(hopeless)
+
+
+def _stands_out(contrast: Array) -> Mask:
+    """Pixels far below, or far above, all but two of their neighbours: no blurred image has such."""
+    low = ndimage.rank_filter(contrast, 2, footprint=_RING)
+    high = ndimage.rank_filter(contrast, -3, footprint=_RING)
+    return np.asarray((contrast < low - 0.35) | (contrast > high + 0.5))
+
+
+def _noisy(live: Pixels, deep: Mask) -> Mask:
+    """Pixels deep in the opening that scatter far more against their left and right neighbours than others do.
+
+    The median of the distances: in few frames an edge of the wheel lies between neighbours, or the trail that the lag leaves.
+    """
+    noisy = np.zeros_like(deep)
+    if not deep.any():
+        return noisy
+    rows, columns = np.flatnonzero(deep.any(axis=1)), np.flatnonzero(deep.any(axis=0))
+    box = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    scatter = np.zeros(deep[box].shape)
+    for place, row in enumerate(range(rows[0], rows[-1] + 1)):
+        values = live[:, row, columns[0] - 1 : columns[-1] + 2].astype(np.float32)
+        beside = values[:, 1:-1] - 0.5 * (values[:, :-2] + values[:, 2:])
+        scatter[place] = np.median(np.abs(beside - np.median(beside, axis=0)), axis=0)
+    usual = float(np.median(scatter[deep[box]]))
+    swing = float(np.ptp(live[:, deep].mean(axis=1)))
+    loudest = scatter >= ndimage.maximum_filter(scatter, size=(1, 3))
+    noisy[box] = loudest & (scatter > max(_NOISY * usual, _FELT * swing)) & deep[box]
+    return noisy
