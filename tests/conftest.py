@@ -8,6 +8,8 @@ import h5py
 import numpy as np
 import pytest
 
+from irtiming.records.rolling import ExposedRows
+
 _ROOT = Path(__file__).resolve().parent.parent
 
 
@@ -71,3 +73,66 @@ def _fill(file: h5py.File, text: type) -> None:
     for stack, level in (("low", 1500), ("high", 8000)):
         reference[stack] = rng.integers(level - 20, level + 20, (10, 4, 6), dtype=np.uint16)
         reference[stack].attrs["temperature"] = 288.15 if stack == "low" else 303.15
+
+
+@pytest.fixture(scope="session")
+def lagging_rows() -> Callable[..., ExposedRows]:
+    """Data of a rolling microbolometer camera in closed form: each harmonic of a row's opening, divided by 1 + i k omega tau.
+
+    The opening of a row is the share of the mask's pixel centres that the wheel leaves uncovered; no step is integrated.
+    """
+    n_fine = 16_384
+    fine = 2 * np.pi * np.arange(n_fine) / n_fine
+    k = np.arange(n_fine // 2 + 1)
+
+    def rows(mask, wheel_centre_px, *, timing_s, gate_rad, edges_rad, **fields) -> ExposedRows:
+        delay_s, row_delay_s, tau_s = timing_s
+        options = {"n": 1000, "rate_hz": 3.0, "set_delay_s": 0.0, "noise": 0.0, "lost": 0} | fields
+        omega = 2 * np.pi * options["rate_hz"]
+        angle = 2 * np.pi * np.delete((np.arange(options["n"]) + 0.3) / options["n"], np.arange(options["lost"]) * 7)
+        row_px, pixels = np.unique(np.nonzero(mask)[0], return_counts=True)
+        curves = []
+        for y in row_px:
+            column = np.flatnonzero(mask[y])
+            phi = np.arctan2(y - wheel_centre_px[0], column - wheel_centre_px[1])
+            steps = np.zeros(n_fine)  # derivative of the opening, each crossing shared between its two neighbours
+            for sign, edge in zip((-1, 1, -1, 1), edges_rad, strict=True):
+                place = np.mod(phi - gate_rad + edge, 2 * np.pi) / (2 * np.pi) * n_fine
+                below = place.astype(int)
+                np.add.at(steps, below % n_fine, sign * (1 - place % 1) / column.size)
+                np.add.at(steps, (below + 1) % n_fine, sign * (place % 1) / column.size)
+            late = omega * (delay_s + options["set_delay_s"] + y * row_delay_s)
+            wave = np.fft.rfft(steps) * np.exp(1j * k * late) / (1 + 1j * k * omega * tau_s)
+            wave[1:] *= n_fine / (2j * np.pi * k[1:])
+            curves.append(np.interp(angle, fine, np.fft.irfft(wave), period=2 * np.pi))
+        exact = np.array(curves)
+        noise = np.random.default_rng(1).standard_normal(exact.shape) * options["noise"] / np.sqrt(pixels)[:, None]
+        curves = exact + noise
+        return ExposedRows(
+            trigger_delay_time_set_s=options["set_delay_s"],
+            rotation_speed_hz=options["rate_hz"],
+            angular_frequency_rad_per_s=omega,
+            names=("closed form",),
+            wheel_angle_rad=angle,
+            fraction=_between_plateaus(pixels @ curves / pixels.sum(), pixels @ exact / pixels.sum()),
+            u_fraction=None,
+            row_px=row_px,
+            row_fraction=np.array([_between_plateaus(c, e) for c, e in zip(curves, exact, strict=True)]),
+            u_row_fraction=None,
+            mask=mask,
+        )
+
+    return rows
+
+
+def _between_plateaus(curve: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """The curve scaled by the averages of the extrema, without noise, of its two upper and two lower plateaus."""
+    place = (exact - exact.min()) / np.ptp(exact)
+    clear = np.flatnonzero((place < 0.25) | (place > 0.75))  # some rows rest half way
+    upper = place[clear] > 0.5
+    starts = np.flatnonzero(upper != np.roll(upper, 1))
+    parts = np.split(np.roll(clear, -starts[0]), starts[1:] - starts[0])
+    parts = [exact[part] for part in parts]
+    highs, lows = (parts[::2], parts[1::2]) if upper[starts[0]] else (parts[1::2], parts[::2])
+    low, high = np.mean([part.min() for part in lows]), np.mean([part.max() for part in highs])
+    return (curve - low) / (high - low)

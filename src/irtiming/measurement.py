@@ -1,19 +1,34 @@
 """The story on one screen: recordings in, certificate out. Needs no rig, so it can be repeated years later."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import final
+from itertools import chain
+from typing import TypeVar, final
 
 import numpy as np
 
 from irtiming.errors import EstimationError, IrTimingError
-from irtiming.estimate import edge_delays, published, slopes, trigger_delay, wheel_geometry
+from irtiming.estimate import (
+    edge_delays,
+    published,
+    rolling_camera,
+    rolling_published,
+    row_delay_and_lag,
+    slopes,
+    trigger_delay,
+    wheel_geometry,
+)
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.lag_estimate import PublishedLagFit, WheelInImage
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, Opening, ReducedRecording
+from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import average_runs, cooled, pooled_slots
+from irtiming.records.rolling import ReducedRows
+from irtiming.records.rolling_result import RollingResult
+from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.reduce import average_runs, cooled, microbolometer, pooled_slots, row_averages
 
 Progress = Callable[[str, int, int], None]
 """Told the recording's name, frames done and frames in all."""
@@ -46,10 +61,38 @@ class Analysis:
         return tuple(dict.fromkeys([*texts, *self.result.warnings]))
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RollingAnalysis:
+    """The same for a rolling microbolometer camera."""
+
+    rig: Rig
+    choices: Choices
+    recordings: tuple[ReducedRows, ...]
+    geometry: WheelGeometry
+    sector: SectorFit
+    row_fits: tuple[RowTimingFit, ...]
+    scan: TimeConstantScan
+    published_fits: tuple[PublishedLagFit, ...]
+    best: RollingResult
+    as_published: RollingResult
+
+    @property
+    def result(self) -> RollingResult:
+        """The result by the method that was chosen."""
+        return self.as_published if self.choices.method == "published" else self.best
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All warnings, each once, in order."""
+        texts = [text for recording in self.recordings for text in recording.warnings]
+        return tuple(dict.fromkeys([*texts, *self.result.warnings]))
+
+
 def analyse(
     recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
-) -> Analysis:
-    """Trigger delay of a snapshot photon camera from its recordings, by both methods.
+) -> Analysis | RollingAnalysis:
+    """Timing of a camera from its recordings, by both methods; the first recording tells the kind of camera.
 
     Parameters
     ----------
@@ -66,16 +109,30 @@ def analyse(
     Raises
     ------
     IrTimingError
-        If a recording cannot be reduced or the data do not determine the delay; a note names the stage.
+        If a recording cannot be reduced or the data do not determine the timing; a note names the stage.
     """
+    stream = iter(recordings)
+    first = next(stream, None)
+    if first is None:
+        raise EstimationError("no recording given; name at least one recording file")
+    if first.camera_type == "microbolometer":
+        return analyse_rolling(chain([first], stream), rig, choices=choices, progress=progress)
+    return analyse_snapshot(chain([first], stream), rig, choices=choices, progress=progress)
+
+
+def analyse_snapshot(
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
+) -> Analysis:
+    """Trigger delay of a snapshot photon camera; parameters and errors as for `analyse`."""
     choices = choices or Choices()
     reduced: list[ReducedRecording] = []
     for recording in recordings:
         _check_fits_with(recording, reduced, choices)
         before = reduced[0].opening if reduced else None
-        reduced.append(_reduce(recording, rig, choices, progress, before=before))
-    if not reduced:
-        raise EstimationError("no recording given; name at least one recording file")
+        with _noted(recording):
+            reduced.append(
+                cooled.reduce(recording, rig, choices=choices, progress=_told(recording, progress), before=before)
+            )
     reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
     tracks = pooled_slots.pool([recording.track for recording in reduced])
     reduced = [replace(recording, track=track) for recording, track in zip(reduced, tracks, strict=True)]
@@ -106,7 +163,63 @@ def analyse(
     )
 
 
-def _check_fits_with(recording: Recording, before: list[ReducedRecording], choices: Choices) -> None:
+def analyse_rolling(
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
+) -> RollingAnalysis:
+    """Trigger delay, time constant and row delay of a rolling microbolometer camera; parameters and errors as for `analyse`."""
+    choices = choices or Choices()
+    reduced: list[ReducedRows] = []
+    for recording in recordings:
+        _check_fits_with(recording, reduced, choices)
+        before = reduced[0].opening if reduced else None
+        with _noted(recording):
+            reduced.append(
+                microbolometer.reduce(
+                    recording, rig, choices=choices, progress=_told(recording, progress), before=before
+                )
+            )
+    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
+    tracks = pooled_slots.pool([one.track for one in reduced])
+    best = rolling_camera.estimate([replace(one, track=track) for one, track in zip(reduced, tracks, strict=True)], rig)
+    published_fits = _rolling_as_published(best.recordings, rig)
+    return RollingAnalysis(
+        rig=rig,
+        choices=choices,
+        recordings=best.recordings,
+        geometry=best.geometry,
+        sector=best.sector,
+        row_fits=best.fits,
+        scan=best.scan,
+        published_fits=published_fits,
+        best=best.result,
+        as_published=rolling_published.estimate(published_fits),
+    )
+
+
+def _rolling_as_published(recordings: tuple[ReducedRows, ...], rig: Rig) -> tuple[PublishedLagFit, ...]:
+    """The procedure of the paper for each nominal delay; wheel centre and roll are those of the contrast image."""
+    equal = wheel_geometry.geometry(recordings, rig, slots="equal", off_axle_mask=False)
+    axle = recordings[0].axle
+    if axle is None:
+        raise EstimationError("the wheel centre is not known; fit the contrast image first")
+    wheel = WheelInImage(
+        row_px=axle.row_px,
+        column_px=axle.column_px,
+        roll_rad=equal.camera_roll_rad or 0.0,
+        rotation=rig.wheel.rotation,
+    )
+    return tuple(
+        row_delay_and_lag.fit(
+            row_averages.average(runs),
+            equal.model,
+            wheel=wheel,
+            initial_row_delay_s=_frame_period_s(runs[0]) / runs[0].opening.mask.shape[0],
+        )
+        for runs in _by_delay(recordings)
+    )
+
+
+def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording | ReducedRows], choices: Choices) -> None:
     size = recording.frames.shape[1:]
     same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
     if same is not None:
@@ -127,25 +240,36 @@ def _check_fits_with(recording: Recording, before: list[ReducedRecording], choic
         )
 
 
-def _reduce(
-    recording: Recording, rig: Rig, choices: Choices, progress: Progress | None, *, before: Opening | None
-) -> ReducedRecording:
+def _told(recording: Recording, progress: Progress | None) -> Callable[[int], None]:
     total = recording.frames.shape[0]
 
     def told(done: int) -> None:
         if progress is not None:
             progress(recording.name, done, total)
 
+    return told
+
+
+@contextmanager
+def _noted(recording: Recording) -> Iterator[None]:
+    """An error on the way says at which recording."""
     try:
-        return cooled.reduce(recording, rig, choices=choices, progress=told, before=before)
+        yield
     except IrTimingError as error:
         error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *recording.warnings]))
         raise
 
 
-def _by_delay(reduced: list[ReducedRecording]) -> list[list[ReducedRecording]]:
+def _frame_period_s(rows: ReducedRows) -> float:
+    return float(np.median(np.diff(rows.trigger_ticks))) / rows.track.clock_frequency_hz
+
+
+_Reduced = TypeVar("_Reduced", ReducedRecording, ReducedRows)
+
+
+def _by_delay(reduced: Sequence[_Reduced]) -> list[list[_Reduced]]:
     """Runs of the same nominal delay and wheel speed together, sorted."""
-    groups: dict[tuple[float, float], list[ReducedRecording]] = {}
+    groups: dict[tuple[float, float], list[_Reduced]] = {}
     for recording in reduced:
         key = (recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9))
         groups.setdefault(key, []).append(recording)

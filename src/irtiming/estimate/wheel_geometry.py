@@ -1,5 +1,6 @@
 """The rig's angles and what is known of their errors, from rig.toml and the timestamps (Schatz 2023, 2.5)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, final
 
@@ -9,6 +10,7 @@ from irtiming.physics.light_gates import GateAngles, gate_angles
 from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
+from irtiming.records.rolling import ReducedRows
 from irtiming.records.wheel_track import WheelTrack
 
 _LARGEST_ROLL_RAD = 0.5
@@ -35,7 +37,11 @@ class WheelGeometry:
 
 
 def geometry(
-    recordings: list[ReducedRecording], rig: Rig, *, slots: Literal["learned", "equal"], off_axle_mask: bool
+    recordings: Sequence[ReducedRecording | ReducedRows],
+    rig: Rig,
+    *,
+    slots: Literal["learned", "equal"],
+    off_axle_mask: bool,
 ) -> WheelGeometry:
     """Angles of gates, edges and opening.
 
@@ -120,13 +126,13 @@ def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None
     return _IDEAL_EDGES, None, "ideal", (text,)
 
 
-def _camera_roll(recordings: list[ReducedRecording], centre_angle_rad: float) -> float | None:
+def _camera_roll(recordings: Sequence[ReducedRecording | ReducedRows], centre_angle_rad: float) -> float | None:
     """Angle by which the camera is turned against the rig: bisector of the mask in the image minus phi_M, rad."""
     turned = [np.exp(1j * (r.axle.bisector_rad - centre_angle_rad)) for r in recordings if r.axle is not None]
     return float(np.angle(np.mean(turned))) if turned else None
 
 
-def _mask_shift(recordings: list[ReducedRecording]) -> tuple[float, float | None]:
+def _mask_shift(recordings: Sequence[ReducedRecording | ReducedRows]) -> tuple[float, float | None]:
     """Mean angle of the light about the axle minus the bisector of the mask's edges, from the images."""
     views = [r.axle for r in recordings if r.axle is not None]
     if not views:

@@ -1,13 +1,15 @@
 """An analysis made by hand: five nominal delays, two runs each, with numbers that the tests can check on paper."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
+from irtiming.physics.first_order_lag import at_angles
 from irtiming.physics.light_gates import GateAngles, gate_angles
 from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, exposed_fraction, slope_centres_rad, wheel_model
+from irtiming.records.arrays import Array
 from irtiming.records.estimate import (
     Contribution,
     DelayResult,
@@ -17,8 +19,12 @@ from irtiming.records.estimate import (
     RelativeDelay,
     SlopeLine,
 )
+from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
 from irtiming.records.reduced import AxleView, Choices, ExposedFraction, Opening, ReducedRecording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+from irtiming.records.rolling import ContrastImage, ExposedRows, ReducedRows, RollingOpening, ShutterEvent
+from irtiming.records.rolling_result import RollingContribution, RollingResult
+from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape, TimeConstantScan
 from irtiming.records.wheel_track import WheelTrack
 
 TURN = 2 * np.pi
@@ -170,4 +176,163 @@ def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         u_edge_delay_s=np.full(4, 0.3e-6),
         warnings=(),
+    )
+
+
+@dataclass(frozen=True)
+class _Rolling:
+    rig: Rig
+    choices: Choices
+    recordings: tuple[ReducedRows, ...]
+    geometry: _Geometry
+    sector: SectorFit
+    row_fits: tuple[RowTimingFit, ...]
+    scan: TimeConstantScan
+    published_fits: tuple[PublishedLagFit, ...]
+    best: RollingResult
+    as_published: RollingResult
+    warnings: tuple[str, ...]
+
+    @property
+    def result(self) -> RollingResult:
+        return self.as_published if self.choices.method == "published" else self.best
+
+
+ROLLING_DELAY_S, TAU_S, ROW_S = 4e-3, 5e-3, 40e-6
+ROW_LATE_US = 100.0
+"""By how much the fifth row of the first recording is later than its line."""
+
+
+@pytest.fixture(scope="session")
+def rolling(analysis: _Analysis) -> _Rolling:
+    """Delay 4 ms with u 30 us, tau 5 ms with 4 us, row delay 40 us with 0.2 us; noise alone correlates the first two by 0.96."""
+    rng = np.random.default_rng(7)
+    names, set_s = ("bolo-0ms", "bolo-10ms"), (0.0, 0.01)
+    fits = tuple(_row_fit(name, delay, rng) for name, delay in zip(names, set_s, strict=True))
+    tau = TAU_S + 4e-6 * np.linspace(-4, 4, 21)
+    return _Rolling(
+        rig=analysis.rig,
+        choices=Choices(),
+        recordings=tuple(_rows(analysis, name, delay) for name, delay in zip(names, set_s, strict=True)),
+        geometry=analysis.geometry,
+        sector=_sector(),
+        row_fits=fits,
+        scan=TimeConstantScan(time_constant_s=tau, deviation=((tau - TAU_S) / 4e-6) ** 2),
+        published_fits=tuple(_published_lag(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
+        best=_rolling_result("row-sum", names),
+        as_published=_rolling_result("published", names),
+        warnings=("bolo-0ms: the shutter is closed in frames 100 to 119", "<i>no markup</i>"),
+    )
+
+
+ROW_PX = np.arange(7, 33)
+
+
+def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFit:
+    angle = rng.permutation(np.linspace(0, TURN, 380, endpoint=False))
+    orders = np.arange(0, 16)
+    harmonics = np.zeros((ROW_PX.size, 16), complex)
+    harmonics[:, 0], harmonics[:, 2], harmonics[:, 6] = 0.5, 0.45, 0.05
+    harmonics = harmonics * np.exp(1j * orders * OMEGA * (ROW_PX[:, None] * ROW_S))
+    late = np.zeros(ROW_PX.size)
+    late[4] = 1e-6 * ROW_LATE_US if delay_s == 0 else 0.0
+    model = at_angles(harmonics, angle).T
+    seen = at_angles(harmonics * np.exp(1j * orders * OMEGA * late[:, None]), angle).T
+    residual = seen - model + rng.normal(0, 1e-3, model.shape)
+    covariance = np.diag([0.0, 0, 0, 0, 0, 1e-16])
+    covariance[:5, :5] = 24e-12
+    covariance[:5, :5] += np.diag([4e-12] * 4 + [1e-12])
+    return RowTimingFit(
+        name=name, trigger_delay_time_set_s=delay_s, angular_frequency_rad_per_s=OMEGA,
+        edge_delay_s=ROLLING_DELAY_S + np.array([1, -1, 2, -2]) * 1e-6, time_constant_s=TAU_S, row_delay_s=ROW_S,
+        covariance_s2=covariance, shape_effect=np.zeros((6, 9)), start_s=(0.0, 3e-3, 60e-6), n_steps=9, row_px=ROW_PX,
+        wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
+        harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), widening=2.25,
+    )  # fmt: skip
+
+
+def _rows(analysis: _Analysis, name: str, delay_s: float) -> ReducedRows:
+    given = analysis.recordings[0]
+    mask, kept = given.opening.mask, np.delete(np.arange(400), np.arange(100, 120))
+    summed = np.zeros(mask.shape, bool)
+    summed[2:40, 5:75] = True
+    return ReducedRows(
+        name=name, source=f"runs/{name}.nxs", sha256=hashlib.sha256(name.encode()).hexdigest(), n_frames=400,
+        trigger_ticks=kept * 1_622_016, frame_index=kept, segment=(kept >= 120).astype(np.int64), row_px=ROW_PX,
+        row_sum_dn=np.zeros((380, ROW_PX.size)), mask_row_sum_dn=np.zeros((380, ROW_PX.size)),
+        drift_dn=0.01 * kept, samples_per_turn=1000, track=given.track, equal_track=given.track,
+        opening=RollingOpening(
+            roi=(2, 40, 5, 75), open_frame_dn=4000 - 800.0 * mask, covered_frame_dn=np.full(mask.shape, 4000.0),
+            mask=mask, summed=summed, border_px=4, bad=np.zeros(mask.shape, bool), blackbody_is_colder=True,
+        ),
+        contrast=ContrastImage(
+            projection_dn=np.zeros((38, 70), complex), frame_weight=np.zeros(380, complex), u_dn=1.0,
+            good=np.ones((38, 70), bool), roi=(2, 40, 5, 75),
+        ),
+        shutter_events=(ShutterEvent(first_frame=100, end_frame=120, kind="closed"),),
+        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, axle=given.axle,
+        edge_frame_dn=(4000 - 400 * mask).astype(np.uint16), edge_frame=17,
+    )  # fmt: skip
+
+
+def _sector() -> SectorFit:
+    """The numbers and images that the report shows; whatever else the fit tells is the same everywhere."""
+    rows, columns = np.mgrid[2:40, 5:75]
+    angle = np.mod(np.arctan2(rows - 45.0, columns - 40.0) + np.pi / 2 + np.pi, TURN) - np.pi
+    even = np.ones((38, 70))
+    shown = {
+        "shape": SectorShape(
+            axle_row_px=45.0, axle_column_px=40.0, offset_row_px=0.1, offset_column_px=0.0, inner_radius_px=12.0,
+            outer_radius_px=38.0, bisector_rad=-np.pi / 2, opening_angle_rad=np.radians(75), blur_px=0.7,
+        ),
+        "covariance": np.eye(9) * 1e-6, "contrast": even, "model_contrast": 0.98 * even, "excess": 0.01 * even,
+        "excess_angle_rad": angle, "row_delay_s": ROW_S, "u_row_delay_s": 1e-7, "reduced_chi_square": 2.0,
+        "roi": (2, 40, 5, 75),
+    }  # fmt: skip
+    same = {Array: 0.01 * even, float: 0.01, int: 2}
+    return SectorFit(**{field.name: shown.get(field.name, same.get(field.type)) for field in fields(SectorFit)})
+
+
+def _published_lag(name: str, delay_s: float, rng: np.random.Generator) -> PublishedLagFit:
+    angle = np.linspace(0, TURN, 380, endpoint=False)
+    rows = np.ones((ROW_PX.size, 380))
+    tau = np.linspace(4.5e-3, 5.7e-3, 11)
+    parabola = np.array([0.005 + 1e3 * 5.1e-3**2, -2e3 * 5.1e-3, 1e3])
+    timing = LagTiming(trigger_delay_s=4.1e-3, row_delay_s=41e-6, time_constant_s=5.1e-3)
+    return PublishedLagFit(
+        data=ExposedRows(
+            trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA, names=(name,),
+            wheel_angle_rad=angle, fraction=rows[0], u_fraction=None, row_px=ROW_PX, row_fraction=rows,
+            u_row_fraction=None, mask=np.ones((60, 80), bool),
+        ),
+        timing=timing, u_timing=LagTiming(trigger_delay_s=40e-6, row_delay_s=2e-6, time_constant_s=3e-6),
+        initial_timing=LagTiming(trigger_delay_s=0.0, row_delay_s=275e-6, time_constant_s=5.6e-3), time_constants_s=tau,
+        rms=parabola[0] + parabola[1] * tau + parabola[2] * tau**2, parabola=parabola, row_px=ROW_PX,
+        delay_of_row_s=4.1e-3 + 41e-6 * ROW_PX + rng.normal(0, 50e-6, ROW_PX.size), simulated_fraction=rows[0],
+        simulated_row_fraction=rows, deviation_rms=0.005, n_simulations=92,
+    )  # fmt: skip
+
+
+def _rolling_result(method: str, names: tuple[str, ...]) -> RollingResult:
+    ours = method == "row-sum"
+    u = np.array([30e-6, 4e-6, 0.2e-6]) if ours else np.array([40e-6, 3e-6, 2e-6])
+    values = np.array([ROLLING_DELAY_S, TAU_S, ROW_S]) if ours else np.array([4.1e-3, 5.1e-3, 41e-6])
+    parts = (
+        RollingContribution(source="mask centre angle phi_M", kind="B", trigger_delay_s=24e-6, time_constant_s=0.0,
+                            row_delay_s=0.0),
+        RollingContribution(source="noise of the frames", kind="A", trigger_delay_s=18e-6, time_constant_s=4e-6,
+                            row_delay_s=0.2e-6),
+    )  # fmt: skip
+    return RollingResult(
+        method=method,
+        estimate=Estimate(
+            names=("trigger_delay", "time_constant", "row_delay"), values=values, covariance=np.diag(u**2)
+        ),
+        relative_delays=(
+            RelativeDelay(file=names[0], nominal_s=0.0, value_s=0.0, standard_uncertainty_s=0.0),
+            RelativeDelay(file=names[1], nominal_s=0.01, value_s=0.010001, standard_uncertainty_s=2e-6),
+        ),
+        budget=parts if ours else parts[1:],
+        edge_delay_s=values[0] + np.array([1, -1, 2, -2]) * 1e-6 if ours else np.full(4, np.nan),
+        u_edge_delay_s=np.full(4, 5e-6) if ours else np.full(4, np.nan),
     )

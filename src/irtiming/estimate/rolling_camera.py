@@ -1,0 +1,130 @@
+"""The default method for a rolling microbolometer camera: contrast image and row sums, in turns, until they agree."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import rolling_timing, row_fit, row_light, sector_fit, wheel_geometry
+from irtiming.estimate.one_thread import one_thread
+from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.records.reduced import AxleView
+from irtiming.records.rig import Rig
+from irtiming.records.rolling import ReducedRows
+from irtiming.records.rolling_result import RollingResult
+from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+
+if TYPE_CHECKING:
+    from irtiming.records.arrays import Array
+
+_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
+_AGREED = 0.1  # standard uncertainties between two rounds
+_FIRST_LAG = 1e-4  # seconds; the first contrast image is fitted as if there were no lag
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RollingFit:
+    """All that the default method found; ``recordings`` now know the axle."""
+
+    recordings: tuple[ReducedRows, ...]
+    geometry: WheelGeometry
+    sector: SectorFit
+    fits: tuple[RowTimingFit, ...]
+    scan: TimeConstantScan
+    result: RollingResult
+
+
+def estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
+    """Trigger delay, time constant and row delay.
+
+    Parameters
+    ----------
+    recordings
+        Of one camera on one rig; one or more, of any set delays and wheel speeds.
+    rig
+        As measured by its owner.
+
+    Raises
+    ------
+    EstimationError
+        If the recordings do not determine the opening or the timing.
+    GeometryError
+        If the rig's numbers contradict each other.
+    """
+    with one_thread():
+        return _estimate(recordings, rig)
+
+
+def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
+    mirrored = rig.wheel.rotation == "counterclockwise"
+    bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False)
+    lag: tuple[Array, float] = (np.zeros(4), _FIRST_LAG)
+    sector: SectorFit | None = None
+    fits: tuple[RowTimingFit, ...] = ()
+    for n_round in range(_MOST_ROUNDS):
+        sector = sector_fit.fit(recordings, bare.model, mirrored=mirrored, lag=lag, start=sector)
+        light = row_light.row_light(recordings[0].row_px, sector)
+        starts = fits or (None,) * len(recordings)
+        before = fits
+        fits = tuple(
+            row_fit.fit(one, bare.model, light=light, start=start)
+            for one, start in zip(recordings, starts, strict=True)
+        )
+        lag = (
+            np.mean([fit.edge_delay_s for fit in fits], axis=0),
+            float(np.mean([fit.time_constant_s for fit in fits])),
+        )
+        if before:
+            fits = tuple(
+                replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
+                for then, now in zip(before, fits, strict=True)
+            )
+        if n_round + 1 >= _FEWEST_ROUNDS and _agree(before, fits):
+            break
+    else:
+        raise EstimationError(
+            f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lag[1]:.3f} ms); the "
+            "recordings must show the whole opening and nothing else that turns with the wheel"
+        )
+    seen = tuple(replace(one, axle=_axle(sector)) for one in recordings)
+    geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
+    return RollingFit(
+        recordings=seen,
+        geometry=geometry,
+        sector=sector,
+        fits=fits,
+        scan=row_fit.scan(recordings[0], bare.model, light=light, found=fits[0]),
+        result=rolling_timing.estimate(fits, geometry, sector=sector, n_rows=recordings[0].opening.mask.shape[0]),
+    )
+
+
+def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
+    moves = [
+        abs(a.time_constant_s - b.time_constant_s) / np.sqrt(b.covariance_s2[4, 4])
+        for a, b in zip(before, now, strict=True)
+    ]
+    moves += [
+        abs(a.row_delay_s - b.row_delay_s) / np.sqrt(b.covariance_s2[5, 5]) for a, b in zip(before, now, strict=True)
+    ]
+    return bool(np.max(moves) < _AGREED)
+
+
+def _axle(sector: SectorFit) -> AxleView:
+    """Axle and mask as the report shows them, polar angles in the image as it is."""
+    shape, covariance = sector.shape, sector.covariance
+    light = sector.model_contrast
+    rows, columns = np.arange(sector.roi[0], sector.roi[1])[:, None], np.arange(sector.roi[2], sector.roi[3])[None, :]
+    polar = np.arctan2(rows - shape.axle_row_px, columns - shape.axle_column_px)
+    bisector = float(np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad)
+    apart = np.mod(polar - bisector + np.pi, 2 * np.pi) - np.pi
+    return AxleView(
+        row_px=shape.axle_row_px,
+        column_px=shape.axle_column_px,
+        u_centre_px=float(np.sqrt(max(covariance[0, 0], covariance[1, 1]))),
+        bisector_rad=bisector,
+        u_bisector_rad=float(np.sqrt(covariance[6, 6])),
+        mean_angle_rad=bisector + float(np.sum(light * apart) / np.sum(light)),
+    )

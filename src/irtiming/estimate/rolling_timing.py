@@ -1,0 +1,253 @@
+r"""From the fits of all recordings to trigger delay, time constant and row delay, with one covariance.
+
+Each recording f gives six numbers with correlated noise: four edge delays d_fi, tau_f and t_row,f. They differ from the
+camera's own by
+
+    d_fi = t_delay + (e + e_i) / omega_f + ...        tau_f = tau + ...        t_row,f = t_row + ...
+
+where the angle errors e (mask, gates, slots) and e_i (cutout edge i) are common to all recordings, as are the errors of the
+opening's shape in the image. All numbers are combined by generalised least squares with just this covariance, so that
+several wheel speeds separate delays from angles by themselves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import Estimate, RelativeDelay
+from irtiming.records.rolling_result import Bound, RollingContribution, RollingResult
+from irtiming.records.row_timing import RowTimingFit, SectorFit
+
+NAMES = ("trigger_delay", "time_constant", "row_delay")
+_T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
+_RUNS_THAT_TELL = 4
+_LARGEST_EDGE_RAD = 5e-3
+_UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no number any more
+_SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
+_SUSPICIOUS = 2.0
+_DISAGREE = 4.0  # standard uncertainties
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Parts:
+    """Six numbers of each fit in a row, shape (6 n,), and the parts of their covariance: source, kind, (6 n, 6 n)."""
+
+    values: Array
+    parts: tuple[tuple[str, str, Array], ...]
+
+    @property
+    def total(self) -> Array:
+        return np.asarray(np.sum([part for _, _, part in self.parts], axis=0))
+
+
+def estimate(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: SectorFit, n_rows: int) -> RollingResult:
+    """Combine the fits.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    geometry
+        Wheel model that the fits used, and the uncertainties of its angles.
+    sector
+        The opening in the image that the fits used; its uncertainty is common to all.
+    n_rows
+        Rows of the image: the last is read ``(n_rows - 1) row_delay`` after the first.
+    """
+    u_edge = _edge_uncertainty(fits, geometry)
+    told = _parts(fits, geometry, sector=sector, u_edge_rad=u_edge)
+    pick = np.tile(_PARAMETER_OF, (len(fits), 1))
+    weights = _weights(told.total, pick)
+    values, covariance = weights @ told.values, weights @ told.total @ weights.T
+    budget = tuple(
+        RollingContribution(
+            source=source, kind=kind, **_three(np.sqrt(np.maximum(np.diag(weights @ part @ weights.T), 0)))
+        )
+        for source, kind, part in told.parts
+    )
+    keep, bounds, undetermined = _determined(values, covariance)
+    noise = np.sqrt(np.mean([np.diag(fit.covariance_s2)[:4] for fit in fits], axis=0) / len(fits))
+    return RollingResult(
+        method="row-sum",
+        estimate=Estimate(
+            names=tuple(NAMES[k] for k in keep), values=values[keep], covariance=covariance[np.ix_(keep, keep)]
+        ),
+        relative_delays=_relative(fits, told),
+        budget=budget,
+        edge_delay_s=np.mean([fit.edge_delay_s for fit in fits], axis=0),
+        u_edge_delay_s=noise,
+        bounds=bounds,
+        warnings=geometry.warnings + undetermined + _doubts(values, u_edge, n_rows=n_rows) + _remarks(fits, sector),
+    )
+
+
+_PARAMETER_OF = np.array([[1, 0, 0]] * 4 + [[0, 1, 0], [0, 0, 1]], float)
+
+
+def _three(numbers: Array) -> dict[str, float]:
+    return {f"{name}_s": float(number) for name, number in zip(NAMES, numbers, strict=True)}
+
+
+def _edge_uncertainty(fits: Sequence[RowTimingFit], geometry: WheelGeometry) -> float:
+    """Standard uncertainty of one cutout edge, rad: as stated, else from the scatter of the four edges beyond the noise."""
+    if geometry.u_edge_rad is not None:
+        return geometry.u_edge_rad
+    angles = np.mean([fit.edge_delay_s * fit.angular_frequency_rad_per_s for fit in fits], axis=0)
+    return float(np.sqrt(_T_FACTOR * np.var(angles, ddof=1)))
+
+
+def _parts(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: SectorFit, u_edge_rad: float) -> _Parts:
+    n = 6 * len(fits)
+    is_edge = np.tile([1.0, 1, 1, 1, 0, 0], len(fits))
+    per_rad = is_edge * np.repeat([1 / fit.angular_frequency_rad_per_s for fit in fits], 6)
+    noise = np.zeros((n, n))
+    for k, (fit, factor) in enumerate(zip(fits, _run_to_run(fits), strict=True)):
+        noise[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = fit.covariance_s2 * factor
+    effect = np.concatenate([fit.shape_effect for fit in fits])
+    same_edge = np.equal.outer(np.arange(n) % 6, np.arange(n) % 6)
+    edges = u_edge_rad**2 * np.outer(per_rad, per_rad) * same_edge
+    parts: list[tuple[str, str, Array]] = [
+        ("noise of the frames", "A", noise),
+        ("axle, mask and blur in the image", "A", effect @ sector.covariance @ effect.T),
+        ("cutout edges", "A" if geometry.u_edge_rad is None else "B", edges),
+    ]
+    parts += [(source, kind, u**2 * np.outer(per_rad, per_rad)) for source, kind, u in geometry.angle_budget]
+    return _Parts(values=np.concatenate([_six(fit) for fit in fits]), parts=tuple(parts))
+
+
+def _six(fit: RowTimingFit) -> Array:
+    return np.array([*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s])
+
+
+def _weights(total: Array, design: Array) -> Array:
+    """Weights of generalised least squares, shape (k, n): their product with the values is the estimate."""
+    scale = np.sqrt(np.diag(total))
+    scaled = total / np.outer(scale, scale) + 1e-12 * np.eye(
+        len(total)
+    )  # a recording given twice has no noise of its own
+    through = np.linalg.solve(scaled, design / scale[:, None])
+    return np.linalg.solve((design / scale[:, None]).T @ through, through.T) / scale
+
+
+def _determined(values: Array, covariance: Array) -> tuple[list[int], tuple[Bound, ...], tuple[str, ...]]:
+    """Which of the three are numbers; bounds and a warning for the others."""
+    u = np.sqrt(np.diag(covariance))
+    if u[1] < _UNDETERMINED * values[1]:
+        return [0, 1, 2], (), ()
+    if u[1] < _SHORTEST_LAG_S:
+        text = (
+            f"no thermal lag is seen: the time constant is {1e3 * values[1]:.3f} ms with u = {1e3 * u[1]:.3f} ms (k = 1), a "
+            "microbolometer has some ms; if this is a photon camera, its recording must say so (camera type photon)"
+        )
+        longest = Bound(name="time_constant", lower_s=0.0, upper_s=max(0.0, float(values[1])) + 2 * float(u[1]))
+        return [0, 2], (longest,), (text,)
+    lowest, highest = max(0.0, float(values[1] - 2 * u[1])), float(values[1] + 2 * u[1])
+    bounds = (
+        Bound(name="time_constant", lower_s=lowest, upper_s=highest),
+        Bound(name="trigger_delay", lower_s=float(values[0] - 2 * u[0]), upper_s=float(values[0] + 2 * u[0])),
+    )
+    text = (
+        f"the time constant is not determined (u = {1e3 * u[1]:.3g} ms, k = 1): the plateaus are too short or too noisy to "
+        f"tell a lag from a delay; it lies between {1e3 * lowest:.3g} and {1e3 * highest:.3g} ms (2 u), the trigger delay "
+        f"between {1e3 * (values[0] - 2 * u[0]):.3g} and {1e3 * (values[0] + 2 * u[0]):.3g} ms; record longer or with more "
+        "contrast"
+    )
+    return [2], bounds, (text,)
+
+
+def _relative(fits: Sequence[RowTimingFit], told: _Parts) -> tuple[RelativeDelay, ...]:
+    """Delay of each recording minus the mean of those with the smallest set delay, tau and t_row being one for all."""
+    n = len(fits)
+    design = np.zeros((6 * n, n + 2))
+    for k in range(n):
+        design[6 * k : 6 * k + 4, k] = 1
+        design[6 * k + 4, n] = design[6 * k + 5, n + 1] = 1
+    weights = _weights(told.total, design)[:n]
+    nominal = np.array([fit.trigger_delay_time_set_s for fit in fits])
+    delay = weights @ told.values + nominal
+    reference = np.isclose(nominal, nominal.min(), rtol=0, atol=1e-12)
+    difference = np.eye(n) - reference / reference.sum()
+    covariance = difference @ weights @ told.total @ weights.T @ difference.T
+    value, u = difference @ delay, np.sqrt(np.maximum(np.diag(covariance), 0))
+    return tuple(
+        RelativeDelay(
+            file=fit.name,
+            nominal_s=float(nominal[k] - nominal.min()),
+            value_s=float(value[k]),
+            standard_uncertainty_s=float(u[k]),
+        )
+        for k, fit in enumerate(fits)
+    )
+
+
+def _by_speed(fits: Sequence[RowTimingFit]) -> list[tuple[float, list[int]]]:
+    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
+    return [(float(speed), [int(k) for k in np.flatnonzero(speeds == speed)]) for speed in np.unique(speeds)]
+
+
+def _birge_ratio(group: list[RowTimingFit]) -> float:
+    """Scatter of delay, tau and row delay over recordings at one speed, over what their own noise explains."""
+    three = np.array([_PARAMETER_OF.T @ _six(fit) / [4, 1, 1] for fit in group])
+    mix = _PARAMETER_OF.T / np.array([[4], [1], [1]])
+    inverses = np.array([np.linalg.inv(mix @ fit.covariance_s2 @ mix.T) for fit in group])
+    mean = np.linalg.solve(inverses.sum(axis=0), np.einsum("fij,fj->i", inverses, three))
+    apart = three - mean
+    return float(np.sqrt(np.einsum("fi,fij,fj->", apart, inverses, apart) / (3 * (len(group) - 1))))
+
+
+def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:
+    """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1."""
+    factor = np.ones(len(fits))
+    for _, members in _by_speed(fits):
+        if len(members) >= _RUNS_THAT_TELL:
+            factor[members] = max(1.0, _birge_ratio([fits[k] for k in members]) ** 2)
+    return factor
+
+
+def _doubts(values: Array, u_edge_rad: float, *, n_rows: int) -> tuple[str, ...]:
+    doubts = []
+    latest = max(values[0], values[0] + (n_rows - 1) * values[2])
+    if latest < 0:
+        doubts.append(
+            f"every row would be read before the trigger (the last at {1e3 * latest:.3f} ms); check [beams] whole_slots_between, "
+            "[mask] centre_angle_deg and the trigger's edge"
+        )
+    if u_edge_rad > _LARGEST_EDGE_RAD:
+        doubts.append(
+            f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
+            f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad; check [wheel] rotation and cutout_edges_rad"
+        )
+    return tuple(doubts)
+
+
+def _remarks(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[str, ...]:
+    """Doubts about the fits: correlated residuals, recordings that disagree, a row delay that the image contradicts."""
+    remarks = []
+    widened = [fit.widening**0.5 for fit in fits if fit.widening > _SUSPICIOUS**2]
+    if widened:
+        remarks.append(
+            f"residuals of {len(widened)} of {len(fits)} recordings are correlated: the rig differs from the model by more than "
+            f"noise (figure of the residuals); their uncertainty was widened by up to {max(widened):.1f}"
+        )
+    row_delay = float(np.mean([fit.row_delay_s for fit in fits]))
+    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.covariance_s2[5, 5] for fit in fits]))))
+    if abs(row_delay - sector.row_delay_s) > _DISAGREE * u:
+        remarks.append(
+            f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels {1e6 * sector.row_delay_s:.3f} us: "
+            f"they differ by {abs(row_delay - sector.row_delay_s) / u:.1f} u; lens distortion or a moved camera may be the cause"
+        )
+    for speed, members in _by_speed(fits):
+        if len(members) < 2:
+            continue
+        birge = _birge_ratio([fits[k] for k in members])
+        if birge > 1 + _SUSPICIOUS / np.sqrt(6 * (len(members) - 1)):
+            remarks.append(
+                f"{len(members)} recordings at {speed:.4g} Hz scatter {birge:.2f} times more than their noise explains "
+                "(Birge ratio); something changed between them"
+            )
+    return tuple(remarks)

@@ -1,0 +1,38 @@
+"""What the residuals say: a covariance that holds when they are correlated among rows and along the wheel angle."""
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+
+_CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may hang together
+
+
+def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
+    """Covariance from the scores of the frames, and by how much it exceeds that of white residuals.
+
+    Parameters
+    ----------
+    scores
+        Shape (n, k); gradient of the log-likelihood that each frame contributes with all its rows, sorted by wheel angle.
+        Frames with the same noise in all rows, or neighbours with the same error of the model, show here.
+    normal
+        Shape (k, k); inverse covariance were the residuals white.
+
+    Returns
+    -------
+    Covariance, shape (k, k), nowhere smaller on its diagonal than for white residuals; and the mean factor on the variances.
+
+    Notes
+    -----
+    Newey and West's estimator with a triangle of 8 neighbours on the circle of the wheel angle.
+    """
+    middle = scores.T @ scores
+    for lag in range(1, _CORRELATED_FRAMES + 1):
+        beside = scores.T @ np.roll(scores, -lag, axis=0)
+        middle += (1 - lag / (_CORRELATED_FRAMES + 1)) * (beside + beside.T)
+    white = np.linalg.inv(normal)
+    found = white @ middle @ white
+    ratio = np.diag(found) / np.diag(white)
+    stretch = np.sqrt(np.maximum(1.0, 1 / np.maximum(ratio, 1e-3)))
+    found = found * np.outer(stretch, stretch)
+    return found, max(1.0, float(np.mean(ratio)))

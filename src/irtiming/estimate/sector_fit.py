@@ -1,0 +1,189 @@
+"""The opening's place and shape from the contrast image: where the axle lies, which way the mask points, how sharp it is.
+
+Each pixel of the opening is covered and uncovered in its own time. So the phases of the contrast image tell polar angles
+about the axle, and its amplitudes tell the mask: an annular sector, blurred, whose own centre need not be the axle. What a
+pixel's projection would be is computed with the very weights that made it, so that missing frames do no harm.
+
+Two things spoil amplitudes and leave phases alone: pixels differ in gain, and the solid wheel mirrors the camera unevenly.
+So a pixel's deviation is split along and across its phase; only along it may differ by the pixels' gain scatter.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import sector_image
+from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.estimate.sector_image import PHASE, RING_INNER, RING_OUTER, ROW_DELAY, SCALES, SeenContrast, View
+from irtiming.physics.wheel import WheelModel
+from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.rolling import ReducedRows
+from irtiming.records.row_timing import SectorFit
+
+_SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
+_SIGNIFICANT = 2.0  # standard uncertainties of a pixel's contrast, below which an excess counts as noise
+_WELL_INSIDE = 0.99  # of full contrast
+_FEWEST_PIXELS = 30
+_BORDER = 0.35  # about half of full contrast
+_FIRST_SCATTER = 0.02
+_MOST_EVALUATIONS = 30
+_FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
+_RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
+
+
+def fit(
+    recordings: Sequence[ReducedRows], wheel: WheelModel, *, mirrored: bool, lag: tuple[Array, float],
+    start: SectorFit | None = None,
+) -> SectorFit:  # fmt: skip
+    """Sector fitted to the contrast images of all recordings.
+
+    Parameters
+    ----------
+    recordings
+        Of one camera in one place.
+    wheel
+        Geometry of wheel and gates.
+    mirrored
+        Whether the wheel turns counterclockwise.
+    lag
+        Edge delays (4,) and time constant as known so far, s; they matter only where frames are missing.
+    start
+        An earlier fit; without one it starts at what the image shows.
+
+    Raises
+    ------
+    EstimationError
+        If the image shows no sector.
+    """
+    first = recordings[0]
+    seen = sector_image.looks(recordings, wheel, lag=lag)
+    good = np.asarray(np.all([one.contrast.good for one in recordings], axis=0))
+    view = View(
+        roi=first.contrast.roi,
+        good=good,
+        summed=_summed(first),
+        mirrored=mirrored,
+        field_prior=_FIELD_PRIORS[1] if start is None else float(np.clip(start.hills, *_FIELD_PRIORS)),
+    )
+    imperfect = np.full(good.shape, _FIRST_SCATTER) if start is None else _imperfect(start)
+    along = [np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen]
+    begin = sector_image.first_guess(seen[0], view) if start is None else _numbers(start)
+
+    def misfit(numbers: Array) -> Array:
+        fits = [
+            sector_image.fitted(look, numbers, view=view, u_along_dn=u) for look, u in zip(seen, along, strict=True)
+        ]
+        return np.concatenate([_ring_prior(numbers), *(one.misfit for one in fits)])
+
+    low, high = np.full(SCALES.size, -np.inf), np.full(SCALES.size, np.inf)
+    low[[4, RING_INNER]], low[8], high[8] = 0.0, _SHARPEST_PX, _MOST_BLURRED_PX
+    begin = np.clip(begin, low + 1e-6, high)
+    found = least_squares(misfit, begin, x_scale=SCALES, bounds=(low, high), max_nfev=_MOST_EVALUATIONS, ftol=1e-6)
+    numbers, residual = np.asarray(found.x), np.asarray(found.fun)
+    _check(numbers, first)
+    n_good = int(good.sum())
+    pixels = np.concatenate(
+        [2 + np.arange(2 * n_good) + k * ((residual.size - 2) // len(seen)) for k in range(len(seen))]
+    )
+    covariance = _covariance(np.asarray(found.jac), residual, pixels.reshape(2 * len(seen), n_good))
+    contrast = sector_image.contrast(seen, numbers, view=view, u_along_dn=along)
+    told = _told(contrast, numbers, view=view, known=(covariance, float(np.mean(residual[pixels] ** 2))))
+    return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+
+
+def _told(seen: SeenContrast, numbers: Array, *, view: View, known: tuple[Array, float]) -> SectorFit:
+    """The measured contrast, split into sector, plate and excess."""
+    summed = np.where(view.summed, 1.0, 0.0)
+    residual = seen.residual * summed
+    excess = residual * np.maximum(0.0, 1 - (_SIGNIFICANT * seen.u) ** 2 / np.maximum(residual**2, 1e-30))
+    mostly, dark = seen.light > 0.5, np.maximum(1 - seen.light, 0.02)
+    beside_angle = (seen.centre_angle_rad - seen.light * seen.light_angle_rad) / dark
+    inside = view.good & (seen.light > _WELL_INSIDE)
+    border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
+    covariance, chi_square = known
+    return SectorFit(
+        shape=shape_of(numbers, view.mirrored),
+        covariance=covariance[:9, :9],
+        contrast=seen.light + seen.uneven + seen.plate + seen.residual,
+        model_contrast=seen.light,
+        plate=seen.plate * summed,
+        plate_angle_rad=np.where(mostly, seen.centre_angle_rad, beside_angle),
+        uneven=seen.uneven * summed,
+        uneven_angle_rad=seen.centre_angle_rad,
+        hills=seen.hills,
+        excess=excess,
+        excess_angle_rad=np.where(mostly, seen.light_angle_rad, seen.centre_angle_rad),
+        gain_scatter=_scatter(seen.residual[inside], seen.u),
+        border_scatter=_scatter((seen.residual / _border_weight(seen.light))[border], seen.u),
+        phase_rad=float(numbers[PHASE]),
+        ring_radii_px=(float(numbers[RING_INNER]), float(numbers[RING_OUTER])),
+        row_delay_s=float(numbers[ROW_DELAY]),
+        u_row_delay_s=float(np.sqrt(covariance[ROW_DELAY, ROW_DELAY])),
+        reduced_chi_square=chi_square,
+        roi=view.roi,
+        n_rounds=1,
+    )
+
+
+def _scatter(residual: Array, u: float) -> float:
+    """Standard deviation beyond the noise."""
+    beyond = float(np.mean(residual**2)) - u**2 if residual.size > _FEWEST_PIXELS else _FIRST_SCATTER**2
+    return float(np.sqrt(max(beyond, 0.0)))
+
+
+def _border_weight(light: Array) -> Array:
+    """1 where half of a pixel is in the light, 0 well inside and well outside."""
+    return np.asarray(np.maximum(4 * light * (1 - light), 1e-6))
+
+
+def _imperfect(found: SectorFit) -> Array:
+    """Standard deviation of a pixel's contrast because pixels differ in gain, and masks from sectors at their border."""
+    light = np.clip(found.model_contrast, 0, 1)
+    return np.asarray(np.hypot(found.gain_scatter * light, found.border_scatter * _border_weight(light)))
+
+
+def _numbers(found: SectorFit) -> Array:
+    return np.array(
+        [
+            *(getattr(found.shape, name) for name in SHAPE_NUMBERS),
+            found.row_delay_s,
+            found.phase_rad,
+            *found.ring_radii_px,
+        ]
+    )
+
+
+def _ring_prior(numbers: Array) -> Array:
+    """A loose word on the radii of the cutouts, for where the plate does not show."""
+    margin = np.array([numbers[4] - numbers[RING_INNER], numbers[RING_OUTER] - numbers[5]])
+    return np.asarray((margin - _RING_MARGIN_PX) / _RING_MARGIN_PX)
+
+
+def _summed(rows: ReducedRows) -> Mask:
+    first_row, end_row, first_column, end_column = rows.contrast.roi
+    return rows.opening.summed[first_row:end_row, first_column:end_column]
+
+
+def _check(numbers: Array, rows: ReducedRows) -> None:
+    width, off = numbers[5] - numbers[4], float(np.hypot(numbers[2], numbers[3]))
+    if not (width > 3 and 0.1 < numbers[7] < np.pi and off < 0.3 * numbers[5]):
+        raise EstimationError(
+            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {numbers[4]:.1f} .. "
+            f"{numbers[5]:.1f} px, {np.degrees(numbers[7]):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
+            "must be in view, sharp, and covered by the wheel alone"
+        )
+
+
+def _covariance(jacobian: Array, residual: Array, pixels: Ticks) -> Array:
+    """Covariance that holds for pixels that differ from the model by more than noise, each a cluster of its own.
+
+    ``pixels`` (n, n_good) are the places in the residual that belong to each pixel.
+    """
+    white = np.linalg.pinv(jacobian.T @ jacobian)
+    scores = (jacobian * residual[:, None])[pixels].sum(axis=0)
+    found = white @ (scores.T @ scores) @ white
+    stretch = np.sqrt(np.maximum(1.0, np.diag(white) / np.maximum(np.diag(found), 1e-300)))
+    return np.asarray(found * np.outer(stretch, stretch))

@@ -1,0 +1,133 @@
+"""From a simulated microbolometer camera with known truth to its timing: the twin and the estimator share no formula."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming import measurement
+from irtiming.archive import reader, rig_file
+from irtiming.errors import EstimationError
+from irtiming.estimate import rolling_camera
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Choices
+from irtiming.reduce import microbolometer
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed
+from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
+
+SMALL = microbolometer_scene(96, 128)
+BASE = with_wheel_speed(
+    replace(SMALL, optics=replace(SMALL.optics, wheel_centre_row_px=SMALL.optics.wheel_centre_row_px + 3)),
+    3.0,
+    samples=500,
+)
+SCENES = {
+    "rows from the top": BASE,
+    "rows from the bottom, warm blackbody": replace(
+        BASE,
+        timing=replace(BASE.timing, trigger_delay_s=9e-3, row_delay_s=-60e-6),
+        radiance=replace(BASE.radiance, blackbody_k=306.15),
+    ),
+    "counterclockwise, lost frames": replace(
+        BASE, wheel=replace(BASE.wheel, rotation="counterclockwise"), faults=Faults(lost_frames=30)
+    ),
+    "shutter, drift, dead pixels": replace(
+        BASE,
+        correction=SelfCorrection(events=(ShutterEvent(start_s=7.0, level_jump_dn=12.0),)),
+        drift=Drift(per_second_dn=0.6, settling_dn=25.0, settling_time_s=8.0),
+        detector=replace(BASE.detector, dead_pixels=12),
+    ),
+    "noise of rows, slow lag": replace(
+        BASE,
+        detector=replace(BASE.detector, row_noise_dn=3.0),
+        timing=replace(BASE.timing, time_constant_s=11e-3, row_delay_s=90e-6),
+    ),
+}
+NAMES = ("trigger_delay", "time_constant", "row_delay")
+
+
+def _truth(timing):
+    return np.array([timing.trigger_delay_s, timing.time_constant_s, timing.row_delay_s])
+
+
+def _fit(rig, *recordings):
+    reduced = [microbolometer.reduce(one, rig.measured, choices=Choices()) for one in recordings]
+    return rolling_camera.estimate(reduced, rig.measured)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_truth_lies_within_the_stated_uncertainty(name):
+    """Oracle: the scene; rig.toml is off by its stated uncertainties, and 3.5 of them leave one chance in 2000."""
+    rig = twin.draw(SCENES[name], seed=41)
+    found = _fit(rig, twin.simulate(rig.scene, seed=7))
+    estimate = found.result.estimate
+    assert estimate.names == NAMES
+    off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
+    assert np.all(off < 3.5), off
+    assert np.all(estimate.standard_uncertainties < [50e-6, 30e-6, 0.8e-6])
+    axle = found.recordings[0].axle
+    assert axle.row_px == pytest.approx(rig.scene.optics.wheel_centre_row_px, abs=0.05)
+    assert axle.column_px == pytest.approx(rig.scene.optics.wheel_centre_column_px, abs=0.05)
+    assert found.sector.shape.blur_px == pytest.approx(rig.scene.optics.blur_px, abs=0.06)
+    assert found.sector.shape.mirrored == ("counterclockwise" in name)
+    assert found.fits[0].widening < 4
+
+
+def test_several_wheel_speeds_and_delays_from_end_to_end():
+    """Oracle: the scene and the trigger generator; angle errors of 30 us drop out between 3 and 7 Hz, 20 ms were set once.
+
+    The camera's kind decides what is analysed; both methods' results are there, and the choice names the one that counts.
+    """
+    rig = twin.draw(BASE, seed=5)
+    fast = with_wheel_speed(rig.scene, 7.0, samples=500)
+    recordings = [*twin.series(rig.scene, [0.0, 0.02], repeats=1, seed=3), twin.simulate(fast, seed=9, name="fast")]
+    analysis = measurement.analyse(recordings, rig.measured)
+    assert isinstance(analysis, measurement.RollingAnalysis)
+    estimate = analysis.best.estimate
+    off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
+    assert np.all(off < 3.5), off
+    assert estimate.standard_uncertainties[0] < 15e-6
+    told = {one.nominal_s: one for one in analysis.best.relative_delays if one.file != "fast"}
+    assert set(told) == {0.0, 0.02}
+    assert abs(told[0.02].value_s - 0.02) < 3.5 * told[0.02].standard_uncertainty_s
+    assert told[0.02].standard_uncertainty_s < 15e-6
+    assert analysis.result is analysis.best
+    assert replace(analysis, choices=Choices(method="published")).result is analysis.as_published
+    assert analysis.as_published.estimate.names == NAMES
+    assert [one.rotation_speed_hz for one in analysis.recordings] == pytest.approx([3.0, 3.0, 7.0], abs=1e-3)
+    assert len(analysis.row_fits) == len(analysis.published_fits) == 3
+    assert set(analysis.result.warnings) <= set(analysis.warnings)
+
+
+def test_nothing_and_the_same_twice_are_refused(monkeypatch):
+    """Oracle: by hand; a recording is known by its checksum, before its frames are read again."""
+    monkeypatch.setattr(microbolometer, "reduce", lambda recording, *_, **__: recording)
+    monkeypatch.setattr(Recording, "opening", None, raising=False)
+    rig = twin.draw(BASE, seed=41)
+    one = replace(twin.simulate(rig.scene, seed=7), sha256="a" * 64)
+    with pytest.raises(EstimationError, match="are the same recording"):
+        measurement.analyse([one, replace(one, name="again")], rig.measured)
+    with pytest.raises(EstimationError, match="no recording given"):
+        measurement.analyse([], rig.measured)
+
+
+def test_the_example_recording_gives_its_truth(shared_recordings):
+    """Oracle: truth.json beside it; tau within 10 us, row delay within 0.3 us, trigger delay within 3 uncertainties."""
+    folder = shared_recordings / "bolo"
+    if not (folder / "truth.json").is_file():
+        pytest.skip(f"no truth.json in {folder}")
+    rig, truth = rig_file.read_rig(folder / "rig.toml"), json.loads((folder / "truth.json").read_text())
+    recording = reader.read(folder / "bolo-3Hz-0ms.nxs")
+    rows = microbolometer.reduce(recording, rig, choices=Choices())
+    found = rolling_camera.estimate([rows], rig)
+    estimate = found.result.estimate
+    assert estimate.names == NAMES
+    off = estimate.values - np.array([truth[f"{name}_s"] for name in NAMES])
+    assert abs(off[0]) < 3 * estimate.standard_uncertainties[0]
+    assert abs(off[1]) < 10e-6
+    assert abs(off[2]) < 0.3e-6
+    assert estimate.standard_uncertainties[0] < 60e-6
+    axle = found.recordings[0].axle
+    assert (axle.row_px, axle.column_px) == pytest.approx(truth["wheel_centre_row_column_px"], abs=0.05)

@@ -1,0 +1,260 @@
+"""A lagging camera before a wheel, summed point by point in the time domain: no harmonic, no convolution."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pytest
+from scipy import ndimage
+from scipy.stats import norm
+
+from irtiming.physics.wheel import WheelModel, wheel_model
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening
+from irtiming.records.row_timing import SectorFit, SectorShape
+
+TURN = 2 * np.pi
+CLOCK_HZ, START = 49_152_000, 7_000_000
+EDGES = (0.0, 1.5718, 3.1421, 4.7125)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BruteBolometer:
+    """Sector of light and timing of a rolling camera; columns are counted as the camera sees them, clockwise wheel."""
+
+    rows: int = 36
+    columns: int = 64
+    axle: tuple[float, float] = (35.2, 31.3)
+    offset: tuple[float, float] = (0.0, 0.0)
+    radii: tuple[float, float] = (8.3, 29.6)
+    bisector_rad: float = float(np.radians(-91.2))
+    opening_rad: float = float(np.radians(75))
+    blur_px: float = 0.8
+    edges: tuple[float, float, float, float] = EDGES
+    gate_rad: float = float(np.pi / 2 + 0.2682)
+    centre_rad: float = float(np.radians(-90))
+    rate_hz: float = 3.0
+    edge_delay_s: tuple[float, float, float, float] = (2.3e-3,) * 4
+    time_constant_s: float = 6e-3
+    row_delay_s: float = 60e-6
+    sub: int = 10
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency of the wheel."""
+        return TURN * self.rate_hz
+
+    @property
+    def model(self) -> WheelModel:
+        """Wheel as the package describes it."""
+        return wheel_model(
+            self.edges, self.gate_rad - np.pi / 2, opening_angle_rad=self.opening_rad, centre_angle_rad=self.centre_rad
+        )
+
+    @property
+    def shape(self) -> SectorShape:
+        """Sector as the package describes it."""
+        return SectorShape(
+            axle_row_px=self.axle[0],
+            axle_column_px=self.axle[1],
+            offset_row_px=self.offset[0],
+            offset_column_px=self.offset[1],
+            inner_radius_px=self.radii[0],
+            outer_radius_px=self.radii[1],
+            bisector_rad=self.bisector_rad,
+            opening_angle_rad=self.opening_rad,
+            blur_px=self.blur_px,
+        )
+
+    @cached_property
+    def points(self):
+        """Row, column, polar angle from the bisector and area of points all over the opening, a tenth of a pixel apart."""
+        n_radius, n_angle = (round(self.sub * size) for size in (np.ptp(self.radii), self.opening_rad * self.radii[1]))
+        radius = self.radii[0] + np.ptp(self.radii) * (np.arange(n_radius) + 0.5) / n_radius
+        own = self.bisector_rad + self.opening_rad * ((np.arange(n_angle) + 0.5) / n_angle - 0.5)
+        down = self.offset[0] + np.outer(radius, np.sin(own)).ravel()
+        across = self.offset[1] + np.outer(radius, np.cos(own)).ravel()
+        polar = np.angle(np.exp(1j * (np.arctan2(down, across) - self.bisector_rad)))
+        area = np.repeat(radius, n_angle) * np.ptp(self.radii) / n_radius * self.opening_rad / n_angle
+        return self.axle[0] + down, self.axle[1] + across, polar, area
+
+    @cached_property
+    def light(self):
+        """Angles (b,) and how much light from there falls into each pixel after the blur, shape (b, row, column), px^2."""
+        row, column, angle, area = self.points
+        pitch = np.radians(0.1)
+        first = np.floor(angle.min() / pitch)
+        place = angle / pitch - first
+        below, part = place.astype(int), place % 1
+        n_bin, reach = below.max() + 2, 4
+        near = np.arange(-reach, reach + 1)
+        at_row, at_column = np.rint(row)[:, None] + near, np.rint(column)[:, None] + near
+        by_row, by_column = (
+            norm.cdf((at + 0.5 - x[:, None]) / self.blur_px) - norm.cdf((at - 0.5 - x[:, None]) / self.blur_px)
+            for at, x in ((at_row, row), (at_column, column))
+        )
+        by_row[(at_row < 0) | (at_row >= self.rows)] = 0
+        by_column[(at_column < 0) | (at_column >= self.columns)] = 0
+        at_row, at_column = (
+            np.clip(at, 0, n - 1).astype(int) for at, n in ((at_row, self.rows), (at_column, self.columns))
+        )
+        pixel = at_row[:, :, None] * self.columns + at_column[:, None, :]
+        share = by_row[:, :, None] * by_column[:, None, :] * area[:, None, None]
+        size, out = n_bin * self.rows * self.columns, 0.0
+        for which, weight in ((below, 1 - part), (below + 1, part)):
+            flat = which[:, None, None] * (self.rows * self.columns) + pixel
+            out = out + np.bincount(flat.ravel(), (share * weight[:, None, None]).ravel(), size)
+        return (first + np.arange(n_bin)) * pitch, out.reshape(n_bin, self.rows, self.columns)
+
+    def seen(self, coordinate_rad):
+        """Lagged openness of a point at a wheel coordinate, in closed form between the edges; any shape."""
+        edges = np.array(self.edges) - self.omega * np.array(self.edge_delay_s)
+        arcs = np.diff(np.append(edges, edges[0] + TURN)) / (self.omega * self.time_constant_s)
+        target, level = np.array([0.0, 1.0, 0.0, 1.0]), np.zeros(4)
+        for _ in range(200):
+            for k in range(4):
+                level[(k + 1) % 4] = target[k] + (level[k] - target[k]) * np.exp(-arcs[k])
+        since = np.mod(coordinate_rad - edges[0], TURN)
+        arc = np.searchsorted(edges - edges[0], since, side="right") - 1
+        late = (since - (edges - edges[0])[arc]) / (self.omega * self.time_constant_s)
+        return target[arc] + (level - target)[arc] * np.exp(-late)
+
+    def frames(self, theta):
+        """Openness of each pixel at these wheel angles at the trigger, shape (n, row, column)."""
+        angle, light = self.light
+        out = np.zeros((theta.size, self.rows, self.columns))
+        for row in np.flatnonzero(light.any(axis=(0, 2))):
+            at = theta + self.gate_rad - self.centre_rad + self.omega * row * self.row_delay_s
+            out[:, row] = self.seen(at[:, None] - angle) @ light[:, row]
+        return out
+
+
+@pytest.fixture(scope="session")
+def brute_bolometer() -> type[BruteBolometer]:
+    """Camera that counts."""
+    return BruteBolometer
+
+
+@pytest.fixture(scope="session")
+def brute_frames() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
+    """Trigger ticks and openness of each pixel in the frames of a camera: ``brute_frames(camera, n=...)``; kept for reuse."""
+    known = {}
+
+    def frames(camera, *, n=400):
+        if (camera, n) not in known:
+            ticks = START + 40_000_000 + 1_622_016 * np.arange(n, dtype=np.int64)
+            theta = camera.omega * (ticks - START) / CLOCK_HZ + 0.4
+            known[camera, n] = ticks, camera.frames(theta)
+        return known[camera, n]
+
+    return frames
+
+
+@pytest.fixture(scope="session")
+def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRows]:
+    """Reduced rows of a camera's frames, as the reduction hands them over.
+
+    ``set_s`` is a set delay: the wheel angles that the analysis takes are that much later, the frames stay. ``keep`` picks
+    frames; ``segment`` (n,) numbers them, ``offset_dn`` (n_segment,) is added to all pixels of each; ``gain`` multiplies
+    pixels; ``mirror`` turns the image left to right.
+    """
+
+    def make(camera, *, n=400, contrast_dn=-600.0, noise_dn=0.0, seed=0, set_s=0.0, keep=None, segment=None, **more):
+        options = {"offset_dn": (0.0, 0.0), "gain": 1.0, "mirror": False, "name": "counted"} | more
+        ticks, openness = brute_frames(camera, n=n)
+        keep = np.arange(n) if keep is None else keep
+        ticks = ticks[keep] - round(set_s * CLOCK_HZ)
+        segment = np.zeros(n, np.int64) if segment is None else segment
+        segment = segment[keep]
+        values = (
+            5000 + contrast_dn * openness[keep] * options["gain"] + np.array(options["offset_dn"])[segment, None, None]
+        )
+        values = values + np.random.default_rng(seed).normal(0, noise_dn, values.shape) if noise_dn else values
+        light = camera.light[1].sum(axis=0)
+        if options["mirror"]:
+            values, light = values[:, :, ::-1], light[:, ::-1]
+        track = track_of(rate_hz=camera.rate_hz, start=START, duration_s=n * 0.033 + 2.5)
+        theta = wheel_angle_rad(set_s, track, at_ticks=ticks)
+        weight = 2 / theta.size * np.exp(-2j * theta)
+        for number in np.unique(segment):
+            weight[segment == number] -= weight[segment == number].mean()
+        summed = ndimage.binary_dilation(light > 1e-3)
+        row_px = np.flatnonzero(summed.any(axis=1))
+        roi = (0, camera.rows, 0, camera.columns)
+        return ReducedRows(
+            name=options["name"],
+            source="",
+            sha256="",
+            n_frames=n,
+            trigger_ticks=ticks,
+            frame_index=keep,
+            segment=segment,
+            row_px=row_px,
+            row_sum_dn=(values * summed).sum(axis=2)[:, row_px],
+            mask_row_sum_dn=(values * (light > 0.5)).sum(axis=2)[:, row_px],
+            drift_dn=np.zeros(keep.size),
+            samples_per_turn=1000,
+            track=track,
+            equal_track=track,
+            opening=RollingOpening(
+                roi=roi,
+                open_frame_dn=values[0],
+                covered_frame_dn=values[0],
+                mask=light > 0.5,
+                summed=summed,
+                border_px=2,
+                bad=np.zeros(summed.shape, bool),
+                blackbody_is_colder=contrast_dn < 0,
+            ),
+            contrast=ContrastImage(
+                projection_dn=np.einsum("n,nij->ij", weight, values),
+                frame_weight=weight,
+                u_dn=max(noise_dn, 0.05) * float(np.sqrt(2 / keep.size)),
+                good=np.ones(summed.shape, bool),
+                roi=roi,
+            ),
+            shutter_events=(),
+            trigger_delay_time_set_s=set_s,
+            rotation_speed_hz=camera.rate_hz,
+            edge_frame_dn=values[0].astype(np.uint16),
+            edge_frame=0,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def sector_of() -> Callable[..., SectorFit]:
+    """The fit that a perfect image of the camera's sector would give; the whole image by default, any field by keyword."""
+
+    def make(camera, *, roi=None, mirrored=False, **fields):
+        roi = roi or (0, camera.rows, 0, camera.columns)
+        nothing = np.zeros((roi[1] - roi[0], roi[3] - roi[2]))
+        maps = (
+            "contrast",
+            "model_contrast",
+            "plate",
+            "uneven",
+            "excess",
+            "plate_angle_rad",
+            "uneven_angle_rad",
+            "excess_angle_rad",
+        )
+        values = dict.fromkeys(maps, nothing) | {
+            "shape": camera.shape,
+            "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3]) ** 2),
+            "hills": 0.0,
+            "gain_scatter": 0.0,
+            "border_scatter": 0.0,
+            "phase_rad": 0.0,
+            "ring_radii_px": (camera.radii[0] - 2, camera.radii[1] + 2),
+            "row_delay_s": camera.row_delay_s,
+            "u_row_delay_s": 1e-7,
+            "reduced_chi_square": 1.0,
+            "roi": roi,
+            "n_rounds": 1,
+        }
+        return SectorFit(**(values | fields))
+
+    return make

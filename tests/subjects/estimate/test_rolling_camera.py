@@ -1,0 +1,117 @@
+"""Contrast image and row sums in turns, on frames that were summed point by point in the time domain."""
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import rolling_camera
+from irtiming.physics.light_gates import gate_angles
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+
+TURN = 2 * np.pi
+ROLL = float(np.radians(-1.2))
+
+
+@pytest.fixture(scope="module")
+def rig():
+    """Rig of the camera; the gates as far apart as the tracks have it, beta_1 = 0.2682 rad."""
+
+    def make(*, rotation="clockwise", centre_deg=-90.0, edges=(0.0, 1.5718, 3.1421, 4.7125)):
+        stated = None if edges is None else tuple(Measured(edge, 1e-4) for edge in edges)
+        return Rig(
+            wheel=Wheel(rotation=rotation, cutout_edges_rad=stated),
+            light_gates=LightGates(
+                half_separation_m=Measured(13e-3, 5e-5),
+                height_difference_m=Measured(5.5e-3, 5e-5),
+                whole_slots_between=9,
+            ),
+            mask_opening=MaskOpening(
+                opening_angle_rad=Measured(float(np.radians(75))),
+                centre_angle_rad=Measured(float(np.radians(centre_deg)), 5e-4),
+            ),
+        )
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def camera(brute_bolometer):
+    """Rolled by -1.2 deg, its gate where rig and tracks put it."""
+    gates = LightGates(
+        half_separation_m=Measured(13e-3, 5e-5), height_difference_m=Measured(5.5e-3, 5e-5), whole_slots_between=9
+    )
+    return brute_bolometer(gate_rad=float(np.pi / 2 + gate_angles(0.5697, gates).application_rad))
+
+
+@pytest.fixture(scope="module")
+def rows(camera, brute_rows):
+    return brute_rows(camera, noise_dn=6.0, seed=1)
+
+
+@pytest.fixture(scope="module")
+def found(rows, rig):
+    """One recording before a cold blackbody."""
+    return rolling_camera.estimate([rows], rig())
+
+
+def _deviations(fit, camera):
+    truth = np.array([camera.edge_delay_s[0], camera.time_constant_s, camera.row_delay_s])
+    return (fit.result.estimate.values - truth) / fit.result.estimate.standard_uncertainties
+
+
+def test_the_camera_comes_back(found, camera):
+    """Oracle: the numbers that made the frames; delay by noise alone, for the rig is stated exactly as it is."""
+    noise = np.sqrt(np.mean(np.diag(found.fits[0].covariance_s2)[:4]))
+    shape = found.result.budget[1].trigger_delay_s
+    assert abs(found.result.estimate.values[0] - 2.3e-3) < 4 * np.hypot(noise, shape)
+    assert np.all(np.abs(_deviations(found, camera)) < 4)
+    assert np.all(found.result.estimate.standard_uncertainties < [60e-6, 25e-6, 1e-6])
+    assert found.result.warnings == ()
+    assert 3 <= found.sector.n_rounds <= 10
+
+
+def test_the_axle_is_told_to_the_report(found, camera):
+    """Oracle: the camera's axle, bisector and roll; before, the recordings knew none."""
+    (seen,) = found.recordings
+    assert seen.axle.row_px == pytest.approx(camera.axle[0], abs=0.05)
+    assert seen.axle.column_px == pytest.approx(camera.axle[1], abs=0.05)
+    assert seen.axle.bisector_rad == pytest.approx(camera.bisector_rad, abs=2e-3)
+    assert seen.axle.mean_angle_rad == pytest.approx(camera.bisector_rad, abs=3e-3)
+    assert found.geometry.camera_roll_rad == pytest.approx(ROLL, abs=2e-3)
+    assert 0 < seen.axle.u_bisector_rad < 2e-3
+
+
+def test_scan_is_that_of_the_first_fit(found):
+    """Oracle: its time constant has the least deviation."""
+    assert found.scan.time_constant_s[np.argmin(found.scan.deviation)] == pytest.approx(found.fits[0].time_constant_s)
+    assert found.scan.deviation.size == 21
+
+
+def test_a_counterclockwise_wheel_is_the_mirror_image(found, camera, brute_rows, rig):
+    """Oracle: the same frames read backwards, mask on the other side; numbers stay within a fraction of their noise."""
+    mirrored = brute_rows(camera, noise_dn=6.0, seed=1, mirror=True)
+    other = rolling_camera.estimate([mirrored], rig(rotation="counterclockwise"))
+    moved = other.result.estimate.values - found.result.estimate.values
+    noise = np.sqrt(np.diag(found.fits[0].covariance_s2)[[0, 4, 5]])
+    assert np.all(np.abs(moved) < noise)
+    axle = other.recordings[0].axle
+    assert axle.column_px == pytest.approx(63 - camera.axle[1], abs=0.05)
+    assert axle.bisector_rad == pytest.approx(np.pi - camera.bisector_rad, abs=2e-3)
+    assert other.geometry.camera_roll_rad == pytest.approx(-ROLL, abs=2e-3)
+
+
+@pytest.mark.parametrize("contrast_dn", [-600.0, 600.0])
+def test_edges_that_nobody_stated_do_not_turn_the_wheel(camera, brute_rows, rig, contrast_dn):
+    """Oracle: the camera's delay; an ideal wheel looks the same a quarter turn, 83 ms, later with the contrast reversed."""
+    rows = brute_rows(camera, contrast_dn=contrast_dn, noise_dn=6.0, seed=2)
+    fit = rolling_camera.estimate([rows], rig(edges=None))
+    assert np.all(np.abs(_deviations(fit, camera)) < 4)
+    assert fit.geometry.edges_from == "ideal"
+    assert any("cutout edges taken as ideal" in text for text in fit.result.warnings)
+
+
+def test_rounds_that_never_agree_are_told(rows, rig, monkeypatch):
+    """Oracle: an agreement that cannot be reached."""
+    monkeypatch.setattr(rolling_camera, "_MOST_ROUNDS", 2)
+    with pytest.raises(EstimationError, match="did not agree within 2 rounds"):
+        rolling_camera.estimate([rows], rig())

@@ -1,0 +1,317 @@
+"""Delay, lag and row delay from several fits against generalised least squares written out element by element."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import rolling_timing
+from irtiming.estimate.rolling_timing import NAMES
+from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.physics.light_gates import GateAngles
+from irtiming.physics.wheel import wheel_model
+from irtiming.records.row_timing import RowTimingFit
+
+TURN = 2 * np.pi
+OMEGA = TURN * 3
+SIX = np.array([2.3e-3] * 4 + [6e-3, 60e-6])
+IS_EDGE = np.array([1.0, 1, 1, 1, 0, 0])
+U = np.array([5e-6] * 4 + [4e-6, 1e-7])
+
+
+@pytest.fixture
+def fits():
+    """Fits with the given six numbers: delays and tau correlated, a sector that moves all of them."""
+
+    def make(sixes, *, omegas=None, nominal=None, u=U, effect=1.0, widening=1.0):
+        correlation = np.full((6, 6), 0.75) + 0.25 * np.eye(6)
+        correlation[:4, 4] = correlation[4, :4] = -0.8
+        correlation[5, :5] = correlation[:5, 5] = 0.1
+        made = []
+        for k, six in enumerate(sixes):
+            size = u * (1 + 0.2 * k)
+            drawn = np.random.default_rng(k).normal(size=(6, 9))
+            made.append(
+                RowTimingFit(
+                    name=f"run {k}",
+                    trigger_delay_time_set_s=0.0 if nominal is None else nominal[k],
+                    angular_frequency_rad_per_s=OMEGA if omegas is None else omegas[k],
+                    edge_delay_s=np.array(six[:4]),
+                    time_constant_s=float(six[4]),
+                    row_delay_s=float(six[5]),
+                    covariance_s2=correlation * np.outer(size, size),
+                    shape_effect=effect * drawn * np.array([2e-4] * 4 + [1e-4, 1e-6])[:, None],
+                    start_s=(0.0, 0.0, 0.0),
+                    n_steps=5,
+                    row_px=np.arange(3),
+                    wheel_angle_rad=np.zeros(4),
+                    fraction=np.zeros((4, 3)),
+                    model=np.zeros((4, 3)),
+                    residual=np.zeros((4, 3)),
+                    noise=np.zeros(3),
+                    harmonics=np.zeros((3, 2), complex),
+                    gain_dn=np.ones(3),
+                    widening=widening,
+                )
+            )
+        return made
+
+    return make
+
+
+@pytest.fixture
+def geometry():
+    """What is known of the angles: two common errors and, where told, that of a single edge."""
+
+    def make(*, common=(5e-4, 2e-4), u_edge=1e-4):
+        model = wheel_model(
+            (0.0, 1.57, 3.15, 4.71), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-90))
+        )
+        return WheelGeometry(
+            model=model,
+            gates=GateAngles(application_rad=0.27, control_rad=0.3, height_m=0.047, sensitivity=(0.5, 0.0, 1.0)),
+            angle_budget=tuple((f"angle {k}", "B", u) for k, u in enumerate(common)),
+            u_edge_rad=u_edge,
+            edges_from="rig.toml",
+            camera_roll_rad=None,
+            warnings=("told by the geometry",),
+        )
+
+    return make
+
+
+@pytest.fixture
+def sector(sector_of, brute_bolometer):
+    """The opening in the image; its row delay agrees."""
+    return sector_of(brute_bolometer())
+
+
+def _estimate(fits, geometry, sector, **options):
+    return rolling_timing.estimate(fits, geometry, sector=sector, **({"n_rows": 36} | options))
+
+
+def _covariance(fits, geometry, sector):
+    """Covariance of all numbers, written out: noise of each fit, edges, common angles, the sector in the image."""
+    n = 6 * len(fits)
+    total = np.zeros((n, n))
+    for a in range(n):
+        for b in range(n):
+            f, g, i, j = fits[a // 6], fits[b // 6], a % 6, b % 6
+            if a // 6 == b // 6:
+                total[a, b] += f.covariance_s2[i, j]
+            per_rad2 = IS_EDGE[i] * IS_EDGE[j] / (f.angular_frequency_rad_per_s * g.angular_frequency_rad_per_s)
+            total[a, b] += sum(u**2 for _, _, u in geometry.angle_budget) * per_rad2
+            if i == j:
+                total[a, b] += geometry.u_edge_rad**2 * per_rad2
+            total[a, b] += f.shape_effect[i] @ sector.covariance @ g.shape_effect[j]
+    return total
+
+
+def _textbook(y, covariance, design):
+    """Solution (X' C^-1 X)^-1 X' C^-1 y, and its covariance."""
+    inverse = np.linalg.inv(covariance)
+    found = np.linalg.inv(design.T @ inverse @ design)
+    return found @ design.T @ inverse @ y, found
+
+
+DESIGN = np.array([[1, 0, 0]] * 4 + [[0, 1, 0], [0, 0, 1]], float)
+SPEEDS = [(OMEGA,), (OMEGA, OMEGA, OMEGA), (OMEGA, 2 * OMEGA), (OMEGA, 2 * OMEGA, 3.5 * OMEGA)]
+
+
+@pytest.mark.parametrize("omegas", SPEEDS)
+def test_estimate_is_that_of_the_textbook(fits, geometry, sector, omegas):
+    """Oracle: generalised least squares with the covariance written out element by element."""
+    rng = np.random.default_rng(len(omegas))
+    made, rig = fits([SIX + rng.normal(size=6) * U for _ in omegas], omegas=omegas), geometry()
+    result = _estimate(made, rig, sector)
+    y = np.concatenate([[*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s] for fit in made])
+    values, covariance = _textbook(y, _covariance(made, rig, sector), np.tile(DESIGN, (len(made), 1)))
+    assert result.method == "row-sum"
+    assert result.estimate.names == NAMES == ("trigger_delay", "time_constant", "row_delay")
+    np.testing.assert_allclose(result.estimate.values, values, rtol=1e-6)
+    np.testing.assert_allclose(result.estimate.covariance, covariance, rtol=1e-5)
+    assert result.bounds == ()
+    assert result.warnings == ("told by the geometry",)
+    np.testing.assert_allclose(result.edge_delay_s, np.mean([fit.edge_delay_s for fit in made], axis=0))
+    noise = [np.diag(fit.covariance_s2)[:4] for fit in made]
+    np.testing.assert_allclose(result.u_edge_delay_s, np.sqrt(np.sum(noise, axis=0)) / len(made))
+
+
+@pytest.mark.parametrize("omegas", SPEEDS)
+def test_budget_adds_up(fits, geometry, sector, omegas):
+    """Oracle: the squares of the lines add up to the squares of the three uncertainties, line by line non-negative."""
+    result = _estimate(fits([SIX] * len(omegas), omegas=omegas), geometry(), sector)
+    for name, u in zip(NAMES, result.estimate.standard_uncertainties, strict=True):
+        lines = [getattr(line, f"{name}_s") for line in result.budget]
+        assert np.sqrt(np.sum(np.square(lines))) == pytest.approx(u, rel=1e-9)
+    sources = [(line.source, line.kind) for line in result.budget]
+    assert sources == [
+        ("noise of the frames", "A"), ("axle, mask and blur in the image", "A"), ("cutout edges", "B"),
+        ("angle 0", "B"), ("angle 1", "B"),
+    ]  # fmt: skip
+
+
+def test_one_speed_cannot_beat_its_angle_error(fits, geometry, sector):
+    """Oracle: by hand; 5e-4 rad are 26.5 us at 3 Hz however many recordings there are."""
+    rig = geometry(common=(5e-4,), u_edge=1e-6)
+    u = [_estimate(fits([SIX] * n, effect=0.0), rig, sector).estimate.standard_uncertainties for n in (1, 12)]
+    assert u[1][0] == pytest.approx(5e-4 / OMEGA, rel=0.02)
+    assert u[0][0] > u[1][0]
+    assert u[1][1] < u[0][1] / 2  # the time constant knows no angle
+
+
+def test_two_speeds_tell_an_angle_error_from_a_delay(fits, geometry, sector):
+    """Oracle: by hand; d_f = t + e / omega_f has t = (omega_2 d_2 - omega_1 d_1) / (omega_2 - omega_1)."""
+    e, rig = 8e-4, geometry(common=(5e-3,), u_edge=1e-7)
+    omegas = (OMEGA, 3 * OMEGA)
+    exact = U / 100
+    result = _estimate(
+        fits([SIX + IS_EDGE * e / omega for omega in omegas], omegas=omegas, u=exact, effect=0), rig, sector
+    )
+    assert result.estimate.values[0] == pytest.approx(SIX[0], abs=1e-8)
+    assert result.estimate.standard_uncertainties[0] < 1e-6
+    alone = _estimate(fits([SIX + IS_EDGE * e / OMEGA], u=exact, effect=0), rig, sector)
+    assert alone.estimate.values[0] == pytest.approx(SIX[0] + e / OMEGA, abs=1e-8)
+    assert alone.estimate.standard_uncertainties[0] == pytest.approx(5e-3 / OMEGA, rel=1e-3)
+
+
+def test_relative_delays_are_those_of_the_textbook(fits, geometry, sector):
+    """Oracle: generalised least squares with a delay for each recording and one tau and row delay for all."""
+    nominal = [0.0, 0.0, 0.025, 0.05]
+    rng = np.random.default_rng(9)
+    base, rig = fits([SIX])[0].covariance_s2, geometry()
+    drawn = rng.multivariate_normal(np.zeros(6), base / 4, 4)  # little enough for no Birge ratio above 1
+    made = [replace(fit, covariance_s2=base) for fit in fits(SIX + drawn, nominal=nominal)]
+    design = np.zeros((24, 6))
+    for k in range(4):
+        design[6 * k : 6 * k + 4, k] = design[6 * k + 4, 4] = design[6 * k + 5, 5] = 1
+    y = np.concatenate([[*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s] for fit in made])
+    values, covariance = _textbook(y, _covariance(made, rig, sector), design)
+    apart = np.eye(6)[:4] - np.array([0.5, 0.5, 0, 0, 0, 0])
+    told = _estimate(made, rig, sector).relative_delays
+    assert [one.file for one in told] == [f"run {k}" for k in range(4)]
+    assert [one.nominal_s for one in told] == nominal
+    np.testing.assert_allclose([o.value_s for o in told], apart @ values + np.array(nominal), atol=2e-11)
+    np.testing.assert_allclose(
+        [o.standard_uncertainty_s for o in told], np.sqrt(np.diag(apart @ covariance @ apart.T)), rtol=1e-4
+    )
+
+
+def test_angles_do_not_touch_relative_delays(fits, geometry, sector):
+    """Oracle: the same with angles known a thousand times better; the sector moves both recordings alike."""
+    made = fits([SIX, SIX + 2e-6 * IS_EDGE], nominal=[0.0, 0.025])
+    made = [replace(fit, shape_effect=made[0].shape_effect) for fit in made]
+    good, bad = (_estimate(made, geometry(common=(u,), u_edge=u), sector).relative_delays[1] for u in (1e-6, 1e-3))
+    assert good.value_s == pytest.approx(0.025 + 2e-6, abs=2e-8)
+    assert bad.value_s == pytest.approx(good.value_s, abs=1e-8)
+    assert bad.standard_uncertainty_s == pytest.approx(good.standard_uncertainty_s, rel=0.02)
+    assert bad.standard_uncertainty_s < 10e-6
+
+
+def test_a_recording_given_twice_is_no_trouble(fits, geometry, sector):
+    """Oracle: once; the same numbers, and no delay between the two."""
+    once = fits([SIX])
+    twice = _estimate([once[0], replace(once[0], name="again")], geometry(), sector)
+    np.testing.assert_allclose(twice.estimate.values, _estimate(once, geometry(), sector).estimate.values, rtol=1e-7)
+    assert twice.relative_delays[1].value_s == pytest.approx(0, abs=1e-12)
+    assert twice.relative_delays[0].standard_uncertainty_s < 5e-6
+
+
+def test_hardly_any_noise_is_no_trouble(fits, geometry, sector):
+    """Oracle: the six numbers; errors that are nearly all common leave a covariance that is hard to invert."""
+    made = fits([SIX, SIX], u=U * 1e-3, effect=0.0)
+    result = _estimate(made, geometry(), sector)
+    np.testing.assert_allclose(result.estimate.values, SIX[3:], rtol=1e-5)
+    assert np.all(np.isfinite(result.estimate.covariance))
+
+
+def test_edges_that_nobody_measured_are_judged_by_their_scatter(fits, geometry, sector):
+    """Oracle: by hand; variance of the four angles times 3, as four values of a normal distribution have it (JCGM 101)."""
+    off = np.array([3e-6, -1e-6, 4e-6, -6e-6])
+    result = _estimate(
+        fits([SIX + np.append(off, [0, 0])], u=U * 1e-3, effect=0), geometry(common=(), u_edge=None), sector
+    )
+    edge = np.sqrt(3 * np.var(off, ddof=1))
+    line = next(line for line in result.budget if line.source == "cutout edges")
+    assert line.kind == "A"
+    assert line.trigger_delay_s == pytest.approx(edge / 2, rel=1e-3)  # the mean of four
+    assert result.estimate.values[0] == pytest.approx(SIX[0], abs=1e-8)
+
+
+def test_an_undetermined_time_constant_is_no_number(fits, geometry, sector):
+    """Oracle: by hand; u = 3 ms of 6 ms: bounds of 2 u, a warning, and the row delay alone in the estimate."""
+    u = np.array([2e-3] * 4 + [3e-3, 1e-7])
+    result = _estimate(fits([SIX], u=u, effect=0), geometry(), sector)
+    assert result.estimate.names == ("row_delay",)
+    assert result.estimate.values == pytest.approx([60e-6], rel=1e-2)
+    tau, delay = result.bounds
+    assert (tau.name, delay.name) == ("time_constant", "trigger_delay")
+    assert tau.lower_s == pytest.approx(0, abs=1e-12)
+    assert tau.upper_s == pytest.approx(12e-3, rel=0.05)
+    assert delay.lower_s < 2.3e-3 < delay.upper_s
+    assert (delay.lower_s + delay.upper_s) / 2 == pytest.approx(2.3e-3, rel=0.01)
+    assert any("the time constant is not determined (u = 3 ms, k = 1)" in text for text in result.warnings)
+    assert len(result.budget) == 5
+
+
+@pytest.mark.parametrize(("relative", "known"), [(0.24, True), (0.26, False)])
+def test_a_quarter_is_where_the_time_constant_ends(fits, geometry, sector, relative, known):
+    """Oracle: the limit; a relative standard uncertainty of a quarter."""
+    result = _estimate(fits([SIX], u=np.array([1e-5] * 4 + [relative * 6e-3, 1e-7]), effect=0), geometry(), sector)
+    assert ("time_constant" in result.estimate.names) == known
+    assert (result.bounds == ()) == known
+
+
+def test_recordings_that_scatter_widen_each_other(fits, geometry, sector):
+    """Oracle: by hand; numbers that scatter by three of their uncertainties have a Birge ratio of 3, and u grows by it."""
+    rng = np.random.default_rng(11)
+    base = fits([SIX])[0].covariance_s2
+    drawn = rng.multivariate_normal(np.zeros(6), base, 12)
+    results = []
+    for size in (1.0, 3.0):
+        made = [replace(fit, covariance_s2=base) for fit in fits([SIX + size * d for d in drawn], effect=0)]
+        results.append(_estimate(made, geometry(common=(), u_edge=1e-9), sector))
+    ratio = results[1].budget[0].time_constant_s / results[0].budget[0].time_constant_s
+    assert 2.4 < ratio < 3.3
+    assert not any("Birge" in text for text in results[0].warnings)
+    assert any("12 recordings at 3 Hz scatter" in text and "(Birge ratio)" in text for text in results[1].warnings)
+
+
+def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
+    """Oracle: ten uncertainties between two recordings; too few to widen, enough to say so."""
+    result = _estimate(fits([SIX, SIX + 10 * U * np.array([0, 0, 0, 0, 1, 0])]), geometry(), sector)
+    assert any(text.startswith("2 recordings at 3 Hz scatter") for text in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"six": SIX - 9e-3 * IS_EDGE}, "every row would be read before the trigger (the last at -4.600 ms)"),
+        ({"widening": 9.0}, "residuals of 1 of 1 recordings are correlated.*widened by up to 3.0"),
+        (
+            {"row_delay": 61e-6},
+            r"row delay by the row sums 60.000 us, by the phases of the pixels 61.000 us: they differ by 7.1 u",
+        ),
+        (
+            {"u_edge": None, "six": SIX + 2e-4 * np.array([1, -1, 1, -1, 0, 0])},
+            "the four wheel edges disagree by 7.5 mrad",
+        ),
+    ],
+)
+def test_doubts_are_told(fits, geometry, sector, change, says):
+    """Oracle: by hand; one doubt at a time."""
+    made = fits([change.get("six", SIX)], widening=change.get("widening", 1.0))
+    image = replace(sector, row_delay_s=change.get("row_delay", 60e-6))
+    options = {"u_edge": change["u_edge"]} if "u_edge" in change else {}
+    warnings = _estimate(made, geometry(**options), image, n_rows=36).warnings
+    assert len(warnings) == 2
+    assert re.search(says if ".*" in says else re.escape(says.replace("\\", "")), warnings[1])
+
+
+def test_a_camera_that_reads_its_last_row_first_is_not_doubted(fits, geometry, sector):
+    """Oracle: by hand; row 0 at 2 ms, row 35 at 2.3 - 35 * 0.06 = 0.2 ms: after the trigger. A row 0 before it is fine, too."""
+    for delay, t_row in ((2.3e-3, -60e-6), (-1e-3, 60e-6)):
+        six = np.array([delay] * 4 + [6e-3, t_row])
+        image = replace(sector, row_delay_s=t_row)
+        assert _estimate(fits([six]), geometry(), image).warnings == ("told by the geometry",)

@@ -1,0 +1,203 @@
+"""One recording by the exact model: a camera that was summed point by point in the time domain comes back."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import row_fit, row_light
+from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.estimate.row_timing import HARMONICS
+from irtiming.physics import blurred_sector
+from irtiming.physics.first_order_lag import at_angles
+from irtiming.physics.wheel import wheel_model
+
+TURN = 2 * np.pi
+
+
+@pytest.fixture(scope="module")
+def camera(brute_bolometer):
+    """Edges of the cutouts differ from those of the ring by up to 0.4 mrad."""
+    return brute_bolometer(edge_delay_s=(2.31e-3, 2.29e-3, 2.3e-3, 2.32e-3))
+
+
+@pytest.fixture(scope="module")
+def truth(camera):
+    return np.array([*camera.edge_delay_s, camera.time_constant_s, camera.row_delay_s])
+
+
+@pytest.fixture(scope="module")
+def light(camera, brute_rows, sector_of):
+    """Light of the rows by the camera's own sector."""
+    return row_light.row_light(brute_rows(camera).row_px, sector_of(camera))
+
+
+@pytest.fixture(scope="module")
+def exact(camera, brute_rows):
+    """Rows without noise."""
+    return brute_rows(camera)
+
+
+def _six(fit):
+    return np.array([*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s])
+
+
+def _noisy(rows, noise_of, *, seed):
+    """Row sums with noise of shape (frame, row) added."""
+    return replace(rows, row_sum_dn=rows.row_sum_dn + noise_of(np.random.default_rng(seed), rows.row_sum_dn.shape))
+
+
+def _white(size_dn):
+    return lambda rng, shape: rng.normal(0, size_dn, shape)
+
+
+@pytest.mark.parametrize("contrast_dn", [-600.0, 700.0])
+def test_what_made_the_frames_comes_back(camera, truth, light, brute_rows, contrast_dn):
+    """Oracle: the camera's numbers, before a cold and a warm blackbody; points and harmonics leave 1.5 us and 30 ns."""
+    fit = row_fit.fit(brute_rows(camera, contrast_dn=contrast_dn), camera.model, light=light)
+    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=1.5e-6)
+    assert fit.row_delay_s == pytest.approx(truth[5], abs=4e-8)
+    np.testing.assert_allclose(fit.gain_dn, contrast_dn * light.harmonics[:, 0].real, rtol=2e-3)
+    assert fit.noise.max() < 1e-3
+
+
+def test_cold_and_warm_blackbody_give_the_same(camera, light, brute_rows):
+    """Oracle: the same frames with the contrast reversed; deviations below a nanosecond."""
+    cold, warm = (row_fit.fit(brute_rows(camera, contrast_dn=c), camera.model, light=light) for c in (-600, 600))
+    np.testing.assert_allclose(_six(cold), _six(warm), atol=1e-9)
+    np.testing.assert_allclose(cold.fraction, warm.fraction, atol=1e-8)
+
+
+@pytest.mark.parametrize("contrast_dn", [-600.0, 600.0])
+def test_an_even_wheel_does_not_hide_which_blackbody_it_was(camera, truth, light, brute_rows, contrast_dn):
+    """Oracle: the camera's delay. Ideal edges fit a quarter turn later as well, with the contrast reversed."""
+    ideal = wheel_model(
+        (0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.2682, opening_angle_rad=1.3, centre_angle_rad=camera.centre_rad
+    )
+    rows = brute_rows(camera, contrast_dn=contrast_dn)
+    for seed in range(4):
+        fit = row_fit.fit(_noisy(rows, _white(300.0), seed=seed), ideal, light=light)
+        np.testing.assert_allclose(fit.edge_delay_s, truth[:4], atol=0.3e-3)
+
+
+def test_model_and_fractions_are_the_openness_of_the_rows(camera, exact, light, brute_frames):
+    """Oracle: the frames before they became DN, summed over the row and divided by its light."""
+    fit = row_fit.fit(exact, camera.model, light=light)
+    _, openness = brute_frames(camera)
+    rows = openness[:, fit.row_px].sum(axis=2) / light.harmonics[:, 0].real
+    offset = rows.mean(axis=0) - fit.fraction.mean(axis=0)
+    assert np.abs(offset).max() < 2e-3
+    np.testing.assert_allclose(fit.fraction + offset, rows, atol=2e-3)
+    np.testing.assert_allclose(fit.model + offset, rows, atol=2e-3)
+    np.testing.assert_allclose(at_angles(fit.harmonics, fit.wheel_angle_rad).T, fit.model, atol=1e-12)
+    np.testing.assert_allclose(fit.fraction - fit.model, fit.residual, atol=1e-12)
+    assert np.all((fit.wheel_angle_rad >= 0) & (fit.wheel_angle_rad < TURN))
+
+
+def test_set_delay_is_taken_off(camera, truth, light, brute_rows):
+    """Oracle: the camera's delay; the same frames as if triggered 20 ms earlier and 20 ms set."""
+    rows = brute_rows(camera, set_s=0.02)
+    assert row_fit.fit(rows, camera.model, light=light).trigger_delay_time_set_s == 0.02
+    np.testing.assert_allclose(_six(row_fit.fit(rows, camera.model, light=light))[:4], truth[:4], atol=1.5e-6)
+
+
+def test_a_shift_of_the_delay_is_a_shift_of_the_gate(camera, exact, light):
+    """Oracle: the gate moved by omega times 1 ms; everything else stays."""
+    moved = replace(camera.model, gate_angle_rad=camera.model.gate_angle_rad + camera.omega * 1e-3)
+    one, other = (_six(row_fit.fit(exact, model, light=light)) for model in (camera.model, moved))
+    np.testing.assert_allclose(other, one - np.array([1e-3] * 4 + [0, 0]), atol=1e-9)
+
+
+def test_stretches_have_offsets_of_their_own(camera, truth, light, brute_rows):
+    """Oracle: the same frames without a jump between the stretches; and the camera's numbers."""
+    segment = (np.arange(400) > 150).astype(np.int64)
+    calm, jumped = (
+        row_fit.fit(brute_rows(camera, segment=segment, offset_dn=o), camera.model, light=light)
+        for o in ((0.0, 0.0), (-200.0, 450.0))
+    )
+    np.testing.assert_allclose(_six(jumped), _six(calm), atol=1e-9)
+    np.testing.assert_allclose(_six(jumped)[:5], truth[:5], atol=1.5e-6)
+    np.testing.assert_allclose(jumped.residual, calm.residual, atol=1e-9)
+
+
+def test_lost_frames_leave_no_gap(camera, truth, light, brute_rows):
+    """Oracle: the camera's numbers; a quarter of the frames is missing, most of them side by side."""
+    rng = np.random.default_rng(2)
+    keep = np.delete(np.arange(400), np.concatenate([np.arange(60, 120), 150 + rng.choice(250, 40, replace=False)]))
+    fit = row_fit.fit(brute_rows(camera, keep=keep), camera.model, light=light)
+    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=1.5e-6)
+    assert fit.residual.shape[0] == 300
+
+
+def _repeated(rows, camera, light, noise_of, *, n=45):
+    start = row_fit.fit(rows, camera.model, light=light)
+    fits = [row_fit.fit(_noisy(rows, noise_of, seed=k), camera.model, light=light, start=start) for k in range(n)]
+    moved = np.array([_six(fit) for fit in fits]) - _six(start)
+    return moved, np.array([np.diag(fit.covariance_s2) for fit in fits]) ** 0.5, np.array([f.widening for f in fits])
+
+
+def test_white_noise_is_what_it_is_said_to_be(camera, exact, light):
+    """Oracle: 45 repetitions; scatter of the six numbers over the stated uncertainty, and no widening worth the name."""
+    moved, u, widening = _repeated(exact, camera, light, _white(150.0))
+    pulls = moved / u
+    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(45))
+    np.testing.assert_allclose(pulls.std(axis=0), 0.95, atol=0.3)
+    assert widening.mean() < 1.25
+
+
+def test_noise_common_to_the_rows_widens_what_it_moves(camera, exact, light):
+    """Oracle: 45 repetitions; each frame has a level of its own, as much in each row as its pixels are many."""
+    n_pixels = exact.opening.summed[exact.row_px].sum(axis=1)
+
+    def common(rng, shape):
+        return rng.normal(0, 60.0, shape) + n_pixels * rng.normal(0, 4.0, (shape[0], 1))
+
+    moved, u, widening = _repeated(exact, camera, light, common)
+    pulls = moved / u
+    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(45))
+    np.testing.assert_allclose(pulls.std(axis=0), 0.95, atol=0.3)
+    assert widening.mean() > 3
+
+
+def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
+    """Oracle: the fit with the light of a sector that is wrong by a little, number by number, both ways."""
+    rows = _noisy(exact, _white(15.0), seed=3)
+    fit = row_fit.fit(rows, camera.model, light=light)
+    numbers = np.array([getattr(camera.shape, name) for name in SHAPE_NUMBERS])
+    u = np.sqrt(np.diag(fit.covariance_s2))
+    for k, step in enumerate([4e-3] * 6 + [1e-4] * 2 + [4e-3]):
+        moved = []
+        for sign in (1, -1):
+            shape = shape_of(numbers + sign * step * (np.arange(9) == k), False)
+            harmonics = blurred_sector.row_harmonics(
+                blurred_sector.light_points(shape), light.row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS
+            )
+            wrong = replace(light, harmonics=harmonics)
+            moved.append(_six(row_fit.fit(rows, camera.model, light=wrong, start=fit)))
+        slope = (moved[0] - moved[1]) / (2 * step)
+        np.testing.assert_allclose(
+            fit.shape_effect[:, k] / u, slope / u, rtol=0.05, atol=0.02 / step, err_msg=SHAPE_NUMBERS[k]
+        )
+
+
+def test_scan_is_a_parabola_of_four_standard_uncertainties(camera, exact, light):
+    """Oracle: twice the log-likelihood of white noise; steps^2 at each standard uncertainty."""
+    rows = _noisy(exact, _white(150.0), seed=5)
+    fit = row_fit.fit(rows, camera.model, light=light)
+    found = row_fit.scan(rows, camera.model, light=light, found=fit)
+    u = np.sqrt(fit.covariance_s2[4, 4])
+    steps = (found.time_constant_s - fit.time_constant_s) / u
+    np.testing.assert_allclose(steps[[0, 10, -1]], [-4, 0, 4], atol=1e-6)
+    assert found.deviation.min() == 0
+    assert found.deviation[10] < 0.05
+    white = np.polyfit(steps, found.deviation, 2)[0]
+    np.testing.assert_allclose(found.deviation, white * steps**2, atol=0.7)
+    assert 0.95 < white < 2.0  # the stated uncertainty is never below that of white noise
+
+
+def test_start_is_told(camera, truth, exact, light):
+    """Oracle: a fit that is given an earlier one begins there, the first one where its search ended."""
+    first = row_fit.fit(exact, camera.model, light=light)
+    assert abs(first.start_s[0] - truth[:4].mean()) < 3e-3
+    again = row_fit.fit(exact, camera.model, light=light, start=first)
+    np.testing.assert_allclose(again.start_s, [first.edge_delay_s.mean(), first.time_constant_s, first.row_delay_s])

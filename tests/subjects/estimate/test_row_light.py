@@ -1,0 +1,98 @@
+"""Light of the rows: the sector's, what it leaves over, and how it changes with the sector."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light, shape_of
+from irtiming.estimate.row_timing import HARMONICS
+from irtiming.physics import blurred_sector
+
+
+@pytest.fixture(scope="module")
+def sector(brute_bolometer, sector_of):
+    """The camera's sector in a region two rows down and three columns to the right of the image's corner."""
+    camera = brute_bolometer(axle=(37.2, 34.3), offset=(0.2, -0.3), rows=38, columns=67)
+    return sector_of(camera, roi=(2, 38, 3, 67))
+
+
+@pytest.fixture(scope="module")
+def bare(sector):
+    """Its light, for a clockwise and for a counterclockwise wheel."""
+    return {
+        mirrored: row_light(ROWS, replace(sector, shape=replace(sector.shape, mirrored=mirrored)))
+        for mirrored in (False, True)
+    }
+
+
+ROWS = np.arange(4, 36)
+
+
+def test_rows_of_a_bare_sector_are_those_of_the_blurred_sector(sector, bare):
+    """Oracle: `physics.blurred_sector`, itself tested by counting; rows with the light of three pixels."""
+    found = bare[False]
+    whole = blurred_sector.row_harmonics(
+        blurred_sector.light_points(sector.shape), ROWS, blur_px=sector.shape.blur_px, n_harmonics=HARMONICS
+    )
+    lit = whole[:, 0].real > 3
+    assert 20 < lit.sum() < ROWS.size
+    np.testing.assert_array_equal(found.is_lit, lit)
+    np.testing.assert_array_equal(found.row_px, ROWS[lit])
+    np.testing.assert_allclose(found.harmonics, whole[lit])
+    assert found.changes.shape == (9, lit.sum(), HARMONICS + 1)
+
+
+@pytest.mark.parametrize("kind", ["plate", "uneven", "excess"])
+def test_what_lies_beyond_the_sector_acts_at_its_own_angle(sector, bare, kind):
+    """Oracle: by hand; light L at angle a adds L exp(-i m a) to its row."""
+    light, angle = np.zeros((36, 64)), np.zeros((36, 64))
+    light[10, 20], angle[10, 20] = 0.7, 0.3
+    light[10, 21], angle[10, 21] = -0.2, -0.4
+    light[15, 5], angle[15, 5] = 0.1, 3.0
+    seen = row_light(ROWS, replace(sector, **{kind: light, f"{kind}_angle_rad": angle}))
+    bare = bare[False]
+    order = np.arange(HARMONICS + 1)
+    added = dict(zip(seen.row_px, seen.harmonics - bare.harmonics, strict=True))
+    np.testing.assert_allclose(added[12], 0.7 * np.exp(-0.3j * order) - 0.2 * np.exp(0.4j * order), atol=1e-10)
+    np.testing.assert_allclose(added[17], 0.1 * np.exp(-3j * order), atol=1e-10)
+    assert all(np.abs(value).max() < 1e-12 for row, value in added.items() if row not in (12, 17))
+    np.testing.assert_array_equal(seen.changes, bare.changes)
+
+
+@pytest.mark.parametrize("number", range(9), ids=SHAPE_NUMBERS)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored):
+    """Oracle: Richardson's extrapolation of central differences over four and eight times the step, low harmonics."""
+    shape = replace(sector.shape, mirrored=mirrored)
+    found = bare[mirrored]
+    step = 4e-4 if SHAPE_NUMBERS[number].endswith("rad") else 1.2e-2
+    values = np.array([getattr(shape, name) for name in SHAPE_NUMBERS])
+
+    def slope(by):
+        low, high = (shape_of(values + sign * by * (np.arange(9) == number), mirrored) for sign in (-1, 1))
+        ahead, behind = (
+            blurred_sector.row_harmonics(
+                blurred_sector.light_points(s), found.row_px, blur_px=s.blur_px, n_harmonics=20
+            )
+            for s in (high, low)
+        )
+        return (ahead - behind) / (2 * by)
+
+    expected = (4 * slope(step) - slope(2 * step)) / 3
+    np.testing.assert_allclose(found.changes[number, :, :21], expected, atol=2e-4 * np.abs(expected).max())
+
+
+def test_numbers_make_the_sector_they_were_taken_from(sector):
+    """Oracle: round trip through the nine numbers; more of them are left alone."""
+    numbers = np.array([getattr(sector.shape, name) for name in SHAPE_NUMBERS] + [7.0])
+    assert shape_of(numbers, False) == sector.shape
+    assert shape_of(numbers, True) == replace(sector.shape, mirrored=True)
+    assert len(SHAPE_NUMBERS) == 9
+
+
+def test_too_few_rows_are_refused(sector):
+    """Oracle: five rows in the light; six must be."""
+    with pytest.raises(EstimationError, match="only 5 image rows hold the light of 3 pixels or more, at least 6 must"):
+        row_light(np.array([1, 2, 12, 13, 14, 15, 16]), sector)

@@ -1,0 +1,113 @@
+"""The covariance by residuals against the scatter of repeated fits of a straight line in k parameters."""
+
+import numpy as np
+import pytest
+
+from irtiming.estimate.row_residuals import robust_covariance
+
+N = 400
+
+
+@pytest.fixture(scope="module")
+def design():
+    """Slopes of a model with three parameters in five rows, over the wheel angle; shape (n, row, 3)."""
+    theta = 2 * np.pi * (np.arange(N) + 0.5) / N
+    columns = np.stack([np.sin(theta), np.cos(2 * theta), np.sin(3 * theta + 0.4)], axis=1)
+    return columns[:, None, :] * np.linspace(0.6, 1.4, 5)[None, :, None]
+
+
+def _repeat(design, noise_of, *, n=600):
+    """Estimates of many repetitions, and the covariances that each states; noise is taken to be white of size 1."""
+    normal = np.einsum("nrk,nrl->kl", design, design)
+    estimates, stated, factors = [], [], []
+    for _ in range(n):
+        noise = noise_of()
+        found = np.linalg.solve(normal, np.einsum("nrk,nr->k", design, noise))
+        residual = noise - design @ found
+        covariance, widening = robust_covariance(np.einsum("nrk,nr->nk", design, residual), normal)
+        estimates.append(found)
+        stated.append(covariance)
+        factors.append(widening)
+    return np.array(estimates), np.array(stated), np.array(factors), np.linalg.inv(normal)
+
+
+def test_white_residuals_state_their_own_scatter(design):
+    """Oracle: 600 repetitions with white noise; never less than the inverse of the normal matrix, little more."""
+    rng = np.random.default_rng(1)
+    estimates, stated, factors, white = _repeat(design, lambda: rng.normal(size=(N, 5)))
+    scatter = estimates.std(axis=0)
+    u = np.sqrt(np.mean([np.diag(c) for c in stated], axis=0))
+    np.testing.assert_allclose(scatter, np.sqrt(np.diag(white)), rtol=0.1)
+    assert np.all(u > 0.95 * scatter)
+    assert np.all(u < 1.25 * scatter)
+    assert all(np.all(np.diag(c) >= np.diag(white) * (1 - 1e-12)) for c in stated)
+    assert np.all(factors >= 1)
+    assert np.mean(factors) < 1.2
+
+
+def test_noise_that_all_rows_of_a_frame_share_is_seen(design):
+    """Oracle: 600 repetitions; half of the variance is common to the rows, so that white noise would state too little."""
+    rng = np.random.default_rng(2)
+
+    def noise():
+        return np.sqrt(0.5) * (rng.normal(size=(N, 5)) + rng.normal(size=(N, 1)))
+
+    estimates, stated, factors, white = _repeat(design, noise)
+    scatter = estimates.std(axis=0)
+    u = np.sqrt(np.mean([np.diag(c) for c in stated], axis=0))
+    assert np.all(scatter > 1.5 * np.sqrt(np.diag(white)))
+    np.testing.assert_allclose(u, scatter, rtol=0.15)
+    assert np.mean(factors) == pytest.approx(np.mean(scatter**2 / np.diag(white)), rel=0.15)
+
+
+@pytest.mark.parametrize("length", [2, 4])
+def test_residuals_that_hang_together_along_the_angle_are_seen(design, length):
+    """Oracle: 600 repetitions with a moving mean of 2 or 4 frames, which neighbours share, each row of its own."""
+    rng = np.random.default_rng(3)
+
+    def noise():
+        white = rng.normal(size=(N, 5))
+        return sum(np.roll(white, k, axis=0) for k in range(length)) / np.sqrt(length)
+
+    estimates, stated, factors, white = _repeat(design, noise)
+    scatter = estimates.std(axis=0)
+    u = np.sqrt(np.mean([np.diag(c) for c in stated], axis=0))
+    assert np.all(scatter > 1.3 * np.sqrt(np.diag(white)))
+    assert np.all(u > 0.8 * scatter)  # the triangle over eight neighbours leaves some of it out
+    assert np.all(u < 1.15 * scatter)
+    assert np.mean(factors) > 1.5
+
+
+def test_the_circle_is_closed(design):
+    """Oracle: scores are sorted by the wheel angle, which has no end; where the list begins does not matter."""
+    scores = np.random.default_rng(4).normal(size=(N, 3))
+    normal = np.diag([30.0, 40.0, 50.0])
+    one, other = robust_covariance(scores, normal), robust_covariance(np.roll(scores, 137, axis=0), normal)
+    np.testing.assert_allclose(one[0], other[0], rtol=1e-10)
+    assert one[1] == pytest.approx(other[1])
+
+
+def test_triangle_is_that_of_newey_and_west():
+    """Oracle: the double sum over all pairs of frames at most eight apart, weight 1 - distance / 9, written out."""
+    rng = np.random.default_rng(5)
+    scores, normal = 5 * rng.normal(size=(60, 2)), np.array([[40.0, 5], [5, 90]])
+    middle = np.zeros((2, 2))
+    for a in range(60):
+        for b in range(60):
+            apart = min((a - b) % 60, (b - a) % 60)
+            middle += max(0, 1 - apart / 9) * np.outer(scores[a], scores[b])
+    white = np.linalg.inv(normal)
+    expected = white @ middle @ white
+    assert np.all(np.diag(expected) > np.diag(white))
+    found, widening = robust_covariance(scores, normal)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    assert widening == pytest.approx(np.mean(np.diag(expected) / np.diag(white)))
+
+
+def test_a_smaller_scatter_than_white_is_not_believed():
+    """Oracle: the inverse of the normal matrix; scores of a tenth of the size that white noise would give."""
+    scores, normal = 0.1 * np.random.default_rng(6).normal(size=(N, 2)), np.diag([400.0, 400.0])
+    found, widening = robust_covariance(scores, normal)
+    np.testing.assert_allclose(np.diag(found), 1 / 400)
+    assert widening == 1.0
+    assert abs(found[0, 1]) < found[0, 0]

@@ -1,0 +1,299 @@
+"""The fit of all rows on compressed sums against the same on whole frames."""
+
+import contextlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+from scipy.stats import norm
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import row_timing
+from irtiming.estimate.harmonic_data import basis, compress, packed
+from irtiming.estimate.row_timing import RowModel, profile, row_functions, solve
+from irtiming.physics import blurred_sector
+from irtiming.physics.first_order_lag import at_angles, open_harmonics
+from irtiming.physics.wheel import exposed_fraction, wheel_model
+from irtiming.records.row_timing import SectorShape
+
+TURN = 2 * np.pi
+OMEGA = 3 * TURN
+EDGES = (0.0, 1.5718, 3.1421, 4.7125)
+WHEEL = wheel_model(EDGES, 0.2682, opening_angle_rad=float(np.radians(75)), centre_angle_rad=float(np.radians(-90)))
+TRUTH = np.array([2.31e-3, 2.29e-3, 2.33e-3, 2.3e-3, 6e-3, 60e-6])
+M = 40
+
+
+def _model(n_harmonics=M, **change):
+    shape = SectorShape(
+        axle_row_px=35.2,
+        axle_column_px=31.3,
+        offset_row_px=0.0,
+        offset_column_px=0.0,
+        inner_radius_px=8.0,
+        outer_radius_px=29.0,
+        bisector_rad=float(np.radians(-91)),
+        opening_angle_rad=float(np.radians(75)),
+        blur_px=0.8,
+    )
+    rows = np.arange(8, 28, 2)
+    light = blurred_sector.row_harmonics(
+        blurred_sector.light_points(shape), rows, blur_px=shape.blur_px, n_harmonics=n_harmonics
+    )
+    values = {
+        "open_harmonics": open_harmonics(WHEEL, n_harmonics),
+        "row_harmonics": light,
+        "row_px": rows,
+        "angular_frequency_rad_per_s": OMEGA,
+    }
+    return RowModel(**(values | change))
+
+
+MODEL = _model()
+
+
+def _frames(truth=TRUTH, *, model=MODEL, n=400, contrast=-600.0, noise=30.0, seed=1, offset=9e4, start=0.4):
+    """Wheel angles and row sums (n, row) of the model with gain and offset."""
+    theta = start + OMEGA * 0.033 * np.arange(n)
+    sums = offset + contrast * at_angles(row_functions(model, truth)[0], theta).T
+    return theta, sums + np.random.default_rng(seed).normal(0, noise, sums.shape)
+
+
+@pytest.fixture(scope="module")
+def two_parts():
+    """Frames before and after a shutter event, gain and offset their own, and the same compressed."""
+    parts = [_frames(n=250), _frames(n=170, seed=2, offset=4e4, start=40.0, contrast=-590.0)]
+    return parts, [compress(theta, sums, n_harmonics=M) for theta, sums in parts]
+
+
+def _left(values, parts, model=MODEL):
+    """Residuals of the frames, gain and offset of each row in each part by numpy's own least squares."""
+    left = []
+    for theta, sums in parts:
+        shapes = at_angles(row_functions(model, values)[0], theta).T
+        centred, seen = shapes - shapes.mean(axis=0), sums - sums.mean(axis=0)
+        gain = np.sum(centred * seen, axis=0) / np.sum(centred**2, axis=0)
+        left.append(seen - gain * centred)
+    return np.concatenate(left)
+
+
+def test_derivatives_of_the_rows_are_differences():
+    """Oracle: central differences in each of the six numbers."""
+    _, slopes = row_functions(MODEL, TRUTH)
+    for k, step in enumerate([1e-7] * 4 + [1e-7, 1e-9]):
+        ahead, behind = TRUTH.copy(), TRUTH.copy()
+        ahead[k], behind[k] = TRUTH[k] + step, TRUTH[k] - step
+        numeric = (row_functions(MODEL, ahead)[0] - row_functions(MODEL, behind)[0]) / (2 * step)
+        np.testing.assert_allclose(slopes[k], numeric, atol=1e-6 * np.abs(numeric).max())
+
+
+def test_deviance_variance_and_gain_are_those_of_the_frames(two_parts):
+    """Oracle: residuals of all frames; n log of their mean square, row by row."""
+    parts, data = two_parts
+    at = row_timing._linearise(data, MODEL, TRUTH)
+    left = _left(TRUTH, parts)
+    variance = np.sum(left**2, axis=0) / (420 - 4)
+    np.testing.assert_allclose(at.variance, variance, rtol=1e-7)
+    assert at.deviance == pytest.approx(420 * np.sum(np.log(variance)), abs=1e-4)
+    assert at.gain.shape == (2, 10)
+    np.testing.assert_allclose(at.gain.mean(axis=1), [-600, -590], rtol=2e-3)
+
+
+def test_gradient_is_the_slope_of_the_deviance(two_parts):
+    """Oracle: central differences of n sum log(residual squares) over all frames, minus a half of them, by the residuals' df."""
+    parts, data = two_parts
+    at_point = TRUTH + np.array([1e-5, -2e-5, 0, 3e-5, 4e-5, 1e-7])
+    found = row_timing._linearise(data, MODEL, at_point).gradient * 420 / (420 - 4)
+    for k, step in enumerate([1e-6] * 5 + [1e-8]):
+        ahead, behind = at_point.copy(), at_point.copy()
+        ahead[k], behind[k] = at_point[k] + step, at_point[k] - step
+        numeric = (
+            -0.5
+            * 420
+            * sum(
+                sign * np.sum(np.log(np.sum(_left(point, parts) ** 2, axis=0)))
+                for sign, point in ((1, ahead), (-1, behind))
+            )
+            / (2 * step)
+        )
+        assert found[k] == pytest.approx(numeric, rel=1e-4, abs=1e-3 * abs(found).max() * step), k
+
+
+def test_normal_matrix_is_that_of_the_frames(two_parts):
+    """Oracle: J^T W J with the slopes of every frame, gain and offset of each row projected out by numpy."""
+    parts, data = two_parts
+    at = row_timing._linearise(data, MODEL, TRUTH)
+    whole, slopes = row_functions(MODEL, TRUTH)
+    expected = np.zeros((6, 6))
+    for part, (theta, _) in enumerate(parts):
+        for row in range(10):
+            nuisance = np.stack([np.ones_like(theta), at_angles(whole[row], theta)], axis=1)
+            jacobian = at.gain[part, row] * at_angles(slopes[:, row], theta).T
+            jacobian = jacobian - nuisance @ np.linalg.lstsq(nuisance, jacobian, rcond=None)[0]
+            expected += jacobian.T @ jacobian / at.variance[row]
+    np.testing.assert_allclose(at.normal, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+
+
+def test_solution_is_that_of_least_squares_on_the_frames(two_parts):
+    """Oracle: scipy's least_squares on all frames by central differences, rows weighted alike until they agree."""
+    parts, data = two_parts
+    found = solve(data, MODEL)
+    scale, weight = np.array([1e-3] * 5 + [1e-5]), np.ones(10)
+    brute = TRUTH.copy()
+    for _ in range(3):
+        brute = least_squares(
+            lambda x, w=weight: (_left(x * scale, parts) * w).ravel(), brute / scale, jac="3-point", xtol=1e-12, ftol=1e-12
+        ).x * scale  # fmt: skip
+        weight = 1 / np.sqrt(np.mean(_left(brute, parts) ** 2, axis=0))
+    u = np.sqrt(np.diag(np.linalg.inv(found.normal)))
+    np.testing.assert_array_less(np.abs(found.values - brute) / u, 5e-3)
+    np.testing.assert_array_less(np.abs(found.values - TRUTH) / u, 4)
+
+
+@pytest.mark.parametrize(
+    ("delay", "tau", "t_row"),
+    [(2e-3, 6e-3, 60e-6), (25e-3, 4e-3, 38e-6), (-9e-3, 12e-3, -90e-6), (0.0, 1e-3, 0.0), (38e-3, 16e-3, 200e-6)],
+)
+@pytest.mark.parametrize("contrast", [-600.0, 600.0])
+@pytest.mark.parametrize("noise", [3.0, 100.0])
+def test_the_search_finds_its_own_start(delay, tau, t_row, contrast, noise):
+    """Oracle: the numbers that made the frames, before a cold and a warm blackbody."""
+    truth = np.array([delay] * 4 + [tau, t_row])
+    model = _model(row_timing._COARSE)
+    theta, sums = _frames(truth, model=model, contrast=contrast, noise=noise, n=600)
+    found = solve([compress(theta, sums, n_harmonics=row_timing._COARSE)], model)
+    u = np.sqrt(np.diag(np.linalg.inv(found.normal)))
+    np.testing.assert_array_less(np.abs(found.values - truth) / u, 4.5)
+    assert np.sign(found.gain).mean() == np.sign(contrast)
+    assert found.n_steps < 40
+
+
+@pytest.mark.parametrize("noise", [1e-3, 0.0])
+def test_almost_no_noise_is_no_trouble(noise):
+    """Oracle: the numbers that made the frames; what rounding leaves of the residuals is no reason to go on for ever."""
+    theta, sums = _frames(noise=noise)
+    found = solve([compress(theta, sums, n_harmonics=M)], MODEL)
+    np.testing.assert_allclose(found.values, TRUTH, rtol=1e-5)
+
+
+def test_a_given_start_is_used():
+    """Oracle: the solution by searching; from nearby it takes fewer steps."""
+    theta, sums = _frames()
+    data = [compress(theta, sums, n_harmonics=M)]
+    searched = solve(data, MODEL)
+    again = solve(data, MODEL, start=searched.values)
+    u = np.sqrt(np.diag(np.linalg.inv(searched.normal)))
+    np.testing.assert_array_less(np.abs(again.values - searched.values) / u, 2e-3)
+    np.testing.assert_array_equal(again.start, searched.values)
+    assert again.n_steps <= searched.n_steps
+
+
+def test_pulls_of_100_repetitions_are_standard():
+    """Oracle: the numbers that made the frames; (estimate - truth) / u by the normal matrix has mean 0, spread 1."""
+    model = _model(row_timing._COARSE)
+    theta, exact = _frames(model=model, noise=0.0, n=300)
+    rng, pulls, deviations = np.random.default_rng(7), [], []
+    start = None
+    for _ in range(100):
+        sums = exact + rng.normal(0, 30, exact.shape)
+        found = solve([compress(theta, sums, n_harmonics=row_timing._COARSE)], model, start=start)
+        start = TRUTH
+        pulls.append((found.values - TRUTH) / np.sqrt(np.diag(np.linalg.inv(found.normal))))
+        deviations.append((found.values - TRUTH) @ found.normal @ (found.values - TRUTH))
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / 10)
+    np.testing.assert_allclose(np.std(pulls, axis=0), 1, atol=0.28)
+    assert np.mean(deviations) == pytest.approx(6, abs=1.4)  # chi squared with six degrees of freedom
+
+
+def test_profile_of_the_time_constant_is_its_uncertainty():
+    """Oracle: the normal matrix; one standard uncertainty away all else at its best costs one, two away four."""
+    theta, sums = _frames(noise=60.0)
+    data = [compress(theta, sums, n_harmonics=M)]
+    found = solve(data, MODEL)
+    u = np.sqrt(np.linalg.inv(found.normal)[4, 4])
+    for steps in (-2, -1, 1, 2):
+        lost = profile(data, MODEL, values=found.values, time_constant_s=found.values[4] + steps * u) - found.deviance
+        assert lost == pytest.approx(steps**2, rel=0.05)
+
+
+def test_without_lag_a_row_shows_the_exposed_fraction_of_its_light():
+    """Oracle: the limit tau -> 0; `physics.wheel` for each ray of the row, an opening of no width, weighted by its light."""
+    n = 1024
+    model = _model(n)
+    shape_points = blurred_sector.light_points(
+        SectorShape(
+            axle_row_px=35.2,
+            axle_column_px=31.3,
+            offset_row_px=0.0,
+            offset_column_px=0.0,
+            inner_radius_px=8.0,
+            outer_radius_px=29.0,
+            bisector_rad=float(np.radians(-91)),
+            opening_angle_rad=float(np.radians(75)),
+            blur_px=0.8,
+        )
+    )
+    whole, _ = row_functions(model, np.array([2e-3] * 4 + [1e-7, 60e-6]))
+    theta = np.linspace(0, TURN, 200)
+    for k in (1, 5, 9):
+        row = model.row_px[k]
+        light = (
+            shape_points.area_px2
+            * np.diff(norm.cdf((row + np.array([[-0.5], [0.5]]) - shape_points.row_px) / 0.8), axis=0)[0]
+        )
+        near = light > 1e-7
+        at = theta[:, None] + OMEGA * (2e-3 + row * 60e-6) - shape_points.angle_rad[near]
+        narrow = replace(WHEEL, opening_angle_rad=1e-6)
+        expected = exposed_fraction(at, narrow) @ light[near]
+        np.testing.assert_allclose(at_angles(whole[k : k + 1], theta)[0], expected, atol=0.03 * light.sum())
+        assert np.mean(np.abs(at_angles(whole[k : k + 1], theta)[0] - expected)) < 0.003 * light.sum()
+
+
+def test_without_row_delay_all_rows_are_read_at_once():
+    """Oracle: the limit row delay 0 is a snapshot; the same row function at any row number, and the shift of a single delay."""
+    still = np.array([2e-3] * 4 + [5e-3, 0.0])
+    moved = RowModel(
+        open_harmonics=MODEL.open_harmonics, row_harmonics=MODEL.row_harmonics, row_px=MODEL.row_px + 100,
+        angular_frequency_rad_per_s=OMEGA,
+    )  # fmt: skip
+    np.testing.assert_allclose(row_functions(MODEL, still)[0], row_functions(moved, still)[0], atol=1e-14)
+    rolling = np.array([2e-3] * 4 + [5e-3, 60e-6])
+    for k, row in enumerate(MODEL.row_px):
+        alone = still + np.array([row * 60e-6] * 4 + [0, 0])
+        np.testing.assert_allclose(row_functions(MODEL, rolling)[0][k], row_functions(MODEL, alone)[0][k], atol=1e-12)
+
+
+def test_a_shift_of_the_delay_is_a_shift_of_the_angle():
+    """Oracle: frames of a wheel that is further on by omega times the delay."""
+    theta, sums = _frames()
+    shift = 1.7e-3
+    one = solve([compress(theta, sums, n_harmonics=M)], MODEL)
+    other = solve([compress(theta + OMEGA * shift, sums, n_harmonics=M)], MODEL)
+    np.testing.assert_allclose(other.values[:4], one.values[:4] - shift, atol=1e-8)
+    np.testing.assert_allclose(other.values[4:], one.values[4:], atol=1e-8)
+
+
+def test_frames_that_know_nothing_of_the_wheel_do_not_pretend_to():
+    """Oracle: pure noise; the normal matrix tells that nothing is known, or no minimum is reached."""
+    theta, sums = _frames(contrast=0.0)
+    with contextlib.suppress(EstimationError):
+        found = solve([compress(theta, sums, n_harmonics=M)], MODEL)
+        assert np.sqrt(np.linalg.pinv(found.normal)[4, 4]) > 2e-3
+
+
+def test_missing_steps_are_told(monkeypatch):
+    """Oracle: a single step, which does not settle from a start far beside."""
+    monkeypatch.setattr(row_timing, "_MOST_STEPS", 1)
+    theta, sums = _frames()
+    with pytest.raises(EstimationError, match=r"did not settle in 1 steps \(last time constant .* check \[wheel\]"):
+        solve([compress(theta, sums, n_harmonics=M)], MODEL, start=np.array([9e-3] * 4 + [2e-3, 0.0]))
+
+
+def test_fewer_harmonics_are_the_first_ones():
+    """Oracle: the model made with fewer."""
+    few = MODEL.lowest(9)
+    np.testing.assert_array_equal(few.open_harmonics, _model(9).open_harmonics)
+    np.testing.assert_allclose(few.row_harmonics, _model(9).row_harmonics, atol=1e-12)
+    waves = basis(np.array([0.3]), n_harmonics=9)
+    assert (packed(row_functions(few, TRUTH)[0]) @ waves).shape == (10, 1)

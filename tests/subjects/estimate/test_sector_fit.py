@@ -1,0 +1,122 @@
+"""The sector that comes back from a contrast image of known light."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import sector_fit
+from irtiming.estimate.row_light import SHAPE_NUMBERS
+
+
+@pytest.fixture(scope="module")
+def camera(brute_bolometer):
+    """Mask beside the axle."""
+    return brute_bolometer(offset=(0.35, -0.25), bisector_rad=float(np.radians(-88.3)))
+
+
+@pytest.fixture(scope="module")
+def lag(camera):
+    return np.array(camera.edge_delay_s), camera.time_constant_s
+
+
+def _pulls(found, camera):
+    numbers = [getattr(found.shape, name) - getattr(camera.shape, name) for name in SHAPE_NUMBERS]
+    return np.array(numbers) / np.sqrt(np.diag(found.covariance))
+
+
+def _twice(rows, camera, lag, *, mirrored=False):
+    """First without knowing the lag, then with it and with what the first left over, as the camera's estimate does."""
+    first = sector_fit.fit([rows], camera.model, mirrored=mirrored, lag=(np.zeros(4), 1e-4))
+    return sector_fit.fit([rows], camera.model, mirrored=mirrored, lag=lag, start=first)
+
+
+@pytest.fixture(scope="module")
+def plain(camera, lag, brute_rows):
+    """Fit of even pixels with noise."""
+    return _twice(brute_rows(camera, noise_dn=6.0, seed=3), camera, lag)
+
+
+def test_the_sector_comes_back(plain, camera):
+    """Oracle: the light that was summed; nine numbers and the row delay within four uncertainties, which are small."""
+    assert np.all(np.abs(_pulls(plain, camera)) < 4)
+    u = np.sqrt(np.diag(plain.covariance))
+    assert u[:2].max() < 0.05
+    assert u[6] < 2e-3
+    assert abs(plain.row_delay_s - camera.row_delay_s) < 4 * plain.u_row_delay_s
+    assert plain.u_row_delay_s < 2e-6
+    assert plain.reduced_chi_square == pytest.approx(1, abs=0.15)
+    assert plain.n_rounds == 2
+
+
+def test_even_pixels_leave_nothing_over(plain, camera):
+    """Oracle: the light that was summed; no scatter of gains, no plate, and an excess that is noise."""
+    light = camera.light[1].sum(axis=0)
+    np.testing.assert_allclose(plain.model_contrast, light, atol=0.02)
+    assert plain.gain_scatter < 1e-3
+    assert plain.border_scatter < 2e-3
+    assert abs(plain.excess).max() < 6 * 6.0 * np.sqrt(2 / 400) / 600
+    np.testing.assert_allclose(plain.contrast[light > 0.9], light[light > 0.9], atol=0.01)
+
+
+def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute_rows):
+    """Oracle: gains that were drawn, 3 % apart; the excess is theirs, axle and bisector stay within their uncertainties."""
+    gain = 1 + 0.03 * np.random.default_rng(4).standard_normal((36, 64))
+    found = _twice(brute_rows(camera, gain=gain, noise_dn=6.0, seed=5), camera, lag)
+    light = camera.light[1].sum(axis=0)
+    inside = light > 0.99
+    assert found.gain_scatter == pytest.approx(0.03, rel=0.2)
+    seen = (found.excess + found.uneven + found.plate)[inside]
+    np.testing.assert_allclose(seen - seen.mean(), (gain[inside] - gain[inside].mean()), atol=0.012)
+    assert np.all(np.abs(_pulls(found, camera)) < 4)
+
+
+def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows):
+    """Oracle: the image read backwards, counterclockwise; columns are counted leftwards, so the axle alone moves."""
+    found = _twice(brute_rows(camera, noise_dn=6.0, seed=3, mirror=True), camera, lag, mirrored=True)
+    assert found.shape.mirrored
+    other = camera.shape
+    assert found.shape.axle_column_px == pytest.approx(63 - other.axle_column_px, abs=0.05)
+    for name in SHAPE_NUMBERS:
+        if name != "axle_column_px":
+            assert getattr(found.shape, name) == pytest.approx(
+                getattr(plain.shape, name), abs=6 * np.sqrt(plain.covariance.diagonal()[SHAPE_NUMBERS.index(name)])
+            ), name
+
+
+def test_phases_of_two_speeds_may_differ(camera, brute_rows):
+    """Oracle: the axle. Before the lag is known, 2.3 ms and 6 ms turn the second harmonic by another angle at each speed."""
+    recordings = [brute_rows(replace(camera, rate_hz=rate), noise_dn=6.0, seed=int(rate)) for rate in (3.0, 7.0)]
+    found = sector_fit.fit(recordings, camera.model, mirrored=False, lag=(np.zeros(4), 1e-4))
+    assert found.shape.axle_row_px == pytest.approx(camera.axle[0], abs=0.1)
+    assert found.shape.axle_column_px == pytest.approx(camera.axle[1], abs=0.1)
+    assert found.row_delay_s == pytest.approx(camera.row_delay_s, abs=12e-6)
+    assert found.reduced_chi_square < 2
+
+
+def test_a_slit_is_no_sector(brute_bolometer, brute_rows):
+    """Oracle: a mask of two pixels' width, of which three at least must be."""
+    slit = brute_bolometer(radii=(15.0, 17.0))
+    with pytest.raises(
+        EstimationError,
+        match="counted: the opening does not look like an annular sector about the axle: .* the whole opening must be",
+    ):
+        sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, mirrored=False, lag=(np.zeros(4), 1e-4))
+
+
+def test_covariance_holds_for_pixels_that_scatter_more_than_noise():
+    """Oracle: the sandwich of the textbook, written out pixel by pixel; each has two residuals."""
+    rng = np.random.default_rng(2)
+    jacobian, residual = rng.normal(size=(42, 3)), 5 * rng.normal(size=42)
+    pixels = 2 + np.arange(40).reshape(2, 20)
+    white = np.linalg.inv(jacobian.T @ jacobian)
+    middle = np.zeros((3, 3))
+    for k in range(20):
+        score = jacobian[2 + k] * residual[2 + k] + jacobian[22 + k] * residual[22 + k]
+        middle += np.outer(score, score)
+    expected = white @ middle @ white
+    assert np.all(np.diag(expected) > np.diag(white))
+    np.testing.assert_allclose(sector_fit._covariance(jacobian, residual, pixels), expected)
+    calm = sector_fit._covariance(jacobian, residual / 1e3, pixels)
+    np.testing.assert_allclose(np.diag(calm), np.diag(white))

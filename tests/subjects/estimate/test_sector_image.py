@@ -1,0 +1,159 @@
+"""What a contrast image would be, against frames that were summed point by point in the time domain."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import sector_image
+from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.estimate.sector_image import PHASE, RING_INNER, RING_OUTER, ROW_DELAY, SCALES, View
+from irtiming.physics.wheel_angle import wheel_angle_rad
+
+TURN = 2 * np.pi
+
+
+@pytest.fixture(scope="module")
+def camera(brute_bolometer):
+    return brute_bolometer(offset=(0.3, -0.2))
+
+
+@pytest.fixture(scope="module")
+def lag(camera):
+    """Timing that made the frames."""
+    return np.array(camera.edge_delay_s), camera.time_constant_s
+
+
+@pytest.fixture(scope="module")
+def rows(camera, brute_rows):
+    """Frames in two stretches, a tenth of them lost."""
+    keep = np.delete(np.arange(400), np.random.default_rng(0).choice(400, 40, replace=False))
+    return brute_rows(camera, keep=keep, segment=(np.arange(400) > 170).astype(np.int64), offset_dn=(-50.0, 80.0))
+
+
+def _view(rows, **fields):
+    good = rows.contrast.good
+    return View(
+        **(
+            {
+                "roi": rows.contrast.roi,
+                "good": good,
+                "summed": rows.opening.summed,
+                "mirrored": False,
+                "field_prior": 0.1,
+            }
+            | fields
+        )
+    )
+
+
+def _numbers(camera):
+    numbers = np.zeros(SCALES.size)
+    numbers[:9] = [getattr(camera.shape, name) for name in SHAPE_NUMBERS]
+    numbers[ROW_DELAY] = camera.row_delay_s
+    numbers[[RING_INNER, RING_OUTER]] = camera.radii[0] - 2, camera.radii[1] + 2
+    return numbers
+
+
+def _along(rows, look):
+    return np.full(rows.contrast.good.shape, np.hypot(look.u_dn, 0.02 * look.full_dn))
+
+
+def test_table_is_the_projection_of_a_point_of_light(camera, rows, lag):
+    """Oracle: a point that is covered, uncovered and lags in the time domain, summed with the weights of the recording."""
+    (look,) = sector_image.looks([rows], camera.model, lag=lag)
+    theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks)
+    for angle in (-0.6, 0.0, 0.31, 2.0):
+        seen = camera.seen(theta + camera.gate_rad - camera.centre_rad - angle)
+        assert look.values(np.array(angle)) == pytest.approx(rows.contrast.frame_weight @ seen, abs=8e-4)
+    np.testing.assert_allclose(look.values(np.array([0.3])), look.values(np.array([0.3 - TURN])))
+
+
+def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, brute_bolometer):
+    """Oracle: sums over the recordings of a speed; uncertainties add up in squares; another speed is another image."""
+    fast = brute_rows(replace(camera, rate_hz=5.0))
+    slow, quick = sector_image.looks([rows, fast, rows], camera.model, lag=lag)
+    (one,) = sector_image.looks([rows], camera.model, lag=lag)
+    assert (slow.omega, quick.omega) == (pytest.approx(3 * TURN), pytest.approx(5 * TURN))
+    np.testing.assert_allclose(slow.projection, 2 * rows.contrast.projection_dn)
+    np.testing.assert_allclose(slow.table, 2 * one.table, atol=1e-12)
+    assert slow.u_dn == pytest.approx(np.sqrt(2) * rows.contrast.u_dn)
+    np.testing.assert_array_equal(quick.projection, fast.contrast.projection_dn)
+
+
+def test_the_true_numbers_explain_the_image(camera, rows, lag):
+    """Oracle: the frames; contrast -600 DN, no plate, an even field, and nothing left over beyond a few thousandths."""
+    (look,) = sector_image.looks([rows], camera.model, lag=lag)
+    found = sector_image.fitted(
+        look, _numbers(camera), view=_view(rows, field_prior=1e-3), u_along_dn=_along(rows, look)
+    )
+    assert found.full_dn == pytest.approx(-600, rel=1e-3)
+    assert abs(found.plate) < 1e-3
+    assert np.abs(found.field).max() < 2e-3
+    lit = camera.light[1].sum(axis=0) > 0.5
+    assert np.abs(found.left_dn[lit]).max() < 600 * 3e-3
+    assert found.misfit.size == 2 * 36 * 64 + len(_view(rows).field_terms)
+
+
+@pytest.mark.parametrize("number", [*range(10), PHASE])
+def test_any_other_number_explains_it_worse(camera, rows, lag, number):
+    """Oracle: the frames; a thousandth of a pixel's worth in either direction adds to the misfit."""
+    (look,) = sector_image.looks([rows], camera.model, lag=lag)
+    view, along = _view(rows, field_prior=1e-3), np.full((36, 64), 0.05)
+    misfits = []
+    for by in (-1, 0, 1):
+        numbers = _numbers(camera)
+        numbers[number] += by * 0.02 * SCALES[number]
+        found = sector_image.fitted(replace(look, u_dn=0.05), numbers, view=view, u_along_dn=along)
+        misfits.append(np.sum(found.misfit**2))
+    assert misfits[1] < min(misfits[0], misfits[2])
+
+
+def test_contrast_is_the_light_in_each_pixel(camera, brute_rows, lag):
+    """Oracle: the light that was summed; pixels of another gain stand out by just that, a dead one has its neighbours' mean."""
+    gain = np.ones((36, 64))
+    gain[12, 30], gain[18, 25] = 1.06, 0.97
+    rows = brute_rows(camera, gain=gain)
+    good = rows.contrast.good.copy()
+    good[15, 31] = False
+    looks = sector_image.looks([rows], camera.model, lag=lag)
+    along = [_along(rows, look) for look in looks]
+    found = sector_image.contrast(
+        looks, _numbers(camera), view=_view(rows, good=good, field_prior=1e-3), u_along_dn=along
+    )
+    light = camera.light[1].sum(axis=0)
+    np.testing.assert_allclose(found.light, light, atol=2e-3)
+    assert found.residual[12, 30] == pytest.approx(0.06, abs=3e-3)
+    assert found.residual[18, 25] == pytest.approx(-0.03, abs=3e-3)
+    assert found.residual[15, 31] == pytest.approx(np.mean(found.residual[15, [30, 32]]))
+    inside = light > 0.5
+    angles, weight = camera.light
+    mean_angle = np.einsum("b,bij->ij", angles, weight) / np.maximum(light, 1e-9)
+    np.testing.assert_allclose(found.light_angle_rad[inside], mean_angle[inside], atol=2e-3)
+    down, across = np.arange(36)[:, None] - camera.axle[0], np.arange(64)[None, :] - camera.axle[1]
+    polar = np.exp(1j * (np.arctan2(down, across) - camera.bisector_rad))
+    np.testing.assert_allclose(np.exp(1j * found.centre_angle_rad), polar, atol=1e-9)
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_first_guess_is_near(camera, brute_rows, mirror):
+    """Oracle: the camera's sector, to a pixel and three degrees; before any lag is known, from a mirrored image too."""
+    rows = brute_rows(camera, noise_dn=5.0, mirror=mirror)
+    (look,) = sector_image.looks([rows], camera.model, lag=(np.zeros(4), 1e-4))
+    guess = sector_image.first_guess(look, _view(rows, mirrored=mirror))
+    column = 63 - camera.axle[1] if mirror else camera.axle[1]
+    np.testing.assert_allclose(guess[:2], [camera.axle[0], column], atol=1.0)
+    np.testing.assert_allclose(guess[4:6], camera.radii, atol=1.0)
+    np.testing.assert_allclose(guess[6:8], [camera.bisector_rad, camera.opening_rad], atol=0.055)
+
+
+def test_field_is_made_of_smooth_hills(rows):
+    """Oracle: Gaussians on a square grid from end to end of the region, 1 at the nodes in its corners; their sum is flat."""
+    terms = _view(rows).field_terms
+    n = round(len(terms) ** 0.5)
+    assert terms.shape == (n * n, 36, 64)
+    corners = [terms[0, 0, 0], terms[n - 1, 0, -1], terms[-n, -1, 0], terms[-1, -1, -1]]
+    assert corners == pytest.approx([1, 1, 1, 1])
+    assert terms.max() <= 1
+    whole = terms.sum(axis=0)
+    assert whole[8:28, 14:50].max() / whole[8:28, 14:50].min() < 1.1

@@ -1,0 +1,92 @@
+"""Figures of a rolling camera's report, looked at before they are drawn."""
+
+import re
+
+import numpy as np
+import pytest
+
+from irtiming.report import (
+    bent_edge,
+    drift_figures,
+    figures,
+    lag_figures,
+    rolling_budget,
+    rolling_images,
+    row_curves,
+    row_figures,
+)
+
+FIGURES = [
+    row_figures.figure_6,
+    row_figures.residual_map,
+    row_figures.row_delays,
+    lag_figures.scan,
+    lag_figures.ellipse,
+    drift_figures.drift,
+    rolling_images.opening,
+    rolling_budget.budget,
+    rolling_budget.by_edge,
+    rolling_budget.relative,
+]
+
+
+@pytest.mark.parametrize("make", FIGURES, ids=lambda make: make.__name__)
+def test_every_figure_has_units_on_its_axes(rolling, make):
+    """Oracle: the house rule: a label ends in its unit in parentheses."""
+    drawn = make(rolling)
+    shown = [axes for axes in drawn.axes if axes.axison]
+    labels = [axis.get_label_text() for axes in shown for axis in (axes.xaxis, axes.yaxis)]
+    written = [label for label in labels if label]
+    assert written
+    assert all(re.search(r"\([^()]+\)\Z", label) for label in written), written
+
+
+@pytest.mark.parametrize("make", [figures.wheel, figures.model, figures.speed, figures.slots])
+def test_figures_of_the_wheel_serve_both_cameras(rolling, make):
+    """Oracle: they ask for nothing but wheel, gates and timestamps."""
+    assert make(rolling).svg.startswith("<svg")
+
+
+def test_figure_6_has_residuals_under_every_curve(rolling):
+    """Oracle: the letters of the paper's figure; whole opening and four rows, each with its residuals; the frame has none."""
+    drawn = row_figures.figure_6(rolling)
+    titles = [axes.get_title(loc="left")[:3] for axes in drawn.axes]
+    assert [title for title in titles if title] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)"]
+    assert sum(axes.get_ylabel().startswith("data − model") for axes in drawn.axes) == 5
+
+
+def test_the_whole_opening_weighs_rows_by_their_light(rolling):
+    """Oracle: rows alike give their own curve back: mean 1/2, whatever the sign of the gain."""
+    curve = row_curves.whole(rolling.row_fits[0])
+    assert np.mean(curve.fraction) == pytest.approx(0.5, abs=1e-3)
+    assert np.mean(curve.model[:-1]) == pytest.approx(0.5, abs=1e-9)
+    assert np.std(curve.residual) < 1e-3
+
+
+def test_a_late_row_is_found_where_it_is(rolling):
+    """Oracle: the fifth row was put 100 us beside the line, noise of 1e-3 of the step scatters the others by 5 us or so."""
+    found = row_curves.row_delays(rolling.row_fits[0])
+    apart = 1e6 * (found.delay_s - found.line_s)
+    assert apart[4] == pytest.approx(100.0, abs=4 * 1e6 * found.u_delay_s[4])
+    others = np.delete(apart, 4) / (1e6 * np.delete(found.u_delay_s, 4))
+    assert 0.6 < others.std() < 1.5
+    np.testing.assert_allclose(found.line_s, 4e-3 + 40e-6 * found.row_px)
+
+
+def test_an_edge_bends_as_the_rows_are_read(rolling):
+    """Oracle: without rolling the edge is a ray from the axle; with it, it turns by omega t_row per row about that ray."""
+    straight = bent_edge.edges(rolling, 1.2, rolling=False)
+    bent = bent_edge.edges(rolling, 1.2, rolling=True)
+    assert len(straight) == len(bent) == 1
+    turns = []
+    for row, column in (straight[0], bent[0]):
+        polar = np.arctan2(row - 45, column - 40)
+        turns.append(np.polyfit(row, polar, 1)[0])
+    assert turns[0] == pytest.approx(0, abs=1e-12)
+    assert turns[1] == pytest.approx(6 * np.pi * 40e-6, rel=1e-9)
+
+
+def test_times_of_frames_bridge_what_was_left_out(rolling):
+    """Oracle: frame k at k / 30.303 Hz, also within the shutter event and beyond the last kept frame."""
+    times = drift_figures.frame_time_s(rolling.recordings[0], np.array([0, 110, 399, 450]))
+    np.testing.assert_allclose(times, np.array([0, 110, 399, 450]) * 0.033, rtol=1e-9)
