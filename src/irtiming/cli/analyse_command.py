@@ -1,12 +1,18 @@
 """``irtiming analyse``: recordings in, table, result JSON and report page out."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irtiming.errors import UnitError
+from irtiming.errors import EstimationError, UnitError
 from irtiming.records.reduced import Choices, Method, ReferenceEdge
+
+if TYPE_CHECKING:
+    from irtiming.records.recording import Recording
+
+_SLOPE_LIMITS = "0.05,0.95"
 
 
 def analyse(
@@ -15,33 +21,43 @@ def analyse(
     json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the result as JSON.")] = None,
     report: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the report as one HTML page.")] = None,
     method: Annotated[
-        Method, typer.Option(help="The project's best, or the procedure of Schatz 2023 step by step.")
+        Method,
+        typer.Option(
+            help="The default is the best for the kind of camera: pixel sums, of a microbolometer row sums; published "
+            "is the procedure of Schatz 2023 step by step."
+        ),
     ] = "pixel-sum",
     roi: Annotated[
         str | None, typer.Option(metavar="R0,R1,C0,C1", help="Region of interest; ends excluded. Else automatic.")
     ] = None,
-    threshold_dn: Annotated[float | None, typer.Option(help="Threshold, corrected DN. Else automatic.")] = None,
+    threshold_dn: Annotated[
+        float | None, typer.Option(help="Threshold, corrected DN; photon cameras only. Else automatic.")
+    ] = None,
     threshold_level: Annotated[
-        float, typer.Option(help="Place of the threshold between the histogram peaks, 0 covered .. 1 open.")
+        float,
+        typer.Option(help="Place of the threshold between the histogram peaks, 0 covered .. 1 open."),
     ] = 0.5,
     border_px: Annotated[
         int | None,
         typer.Option(min=0, max=64, help="Border of the summed region around the opening, px. Else automatic."),
     ] = None,
     plateau_margin: Annotated[
-        float, typer.Option(help="Share of a plateau's width kept away from each of its corners.")
+        float,
+        typer.Option(help="Share of a plateau's width kept away from each of its corners; photon cameras only."),
     ] = 0.15,
     slope_limits: Annotated[
-        str, typer.Option(metavar="LOW,HIGH", help="Opening fractions that lines are fitted to.")
-    ] = ("0.05,0.95"),
+        str,
+        typer.Option(metavar="LOW,HIGH", help="Opening fractions that lines are fitted to; photon cameras only."),
+    ] = _SLOPE_LIMITS,
     reference_edge: Annotated[
         ReferenceEdge,
         typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
     ] = "automatic",
 ) -> None:
-    """Trigger delay of a snapshot photon camera from its recordings, with its uncertainty.
+    """Timing of a camera from its recordings, with uncertainties.
 
-    Every choice is made automatically and shown in the report; the options take it over.
+    Of a snapshot photon camera the trigger delay; of a rolling microbolometer camera trigger delay, time constant and row
+    delay. Every choice is made automatically and shown in the report; the options take it over.
     """
     from rich.console import Console
 
@@ -67,13 +83,40 @@ def analyse(
         result_file.require_place(report, besides=[*recording, rig, *([json] if json else [])])
     owner = rig_file.read_rig(rig)
     with shown("frames") as told:
-        analysis = run_analysis((reader.read(path) for path in recording), owner, choices=choices, progress=told)
+        analysis = run_analysis(
+            _of_use((reader.read(path) for path in recording), choices), owner, choices=choices, progress=told
+        )
     found = certificate.report(analysis)
     if json is not None:
         result_file.write_result(found.result, json)
     if report is not None:
         result_file.write_atomically(found.page, report)
     print_result(analysis, Console())
+
+
+def _of_use(recordings: "Iterator[Recording]", choices: Choices) -> "Iterator[Recording]":
+    """The recordings; a choice that means nothing for their kind of camera is refused."""
+    default = Choices()
+    given = [
+        option
+        for option, asked in (
+            ("--threshold-dn", choices.threshold_dn != default.threshold_dn),
+            ("--plateau-margin", choices.plateau_margin != default.plateau_margin),
+            ("--slope-limits", choices.slope_limits != default.slope_limits),
+        )
+        if asked
+    ]
+    for recording in recordings:
+        if given and recording.camera_type == "microbolometer":
+            raise _foreign(given, recording.name)
+        yield recording
+
+
+def _foreign(given: Sequence[str], name: str) -> EstimationError:
+    return EstimationError(
+        f"{', '.join(given)} with {name}, the recording of a microbolometer camera, which is analysed without threshold "
+        f"values, plateaus and straight slopes; leave {'them' if len(given) > 1 else 'it'} out"
+    )
 
 
 def _numbers(text: str, n: int, option: str) -> list[float]:

@@ -7,24 +7,27 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table as RichTable
 
-from irtiming.measurement import Analysis
-from irtiming.report import certificate, tables
+from irtiming.measurement import Analysis, RollingAnalysis
+from irtiming.report import certificate, rolling_tables, tables
 from irtiming.report.tables import Table
 
 _ALIGN = {"l": "left", "c": "center", "r": "right"}
 
 
-def print_result(analysis: Analysis, console: Console) -> None:
-    """Verdict and warnings first, then the delays, the relative delays and the budget."""
+def print_result(analysis: Analysis | RollingAnalysis, console: Console) -> None:
+    """Verdict and warnings first, then the parameters, the relative delays and the budget."""
     console.print(f"[bold]{escape(certificate.verdict(analysis).sentence)}[/bold]")
     for text in analysis.warnings:
         console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
-    shown = [tables.parameters(analysis)]
-    relative = _ours(tables.relative_delays(analysis))
-    if relative.rows:
-        shown.append(relative)
-    for table in (*shown, tables.budget(analysis)):
-        print_table(table, console)
+    if isinstance(analysis, RollingAnalysis):
+        shown = (_short(rolling_tables.parameters(analysis)), rolling_tables.relative_delays(analysis))
+        budget = rolling_tables.budget(analysis)
+    else:
+        shown = (tables.parameters(analysis), _ours(tables.relative_delays(analysis)))
+        budget = tables.budget(analysis)
+    for table in (*shown, budget):
+        if table.rows:
+            print_table(table, console)
 
 
 def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
@@ -39,6 +42,17 @@ def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
             f"{(value - truth_s) / u:+.1f} u",
             highlight=False,
         )
+
+
+def print_rolling_demo(analysis: RollingAnalysis, truth_s: dict[str, float], *, console: Console) -> None:
+    """Time constant, trigger delay and row delay by both methods beside the truth."""
+    print_table(rolling_tables.beside_the_truth(analysis, truth_s), console)
+
+
+def _short(table: Table) -> Table:
+    """Without the column of signs, which a terminal has no room for."""
+    rows = tuple(row[:4] for row in table.rows)
+    return replace(table, columns=table.columns[:4], align=table.align[:4], rows=rows)
 
 
 def _ours(table: Table) -> Table:

@@ -1,13 +1,18 @@
 """What the report reads of an analysis: a view, so that the report knows nothing of how the analysis was made."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from irtiming.physics.light_gates import GateAngles
 from irtiming.physics.wheel import WheelModel
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
+from irtiming.records.rolling import ReducedRows
+from irtiming.records.rolling_result import RollingResult
+from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.wheel_track import WheelTrack
 
 
 class Geometry(Protocol):
@@ -34,8 +39,46 @@ class Geometry(Protocol):
         ...
 
 
+class Run(Protocol):
+    """What any recording tells of the wheel."""
+
+    @property
+    def track(self) -> WheelTrack:
+        """With learned slots."""
+        ...
+
+    @property
+    def rotation_speed_hz(self) -> float:
+        """Nominal."""
+        ...
+
+    @property
+    def trigger_delay_time_set_s(self) -> float:
+        """Set in the trigger generator."""
+        ...
+
+
+class WheelEvidence(Protocol):
+    """What is known of the wheel, whatever the camera."""
+
+    @property
+    def rig(self) -> Rig:
+        """As measured by its owner."""
+        ...
+
+    @property
+    def recordings(self) -> Sequence[Run]:
+        """One per run."""
+        ...
+
+    @property
+    def geometry(self) -> Geometry:
+        """With learned slots."""
+        ...
+
+
 class Evidence(Protocol):
-    """Result, counterpart, and what led to them.
+    """Of a snapshot photon camera: result, counterpart, and what led to them.
 
     ``recordings``, ``edge_fits`` and the relative delays of both results stand in the same order; ``published_fits`` has
     one entry per nominal delay and wheel speed, in that order too.
@@ -88,6 +131,75 @@ class Evidence(Protocol):
 
     @property
     def result(self) -> DelayResult:
+        """By the chosen method."""
+        ...
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """All, each once."""
+        ...
+
+
+@runtime_checkable
+class RollingEvidence(Protocol):
+    """The same of a rolling microbolometer camera.
+
+    ``recordings``, ``row_fits`` and the relative delays of both results stand in the same order; ``published_fits`` has one
+    entry per nominal delay and wheel speed, in that order too. ``scan`` belongs to the first recording.
+    """
+
+    @property
+    def rig(self) -> Rig:
+        """As measured by its owner."""
+        ...
+
+    @property
+    def choices(self) -> Choices:
+        """What a person decided; the method among it."""
+        ...
+
+    @property
+    def recordings(self) -> Sequence[ReducedRows]:
+        """One per run."""
+        ...
+
+    @property
+    def geometry(self) -> Geometry:
+        """With learned slots."""
+        ...
+
+    @property
+    def sector(self) -> SectorFit:
+        """The opening in the image."""
+        ...
+
+    @property
+    def row_fits(self) -> Sequence[RowTimingFit]:
+        """One per recording."""
+        ...
+
+    @property
+    def scan(self) -> TimeConstantScan:
+        """How much worse other time constants fit."""
+        ...
+
+    @property
+    def published_fits(self) -> Sequence[PublishedLagFit]:
+        """One per nominal delay and wheel speed."""
+        ...
+
+    @property
+    def best(self) -> RollingResult:
+        """By row sums."""
+        ...
+
+    @property
+    def as_published(self) -> RollingResult:
+        """By the procedure of Schatz 2023."""
+        ...
+
+    @property
+    def result(self) -> RollingResult:
         """By the chosen method."""
         ...
 

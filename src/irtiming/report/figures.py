@@ -7,7 +7,7 @@ import numpy as np
 
 from irtiming.physics.wheel_drawing import drawing
 from irtiming.report import delay_figures, fraction_figures, image_figures, sheet, wheel_figures
-from irtiming.report.evidence import Evidence
+from irtiming.report.evidence import Evidence, WheelEvidence
 from irtiming.report.rounding import uncertainty_text
 
 
@@ -21,7 +21,7 @@ class Panel:
     svg: str
 
 
-def wheel(evidence: Evidence) -> Panel:
+def wheel(evidence: WheelEvidence) -> Panel:
     """Figure 4(a) with the rig's own numbers."""
     return Panel(
         title="Wheel, mask opening and light beams",
@@ -32,7 +32,7 @@ def wheel(evidence: Evidence) -> Panel:
     )
 
 
-def model(evidence: Evidence) -> Panel:
+def model(evidence: WheelEvidence) -> Panel:
     """Figure 4(b)."""
     return Panel(
         title="Model: exposed fraction without any delay",
@@ -91,7 +91,7 @@ def histogram(evidence: Evidence) -> Panel:
     )
 
 
-def speed(evidence: Evidence) -> Panel:
+def speed(evidence: WheelEvidence) -> Panel:
     """Speed of the wheel."""
     return Panel(
         title="Speed of the wheel",
@@ -101,11 +101,11 @@ def speed(evidence: Evidence) -> Panel:
     )
 
 
-def slots(evidence: Evidence) -> Panel:
+def slots(evidence: WheelEvidence) -> Panel:
     """Learned slot table."""
     return Panel(
         title="Irregularity of the control slots",
-        caption="Angle of each slot minus its regular place, averaged over all turns. The pixel-sum method corrects for it; the "
+        caption="Angle of each slot minus its regular place, averaged over all turns. The default method corrects for it; the "
         "published one takes the slots as equal. A speed ripple that repeats every turn looks the same at a single wheel "
         "speed.",
         svg=sheet.svg(wheel_figures.slots(evidence), title="Deviation of the control slots"),

@@ -10,13 +10,13 @@ from irtiming.physics.wheel import TURN, WheelModel, corner_angles_rad, exposed_
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit, SlopeLine
 from irtiming.report import sheet
-from irtiming.report.evidence import Evidence
+from irtiming.report.evidence import Evidence, WheelEvidence
 
 _MOST_PANELS = 8
 _BINS = 60
 
 
-def model(evidence: Evidence) -> Figure:
+def model(evidence: WheelEvidence) -> Figure:
     """Figure 4(b): exposed fraction without any delay, its corners and which edge makes each slope."""
     wheel = evidence.geometry.model
     with sheet.style():

@@ -21,7 +21,7 @@ def mean_frames(evidence: Evidence) -> Figure:
     with sheet.style():
         drawn = sheet.figure(height_in=4.1)
         left, right = drawn.subplots(1, 2, width_ratios=[1.15, 1])
-        _picture(left, opening.open_frame_dn)
+        picture(left, opening.open_frame_dn)
         left.set_title(f"Mean open frame, {recording.name}")
         row0, row1, column0, column1 = opening.roi
         left.add_patch(
@@ -30,7 +30,7 @@ def mean_frames(evidence: Evidence) -> Figure:
             )
         )
         _axle(left, recording)
-        _picture(right, opening.open_frame_dn - opening.covered_frame_dn)
+        picture(right, opening.open_frame_dn - opening.covered_frame_dn)
         right.set_title("Open minus covered, region of interest")
         _outlines(left, opening, closely=False)
         _outlines(right, opening, closely=True)
@@ -44,11 +44,11 @@ def mean_frames(evidence: Evidence) -> Figure:
     return drawn
 
 
-def _picture(axes: Axes, frame: Array) -> None:
+def picture(axes: Axes, frame: Array, *, label: str = "corrected value (DN)", shrink: float = 0.8) -> None:
     """Grey picture, black to white over all but the rarest values, with its scale beside it."""
     low, high = (float(v) for v in np.quantile(frame, [0.002, 0.998]))
     shades = axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    axes.figure.colorbar(shades, ax=axes, label="corrected value (DN)", shrink=0.8, pad=0.02)
+    axes.figure.colorbar(shades, ax=axes, label=label, shrink=shrink, pad=0.02)
 
 
 def _outlines(axes: Axes, opening: Opening, *, closely: bool) -> None:

@@ -7,12 +7,12 @@ from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.report import sheet
-from irtiming.report.evidence import Evidence
+from irtiming.report.evidence import WheelEvidence
 
 _PER_MILLION = 1e6
 
 
-def speed(evidence: Evidence) -> Figure:
+def speed(evidence: WheelEvidence) -> Figure:
     """Mean speed of each turn of each recording, relative to the nominal one."""
     recordings = evidence.recordings
     names = sheet.run_names(
@@ -46,7 +46,7 @@ def turn_rates(track: WheelTrack) -> tuple[Array, Array]:
     return (passed[1:] + passed[:-1]) / 2, 1 / np.diff(passed)
 
 
-def slots(evidence: Evidence) -> Figure:
+def slots(evidence: WheelEvidence) -> Figure:
     """Deviation of each control slot from its regular place, as learned, with its standard uncertainty."""
     tracks = [recording.track for recording in evidence.recordings]
     tables = np.array([track.slot_deviation_rad for track in tracks])

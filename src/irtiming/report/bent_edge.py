@@ -1,0 +1,63 @@
+"""A frame in which an edge crosses the opening, and the bend that the rolling readout gives it."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from irtiming.records.arrays import Array
+from irtiming.report import sheet
+from irtiming.report.evidence import RollingEvidence
+
+
+def draw(axes: Axes, evidence: RollingEvidence, *, marked: list[tuple[int, str]]) -> None:
+    """The frame, the edge as read row by row and as a snapshot would show it, and lines at the marked rows.
+
+    Parameters
+    ----------
+    axes
+        To draw in.
+    evidence
+        Its first recording.
+    marked
+        Image rows and their colours.
+    """
+    rows = evidence.recordings[0]
+    angle = float(evidence.row_fits[0].wheel_angle_rad[rows.edge_frame])
+    frame = rows.edge_frame_dn
+    row0, row1, column0, column1 = rows.opening.roi
+    low, high = (float(v) for v in np.quantile(frame[row0:row1, column0:column1], [0.01, 0.99]))
+    axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
+    for place, hue in marked:
+        axes.axhline(place, color=hue, linewidth=1)
+    for rolling, line in ((True, "-"), (False, "--")):
+        for row, column in edges(evidence, angle, rolling=rolling):
+            axes.plot(column, row, line, color=sheet.RED if rolling else "#ffd23f", linewidth=1.2)
+    axes.set_xlim(column0 - 0.5, column1 - 0.5)
+    axes.set_ylim(row1 - 0.5, row0 - 0.5)
+    axes.set_xlabel("column (px)")
+    axes.set_ylabel("row (px)")
+    axes.grid(visible=False)
+    axes.set_title(f"(b) frame {rows.frame_index[rows.edge_frame]}, wheel at {np.degrees(angle):.1f}°")
+
+
+def edges(evidence: RollingEvidence, wheel_angle_rad: float, *, rolling: bool) -> list[tuple[Array, Array]]:
+    """Rows and columns (px) of each wheel edge within the opening where the lagging pixels are half way.
+
+    Without ``rolling`` all rows are read together with the middle one: then an edge is straight.
+    """
+    fit, shape, model = evidence.row_fits[0], evidence.sector.shape, evidence.geometry.model
+    omega, middle = fit.angular_frequency_rad_per_s, float(fit.row_px.mean())
+    row = np.linspace(float(fit.row_px[0]), float(fit.row_px[-1]), 200)
+    read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.time_constant_s
+    sense = -1.0 if shape.mirrored else 1.0
+    found = []
+    for edge, delay in zip(model.cutout_edges_rad, fit.edge_delay_s, strict=True):
+        polar = wheel_angle_rad + omega * (delay + read_s) + model.opening_coordinate_rad - edge
+        polar = np.mod(polar + np.pi, 2 * np.pi) - np.pi
+        direction = polar + shape.bisector_rad
+        radius = (row - shape.axle_row_px) / np.sin(direction)
+        column = shape.axle_column_px + sense * radius * np.cos(direction)
+        inside = (np.abs(polar) < shape.opening_angle_rad / 2) & (radius > shape.inner_radius_px)
+        inside &= radius < shape.outer_radius_px
+        if inside.any():
+            found.append((row[inside], column[inside]))
+    return found

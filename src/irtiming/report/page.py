@@ -1,0 +1,80 @@
+"""One page of HTML that stands alone: verdict and warnings first, then tables and figures."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, final
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from irtiming.report.figures import Panel
+from irtiming.report.tables import Table, versions
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """The answer: the numbers in large type, the sentence that says what they are, and what to know beside them.
+
+    ``number`` is the first; ``further`` are those that stand below it.
+    """
+
+    number: str
+    sentence: str
+    remarks: tuple[str, ...]
+    further: tuple[str, ...] = ()
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """Part of the page: tables and figures under one heading."""
+
+    title: str
+    blocks: tuple[Table | Panel, ...]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Certificate:
+    """The report in both its forms: the page as HTML text, and the result as plain data for JSON."""
+
+    page: str
+    result: dict[str, Any]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Content:
+    """Everything on a page: its heading, and below it verdict, warnings and sections in this order."""
+
+    heading: str
+    verdict: Verdict
+    warnings: tuple[str, ...]
+    sections: tuple[Section, ...]
+
+
+def render(content: Content, *, created: datetime | None = None) -> str:
+    """HTML text without any link to the outside.
+
+    Parameters
+    ----------
+    content
+        What to print.
+    created
+        Date to print; now, where none is given.
+    """
+    environment = Environment(
+        loader=PackageLoader("irtiming.report", "."),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(
+        heading=content.heading,
+        verdict=content.verdict,
+        warnings=content.warnings,
+        sections=content.sections,
+        created=(created or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M %Z").strip(),
+        version=versions().get("irtiming", ""),
+    )

@@ -1,0 +1,128 @@
+"""Rows of a rolling camera over the wheel angle: figure 6, the delay of each row, and what the fit leaves over."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from irtiming.physics.wheel import TURN
+from irtiming.records.arrays import Array
+from irtiming.records.row_timing import RowTimingFit
+from irtiming.report import bent_edge, row_curves, sheet
+from irtiming.report.evidence import RollingEvidence
+from irtiming.report.row_curves import Curve
+
+MS, US = 1e-3, 1e-6
+_BINS = 144
+
+
+def figure_6(evidence: RollingEvidence) -> Figure:
+    """Whole opening (a), a frame with a bent edge (b), four rows (c) to (f): data, exact model and residuals."""
+    fit = evidence.row_fits[0]
+    rows = row_curves.show_rows(fit)
+    hues = sheet.SERIES[: len(rows)]
+    with sheet.style():
+        drawn = sheet.figure(height_in=9.6)
+        grid = drawn.add_gridspec(
+            8, 2, height_ratios=[2.3, 1.0, 0.08, 2.0, 0.9, 0.08, 2.0, 0.9], width_ratios=[1.12, 1.0]
+        )
+        pair = drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0])
+        _curve(pair, row_curves.whole(fit), sheet.BLUE, "(a) whole opening")
+        bent_edge.draw(drawn.add_subplot(grid[0:2, 1]), evidence, marked=list(zip(fit.row_px[rows], hues, strict=True)))
+        for k, (index, hue) in enumerate(zip(rows, hues, strict=True)):
+            place = 3 * (1 + k // 2)
+            pair = drawn.add_subplot(grid[place, k % 2]), drawn.add_subplot(grid[place + 1, k % 2])
+            _curve(pair, row_curves.one_row(fit, index), hue, f"({'cdef'[k]}) row {fit.row_px[index]}")
+    return drawn
+
+
+def _curve(pair: tuple[Axes, Axes], curve: Curve, hue: str, title: str) -> None:
+    """Points with the model through them, and the residuals below."""
+    top, below = pair
+    top.plot(
+        np.degrees(curve.wheel_angle_rad), curve.fraction, ".", color=hue, markersize=4.5, markeredgewidth=0,
+        rasterized=curve.fraction.size > 600,
+    )  # fmt: skip
+    top.plot(np.degrees(curve.dense_rad), curve.model, color=sheet.INK, linewidth=0.5)
+    spread = 1e3 * float(curve.residual.std())
+    top.set_title(f"{title}: residuals {spread:.2f}·10⁻³ rms")
+    top.set_ylabel("opening fraction (1)")
+    top.set_ylim(-0.08, 1.08)
+    sheet.degrees_axis(top, label=None)
+    sheet.zero_line(below)
+    sheet.points(below, x=np.degrees(curve.wheel_angle_rad), y=1e3 * curve.residual, colour=hue)
+    angle, mean = _binned(curve.wheel_angle_rad, 1e3 * curve.residual[:, None], 60)
+    below.plot(np.degrees(angle), mean[:, 0], color=sheet.RED, linewidth=0.9)
+    sheet.robust_limits(below, [1e3 * curve.residual])
+    below.set_ylabel("data − model\n(10⁻³ of step)", fontsize=7.5)
+    sheet.degrees_axis(below, label="wheel angle (degrees)")
+    below.xaxis.label.set_fontsize(7.5)
+
+
+def _binned(angle_rad: Array, values: Array, n_bins: int) -> tuple[Array, Array]:
+    """Middle of each filled bin of a turn and the mean of the values (n, k) in it, shapes (bins,) and (bins, k)."""
+    place = np.minimum((angle_rad / TURN * n_bins).astype(int), n_bins - 1)
+    count = np.bincount(place, minlength=n_bins)
+    total = np.zeros((n_bins, values.shape[1]))
+    np.add.at(total, place, values)
+    filled = count > 0
+    return ((np.arange(n_bins) + 0.5) * TURN / n_bins)[filled], total[filled] / count[filled, None]
+
+
+def residual_map(evidence: RollingEvidence) -> Figure:
+    """Residuals of all rows over the wheel angle, means of narrow bins over what noise would leave of them."""
+    fit = evidence.row_fits[0]
+    rows = np.arange(fit.row_px[0], fit.row_px[-1] + 1)
+    table = np.full((rows.size, _BINS), np.nan)
+    angle, mean = _binned(fit.wheel_angle_rad, fit.residual / fit.noise, _BINS)
+    place = (angle / TURN * _BINS).astype(int)
+    count = np.bincount(np.minimum((fit.wheel_angle_rad / TURN * _BINS).astype(int), _BINS - 1), minlength=_BINS)
+    table[np.ix_(fit.row_px - rows[0], place)] = (mean * np.sqrt(count[place])[:, None]).T
+    with sheet.style():
+        drawn = sheet.figure(height_in=3.4)
+        axes = drawn.add_subplot()
+        shades = axes.imshow(
+            table, cmap="RdBu_r", vmin=-4, vmax=4, interpolation="nearest", aspect="auto",
+            extent=(0, 360, rows[-1] + 0.5, rows[0] - 0.5),
+        )  # fmt: skip
+        axes.figure.colorbar(shades, ax=axes, label="mean residual over its noise (1)", pad=0.015)
+        axes.set_ylabel("image row (px)")
+        axes.grid(visible=False)
+        sheet.degrees_axis(axes, label="wheel angle (degrees)")
+    return drawn
+
+
+def row_delays(evidence: RollingEvidence) -> Figure:
+    """Delay of each row by both methods, what its straight line is, and the distance from it."""
+    fit, published = evidence.row_fits[0], evidence.published_fits[0]
+    ours = row_curves.row_delays(fit)
+    theirs = published.delay_of_row_s
+    their_line = published.timing.trigger_delay_s + published.timing.row_delay_s * published.row_px
+    clear = ours.u_delay_s < 5 * float(np.median(ours.u_delay_s))
+    with sheet.style():
+        drawn = sheet.figure(height_in=4.4)
+        top, *below = drawn.subplots(3, 1, sharex=True, height_ratios=[2.2, 1, 1])
+        top.plot(ours.row_px, ours.line_s / MS, color=sheet.BLUE, linewidth=1, label=_line_name("row sums", fit))
+        top.plot(published.row_px, their_line / MS, color=sheet.ORANGE, linewidth=1, label="as published: line")
+        top.plot(ours.row_px[clear], ours.delay_s[clear] / MS, ".", color=sheet.BLUE, markersize=4)
+        reach = 4 * max(float(np.median(np.abs(theirs - their_line))), 1e-7)
+        low, high = np.min([*ours.line_s, *their_line]) - reach, np.max([*ours.line_s, *their_line]) + reach
+        top.plot(published.row_px, np.clip(theirs, low, high) / MS, "x", color=sheet.ORANGE, markersize=3.5)
+        top.set_ylim(low / MS, high / MS)
+        top.set_ylabel("delay of the row (ms)")
+        top.legend(loc="best")
+        below[0].errorbar(
+            ours.row_px[clear], (ours.delay_s - ours.line_s)[clear] / US, yerr=ours.u_delay_s[clear] / US, fmt=".",
+            color=sheet.BLUE, markersize=4, elinewidth=0.8,
+        )  # fmt: skip
+        apart = np.clip(theirs - their_line, -reach, reach) / US
+        below[1].plot(published.row_px, apart, "x", color=sheet.ORANGE, markersize=3.5)
+        sheet.robust_limits(below[1], [apart])
+        for axes, name in zip(below, ("row sums", "published"), strict=True):
+            sheet.zero_line(axes)
+            axes.set_ylabel(f"{name}:\nrow − line (µs)", fontsize=8)
+        below[1].set_xlabel("image row (px)")
+    return drawn
+
+
+def _line_name(name: str, fit: RowTimingFit) -> str:
+    return f"{name}: {fit.edge_delay_s.mean() / MS:.3f} ms + row · {fit.row_delay_s / US:.2f} µs"
