@@ -29,6 +29,7 @@ check: .venv/ready-for-tests
 
 docs-figures: .venv/ready
 	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
+	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
 
 clean:
 	rm -rf .venv build demo
