@@ -86,7 +86,8 @@ class RollingAnalysis:
     def warnings(self) -> tuple[str, ...]:
         """All warnings, each once, in order."""
         texts = [text for recording in self.recordings for text in recording.warnings]
-        return tuple(dict.fromkeys([*texts, *self.result.warnings]))
+        without = () if self.published_fits else self.as_published.warnings
+        return tuple(dict.fromkeys([*texts, *self.result.warnings, *without]))
 
 
 def analyse(
@@ -181,7 +182,14 @@ def analyse_rolling(
     reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
     tracks = pooled_slots.pool([one.track for one in reduced])
     best = rolling_camera.estimate([replace(one, track=track) for one, track in zip(reduced, tracks, strict=True)], rig)
-    published_fits = _rolling_as_published(best.recordings, rig)
+    published_fits: tuple[PublishedLagFit, ...] = ()
+    try:
+        published_fits = _rolling_as_published(best.recordings, rig)
+        as_published = rolling_published.estimate(published_fits)
+    except IrTimingError as error:
+        if choices.method == "published":
+            raise
+        as_published = rolling_published.without(str(error))
     return RollingAnalysis(
         rig=rig,
         choices=choices,
@@ -192,7 +200,7 @@ def analyse_rolling(
         scan=best.scan,
         published_fits=published_fits,
         best=best.result,
-        as_published=rolling_published.estimate(published_fits),
+        as_published=as_published,
     )
 
 

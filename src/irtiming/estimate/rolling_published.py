@@ -46,6 +46,20 @@ def estimate(fits: Sequence[PublishedLagFit]) -> RollingResult:
     )
 
 
+def without(reason: str) -> RollingResult:
+    """No result, because the procedure could not be run; it must not take the default method with it."""
+    nothing = np.zeros(0)
+    return RollingResult(
+        method="published",
+        estimate=Estimate(names=(), values=nothing, covariance=np.zeros((0, 0))),
+        relative_delays=(),
+        budget=(),
+        edge_delay_s=np.full(4, np.nan),
+        u_edge_delay_s=np.full(4, np.nan),
+        warnings=(f"the published procedure could not be run: {reason}",),
+    )
+
+
 def _three(timing: LagTiming) -> tuple[float, float, float]:
     return timing.trigger_delay_s, timing.time_constant_s, timing.row_delay_s
 

@@ -29,7 +29,7 @@ _TABLE = 8192
 _CENTRE_STEPS = 9
 _FIRST_BLUR_PX = 0.7
 _CUTOUT_MARGIN_PX = 1.5
-_FIELD_NODES = 6  # along rows and along columns
+_FIELD_NODES = 7  # along rows and along columns
 
 
 @final

@@ -38,6 +38,10 @@ def _likelihood(top: Axes, below: Axes, evidence: RollingEvidence) -> None:
 
 
 def _published(top: Axes, below: Axes, evidence: RollingEvidence) -> None:
+    if not evidence.published_fits:
+        top.set_axis_off()
+        below.set_axis_off()
+        return
     fit = evidence.published_fits[0]
     tau, rms = fit.time_constants_s, 1e3 * fit.rms
     dense = np.linspace(tau[0], tau[-1], 200)

@@ -80,7 +80,7 @@ def _core(evidence: RollingEvidence, chosen: RollingResult) -> dict[str, Any]:
                 "standard_uncertainty": delay.standard_uncertainty_s,
                 "unit": "s",
             }
-            for recording, delay in zip(evidence.recordings, chosen.relative_delays, strict=True)
+            for recording, delay in zip(evidence.recordings, chosen.relative_delays, strict=False)
         ],
         "last_row_read": None
         if last is None

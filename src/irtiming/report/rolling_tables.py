@@ -192,9 +192,14 @@ def relative_delays(evidence: RollingEvidence) -> Table:
     """Relative delay of every recording by both methods, µs from nominal; no rows with a single set delay."""
     rows = []
     several = len({round(entry.nominal_s, 9) for entry in evidence.best.relative_delays}) > 1
-    for best, published in zip(evidence.best.relative_delays, evidence.as_published.relative_delays, strict=True):
+    ours = evidence.best.relative_delays
+    theirs = evidence.as_published.relative_delays or (None,) * len(ours)
+    for best, published in zip(ours, theirs, strict=True):
         cells = []
         for delay in (best, published):
+            if delay is None:
+                cells += ["–", "–"]
+                continue
             u = delay.standard_uncertainty_s
             cells += [signed(delay.value_s - delay.nominal_s, u, unit_s=US) if u > 0 else "reference", _micro(u)]
         rows.append((best.file, f"{best.nominal_s / MS:g}", *cells))

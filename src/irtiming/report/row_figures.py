@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
+from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import bent_edge, row_curves, sheet
 from irtiming.report.evidence import RollingEvidence
@@ -93,35 +94,43 @@ def residual_map(evidence: RollingEvidence) -> Figure:
 
 def row_delays(evidence: RollingEvidence) -> Figure:
     """Delay of each row by both methods, what its straight line is, and the distance from it."""
-    fit, published = evidence.row_fits[0], evidence.published_fits[0]
+    fit = evidence.row_fits[0]
     ours = row_curves.row_delays(fit)
-    theirs = published.delay_of_row_s
-    their_line = published.timing.trigger_delay_s + published.timing.row_delay_s * published.row_px
     clear = ours.u_delay_s < 5 * float(np.median(ours.u_delay_s))
     with sheet.style():
         drawn = sheet.figure(height_in=4.4)
         top, *below = drawn.subplots(3, 1, sharex=True, height_ratios=[2.2, 1, 1])
         top.plot(ours.row_px, ours.line_s / MS, color=sheet.BLUE, linewidth=1, label=_line_name("row sums", fit))
-        top.plot(published.row_px, their_line / MS, color=sheet.ORANGE, linewidth=1, label="as published: line")
         top.plot(ours.row_px[clear], ours.delay_s[clear] / MS, ".", color=sheet.BLUE, markersize=4)
-        reach = 4 * max(float(np.median(np.abs(theirs - their_line))), 1e-7)
-        low, high = np.min([*ours.line_s, *their_line]) - reach, np.max([*ours.line_s, *their_line]) + reach
-        top.plot(published.row_px, np.clip(theirs, low, high) / MS, "x", color=sheet.ORANGE, markersize=3.5)
-        top.set_ylim(low / MS, high / MS)
+        if evidence.published_fits:
+            _published_rows(top, below[1], evidence.published_fits[0], ours.line_s)
         top.set_ylabel("delay of the row (ms)")
         top.legend(loc="best")
         below[0].errorbar(
             ours.row_px[clear], (ours.delay_s - ours.line_s)[clear] / US, yerr=ours.u_delay_s[clear] / US, fmt=".",
             color=sheet.BLUE, markersize=4, elinewidth=0.8,
         )  # fmt: skip
-        apart = np.clip(theirs - their_line, -reach, reach) / US
-        below[1].plot(published.row_px, apart, "x", color=sheet.ORANGE, markersize=3.5)
-        sheet.robust_limits(below[1], [apart])
         for axes, name in zip(below, ("row sums", "published"), strict=True):
             sheet.zero_line(axes)
             axes.set_ylabel(f"{name}:\nrow − line (µs)", fontsize=8)
         below[1].set_xlabel("image row (px)")
     return drawn
+
+
+def _published_rows(top: Axes, below: Axes, published: PublishedLagFit, our_line_s: Array) -> None:
+    """Row delays of the published procedure, outliers at the edge of the picture, and their distance from their line."""
+    line_s = published.timing.trigger_delay_s + published.timing.row_delay_s * published.row_px
+    away_s = published.delay_of_row_s - line_s
+    reach = 4 * max(float(np.nanmedian(np.abs(away_s))), 1e-7)
+    low, high = np.min([*our_line_s, *line_s]) - reach, np.max([*our_line_s, *line_s]) + reach
+    top.plot(published.row_px, line_s / MS, color=sheet.ORANGE, linewidth=1, label="as published: line")
+    top.plot(
+        published.row_px, np.clip(published.delay_of_row_s, low, high) / MS, "x", color=sheet.ORANGE, markersize=3.5
+    )
+    top.set_ylim(low / MS, high / MS)
+    apart = np.clip(away_s, -reach, reach) / US
+    below.plot(published.row_px, apart, "x", color=sheet.ORANGE, markersize=3.5)
+    sheet.robust_limits(below, [apart])
 
 
 def _line_name(name: str, fit: RowTimingFit) -> str:

@@ -105,3 +105,11 @@ def test_fits_are_left_as_they_were(fit):
     before = replace(one)
     rolling_published.estimate([one])
     assert one.timing == before.timing
+
+
+def test_a_procedure_that_could_not_be_run_has_no_numbers_and_a_reason():
+    """Oracle: nothing is known, so nothing is stated."""
+    nothing = rolling_published.without("no slopes")
+    assert nothing.estimate.names == ()
+    assert nothing.relative_delays == ()
+    assert nothing.warnings == ("the published procedure could not be run: no slopes",)

@@ -223,3 +223,22 @@ def test_the_truth_of_a_simulation_stands_beside_both_methods(rolling):
     truth = {"trigger_delay": 4.06e-3, "time_constant": 5e-3, "row_delay": 40e-6}
     row = rolling_tables.beside_the_truth(rolling, truth).rows[0]
     assert row == ("t_delay", "4.06 ms", "4.000 ± 0.030 ms", "−2.0", "4.100 ± 0.040 ms", "+1.0")
+
+
+def test_the_page_stands_without_the_published_procedure(rolling):
+    """Oracle: the row sums do not need it; its numbers are dashes and the reason is told."""
+    alone = replace(
+        rolling,
+        published_fits=(),
+        as_published=replace(
+            rolling.as_published,
+            estimate=Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
+            relative_delays=(),
+            budget=(),
+        ),
+    )
+    found = certificate.report(alone)
+    assert found.result["parameters"] == certificate.report(rolling).result["parameters"]
+    assert found.result["other_method"]["parameters"] == {}
+    assert found.result["published_fits"] == []
+    assert "The published procedure could not be run." in found.page
