@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irtiming.estimate.rolling_timing import NAMES
 from irtiming.records.estimate import Estimate, RelativeDelay
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
 from irtiming.records.rolling_result import RollingContribution, RollingResult
-
-NAMES = ("trigger_delay", "time_constant", "row_delay")
 
 
 def estimate(fits: Sequence[PublishedLagFit]) -> RollingResult:

@@ -16,6 +16,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.estimate import rig_wide
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate, RelativeDelay
@@ -23,9 +24,7 @@ from irtiming.records.rolling_result import Bound, RollingContribution, RollingR
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
-_T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _RUNS_THAT_TELL = 4
-_LARGEST_EDGE_RAD = 5e-3
 _UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no number any more
 _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
 _SUSPICIOUS = 2.0
@@ -59,7 +58,7 @@ def estimate(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: S
     n_rows
         Rows of the image: the last is read ``(n_rows - 1) row_delay`` after the first.
     """
-    u_edge = _edge_uncertainty(fits, geometry)
+    u_edge = rig_wide.edge_uncertainty(fits, geometry)
     told = _parts(fits, geometry, sector=sector, u_edge_rad=u_edge)
     pick = np.tile(_PARAMETER_OF, (len(fits), 1))
     weights = _weights(told.total, pick)
@@ -91,14 +90,6 @@ _PARAMETER_OF = np.array([[1, 0, 0]] * 4 + [[0, 1, 0], [0, 0, 1]], float)
 
 def _three(numbers: Array) -> dict[str, float]:
     return {f"{name}_s": float(number) for name, number in zip(NAMES, numbers, strict=True)}
-
-
-def _edge_uncertainty(fits: Sequence[RowTimingFit], geometry: WheelGeometry) -> float:
-    """Standard uncertainty of one cutout edge, rad: as stated, else from the scatter of the four edges beyond the noise."""
-    if geometry.u_edge_rad is not None:
-        return geometry.u_edge_rad
-    angles = np.mean([fit.edge_delay_s * fit.angular_frequency_rad_per_s for fit in fits], axis=0)
-    return float(np.sqrt(_T_FACTOR * np.var(angles, ddof=1)))
 
 
 def _parts(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: SectorFit, u_edge_rad: float) -> _Parts:
@@ -168,26 +159,7 @@ def _relative(fits: Sequence[RowTimingFit], told: _Parts) -> tuple[RelativeDelay
         design[6 * k : 6 * k + 4, k] = 1
         design[6 * k + 4, n] = design[6 * k + 5, n + 1] = 1
     weights = _weights(told.total, design)[:n]
-    nominal = np.array([fit.trigger_delay_time_set_s for fit in fits])
-    delay = weights @ told.values + nominal
-    reference = np.isclose(nominal, nominal.min(), rtol=0, atol=1e-12)
-    difference = np.eye(n) - reference / reference.sum()
-    covariance = difference @ weights @ told.total @ weights.T @ difference.T
-    value, u = difference @ delay, np.sqrt(np.maximum(np.diag(covariance), 0))
-    return tuple(
-        RelativeDelay(
-            file=fit.name,
-            nominal_s=float(nominal[k] - nominal.min()),
-            value_s=float(value[k]),
-            standard_uncertainty_s=float(u[k]),
-        )
-        for k, fit in enumerate(fits)
-    )
-
-
-def _by_speed(fits: Sequence[RowTimingFit]) -> list[tuple[float, list[int]]]:
-    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
-    return [(float(speed), [int(k) for k in np.flatnonzero(speeds == speed)]) for speed in np.unique(speeds)]
+    return rig_wide.relative_delays(fits, weights, values=told.values, total=told.total)
 
 
 def _birge_ratio(group: list[RowTimingFit]) -> float:
@@ -203,7 +175,7 @@ def _birge_ratio(group: list[RowTimingFit]) -> float:
 def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:
     """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1."""
     factor = np.ones(len(fits))
-    for _, members in _by_speed(fits):
+    for _, members in rig_wide.by_speed(fits):
         if len(members) >= _RUNS_THAT_TELL:
             factor[members] = max(1.0, _birge_ratio([fits[k] for k in members]) ** 2)
     return factor
@@ -217,12 +189,7 @@ def _doubts(values: Array, u_edge_rad: float, *, n_rows: int) -> tuple[str, ...]
             f"every row would be read before the trigger (the last at {1e3 * latest:.3f} ms); check [beams] whole_slots_between, "
             "[mask] centre_angle_deg and the trigger's edge"
         )
-    if u_edge_rad > _LARGEST_EDGE_RAD:
-        doubts.append(
-            f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
-            f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad; check [wheel] rotation and cutout_edges_rad"
-        )
-    return tuple(doubts)
+    return (*doubts, *rig_wide.edge_doubts(u_edge_rad))
 
 
 def _remarks(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[str, ...]:
@@ -241,7 +208,7 @@ def _remarks(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[str, ...]
             f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels {1e6 * sector.row_delay_s:.3f} us: "
             f"they differ by {abs(row_delay - sector.row_delay_s) / u:.1f} u; lens distortion or a moved camera may be the cause"
         )
-    for speed, members in _by_speed(fits):
+    for speed, members in rig_wide.by_speed(fits):
         if len(members) < 2:
             continue
         birge = _birge_ratio([fits[k] for k in members])

@@ -65,7 +65,7 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
     waves = harmonic_data.basis(task.angle, n_harmonics=HARMONICS)
     model = (packed(whole) @ waves).T
     residual, fraction = _residuals(task, found, model)
-    scores = _scores(task, found, residual=residual, slopes=slopes, waves=waves)
+    scores = _scores(task, found, residual=residual, functions=(whole, slopes), waves=waves)
     covariance, widening = robust_covariance(scores[np.argsort(np.mod(task.angle, TURN))], found.normal)
     mass = light.harmonics[:, 0].real
     return RowTimingFit(
@@ -76,7 +76,7 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
         time_constant_s=float(found.values[4]),
         row_delay_s=float(found.values[5]),
         covariance_s2=covariance,
-        shape_effect=_shape_effect(task, found, slopes=slopes, changes=light.changes),
+        shape_effect=_shape_effect(task, found, functions=(whole, slopes), changes=light.changes),
         start_s=(float(found.start[:4].mean()), float(found.start[4]), float(found.start[5])),
         n_steps=found.n_steps,
         row_px=light.row_px,
@@ -130,10 +130,12 @@ def _residuals(task: _Task, found: Solution, model: Array) -> tuple[Array, Array
     return residual, fraction
 
 
-def _scores(task: _Task, found: Solution, *, residual: Array, slopes: ComplexArray, waves: Array) -> Array:
+def _scores(
+    task: _Task, found: Solution, *, residual: Array, functions: tuple[ComplexArray, ComplexArray], waves: Array
+) -> Array:
     """Gradient of the log-likelihood that each frame contributes, shape (n, 6); gain and offset of the rows projected out."""
     scores = np.zeros((residual.shape[0], 6))
-    whole, _ = row_timing.row_functions(task.model, found.values)
+    whole, slopes = functions
     shape = packed(whole)
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
         weighted = np.ascontiguousarray((residual[part] * (gain / found.variance)).T, dtype=np.float32)
@@ -148,12 +150,14 @@ def _scores(task: _Task, found: Solution, *, residual: Array, slopes: ComplexArr
     return scores
 
 
-def _shape_effect(task: _Task, found: Solution, *, slopes: ComplexArray, changes: ComplexArray) -> Array:
+def _shape_effect(
+    task: _Task, found: Solution, *, functions: tuple[ComplexArray, ComplexArray], changes: ComplexArray
+) -> Array:
     """Change of the six numbers per unit of each number of the sector, shape (6, 9): one linear step of the fit."""
-    at = task.model
-    turned = row_timing.row_functions(at, found.values)[0] / np.where(at.row_harmonics == 0, 1, at.row_harmonics)
-    moved = packed(changes * turned)
-    shape, slope = packed(turned * at.row_harmonics), packed(slopes)
+    whole, slopes = functions
+    light = task.model.row_harmonics
+    moved = packed(changes * (whole / np.where(light == 0, 1, light)))
+    shape, slope = packed(whole), packed(slopes)
     pull = np.zeros((6, len(changes)))
     for data, gain in zip(task.data, found.gain, strict=True):
         through = slope @ data.gram

@@ -9,17 +9,15 @@ speeds the angle errors drop out by themselves.
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import shared_residual
+from irtiming.estimate import rig_wide, shared_residual
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Contribution, DelayResult, EdgeDelayFit, Estimate, RelativeDelay
 
 _FALLING = (0, 2)
 _RISING = (1, 3)
-_T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _SUSPICIOUS_BIRGE = 2.0
 _RUNS_THAT_TELL = 4
-_LARGEST_EDGE_RAD = 5e-3
 
 
 def estimate(fits: list[EdgeDelayFit], geometry: WheelGeometry, *, integration_time_s: float | None) -> DelayResult:
@@ -41,7 +39,7 @@ def estimate(fits: list[EdgeDelayFit], geometry: WheelGeometry, *, integration_t
     """
     delays = np.concatenate([fit.edge_delay_s for fit in fits])
     per_rad = np.repeat([1 / fit.angular_frequency_rad_per_s for fit in fits], 4)
-    u_edge = _edge_uncertainty(fits, geometry)
+    u_edge = rig_wide.edge_uncertainty(fits, geometry)
     parts = _covariances(fits, geometry, per_rad, u_edge)
     total = np.sum([covariance for _, _, covariance in parts], axis=0)
     weights = np.stack([_weights(total, edges) for edges in ((0, 1, 2, 3), _FALLING, _RISING)])
@@ -69,18 +67,6 @@ def estimate(fits: list[EdgeDelayFit], geometry: WheelGeometry, *, integration_t
         u_edge_delay_s=noise,
         warnings=geometry.warnings + _doubts(values[0], u_edge) + _remarks(fits),
     )
-
-
-def _edge_uncertainty(fits: list[EdgeDelayFit], geometry: WheelGeometry) -> float:
-    """Standard uncertainty of one cutout edge, rad: as stated, else from the scatter of the four edges.
-
-    The four edges of a perfect wheel would give one delay. Their scatter, with 3 degrees of freedom, is that of the
-    cutout edges against the ring (plus noise, which is small beside it).
-    """
-    if geometry.u_edge_rad is not None:
-        return geometry.u_edge_rad
-    angles = np.mean([fit.edge_delay_s * fit.angular_frequency_rad_per_s for fit in fits], axis=0)
-    return float(np.sqrt(_T_FACTOR * np.var(angles, ddof=1)))
 
 
 def _covariances(
@@ -120,22 +106,9 @@ def _weights(total: Array, edges: tuple[int, ...]) -> Array:
 
 def _relative(fits: list[EdgeDelayFit], total: Array) -> tuple[RelativeDelay, ...]:
     """Delay of each recording minus the mean of those with the smallest set delay, including what was set."""
-    nominal = np.array([fit.trigger_delay_time_set_s for fit in fits])
     mean_edge = np.kron(np.eye(len(fits)), np.full((1, 4), 0.25))
-    delay = mean_edge @ np.concatenate([fit.edge_delay_s for fit in fits]) + nominal
-    reference = np.isclose(nominal, nominal.min(), rtol=0, atol=1e-12)
-    difference = np.eye(len(fits)) - reference / reference.sum()
-    covariance = difference @ mean_edge @ total @ mean_edge.T @ difference.T
-    value, u = difference @ delay, np.sqrt(np.maximum(np.diag(covariance), 0))
-    return tuple(
-        RelativeDelay(
-            file=fit.name,
-            nominal_s=float(nominal[k] - nominal.min()),
-            value_s=float(value[k]),
-            standard_uncertainty_s=float(u[k]),
-        )
-        for k, fit in enumerate(fits)
-    )
+    values = np.concatenate([fit.edge_delay_s for fit in fits])
+    return rig_wide.relative_delays(fits, mean_edge, values=values, total=total)
 
 
 def _doubts(delay_s: float, u_edge_rad: float) -> tuple[str, ...]:
@@ -146,12 +119,7 @@ def _doubts(delay_s: float, u_edge_rad: float) -> tuple[str, ...]:
             f"the trigger delay is negative ({1e3 * delay_s:.3f} ms): integration would start before the trigger; check [beams] "
             "whole_slots_between, [mask] centre_angle_deg and the trigger's edge"
         )
-    if u_edge_rad > _LARGEST_EDGE_RAD:
-        doubts.append(
-            f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
-            f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad; check [wheel] rotation and cutout_edges_rad"
-        )
-    return tuple(doubts)
+    return (*doubts, *rig_wide.edge_doubts(u_edge_rad))
 
 
 def _remarks(fits: list[EdgeDelayFit]) -> tuple[str, ...]:
@@ -167,12 +135,6 @@ def _remarks(fits: list[EdgeDelayFit]) -> tuple[str, ...]:
         )
     remarks += _birge_remark(fits)
     return tuple(remarks)
-
-
-def _by_speed(fits: list[EdgeDelayFit]) -> list[tuple[float, list[int]]]:
-    """Wheel rate in Hz and the indices of its fits, for each rate."""
-    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
-    return [(float(speed), [int(k) for k in np.flatnonzero(speeds == speed)]) for speed in np.unique(speeds)]
 
 
 def _birge_ratio(group: list[EdgeDelayFit]) -> float:
@@ -194,7 +156,7 @@ def _run_to_run(fits: list[EdgeDelayFit]) -> Array:
     Only where four or more recordings at one speed tell it: fewer say little about their scatter.
     """
     factor = np.ones(len(fits))
-    for _, members in _by_speed(fits):
+    for _, members in rig_wide.by_speed(fits):
         if len(members) >= _RUNS_THAT_TELL:
             factor[members] = max(1.0, _birge_ratio([fits[k] for k in members]) ** 2)
     return factor
@@ -203,7 +165,7 @@ def _run_to_run(fits: list[EdgeDelayFit]) -> Array:
 def _birge_remark(fits: list[EdgeDelayFit]) -> list[str]:
     """A doubt where recordings at the same speed scatter far more than their own uncertainties say."""
     remarks = []
-    for speed, members in _by_speed(fits):
+    for speed, members in rig_wide.by_speed(fits):
         if len(members) < 2:
             continue
         birge = _birge_ratio([fits[k] for k in members])
