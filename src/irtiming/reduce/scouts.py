@@ -38,20 +38,20 @@ class Scouts:
 
 
 def indices(shape: tuple[int, int, int]) -> list[int]:
-    """Frames to look at, at irregular distances: regular ones could fall in step with the wheel.
+    """Frames to look at: one of each of many equal parts of the recording, drawn at random.
 
-    ``shape`` is the number of frames, rows and columns; 240 frames or 128 MB at most.
+    Any rule could fall in step with some wheel. ``shape`` is the number of frames, rows and columns; 240 frames or 128 MB at
+    most.
     """
-    n = _number(shape)
-    place = np.arange(n) + np.mod(np.arange(n) * 0.6180339887, 1.0)
-    return [int(i) for i in place * shape[0] / n] if n < shape[0] else list(range(shape[0]))
+    n, n_frames = _number(shape), shape[0]
+    place = np.arange(n) + np.random.default_rng(0).random(n)
+    return [int(i) for i in place * n_frames / n] if n < n_frames else list(range(n_frames))
 
 
 def look(recording: Recording, wheel_angle_rad: Array) -> Scouts:
     """Look at frames all over the recording, without blank ones and without those of unknown wheel angle.
 
-    One frame of each of many equal parts of the recording, drawn at random: any rule could fall in step with some wheel. The
-    common level is the median of the image's rim.
+    The common level is the median of the image's rim.
 
     Parameters
     ----------
@@ -66,9 +66,7 @@ def look(recording: Recording, wheel_angle_rad: Array) -> Scouts:
         If most frames have no known angle or are blank.
     """
     n_frames = recording.frames.shape[0]
-    n = _number(recording.frames.shape)
-    place = np.arange(n) + np.random.default_rng(0).random(n)
-    drawn = (place * n_frames / n).astype(int) if n < n_frames else np.arange(n_frames)
+    drawn = np.array(indices(recording.frames.shape))
     picked = drawn[np.isfinite(wheel_angle_rad[drawn])]
     if picked.size < max(_FEWEST, _ALIVE_SHARE * drawn.size):
         raise ReductionError(
