@@ -21,10 +21,15 @@ class WheelTrack:
     angular_frequency_rad_per_s
         Mean over the recording; always positive.
     gate_separation_rad, u_gate_separation_rad
-        Angle dbeta between the two gates, with its standard uncertainty (Schatz 2023, 2.5).
+        Angle dbeta between the two gates (Schatz 2023, 2.5). Its standard uncertainty holds the register of slots and
+        edges: the table has mean zero, while the slots' own errors have a mean of about their rms over the root of their
+        number; a wave around the wheel, such as eccentricity, has none.
     slot_deviation_rad, u_slot_deviation_rad
         Shape (control_slots,); angle of slot j minus 2 pi j / control_slots, mean zero, as used for
         ``edge_angle_rad``; all zero where the slots are taken as equal.
+    order_variance_rad2
+        Shape (control_slots // 2 + 1,); variance of the slots' deviations per order, see `irtiming.physics.slot_orders`.
+        None counts as slots that are uncertain each for itself.
     application_edges_rad, u_application_edges_rad
         Angles of edges 0..3 at the application gate, from the timestamps of all four; None where not recorded.
     findings
@@ -39,6 +44,7 @@ class WheelTrack:
     u_gate_separation_rad: float
     slot_deviation_rad: Array
     u_slot_deviation_rad: Array
+    order_variance_rad2: Array | None = None
     application_edges_rad: tuple[float, float, float, float] | None = None
     u_application_edges_rad: tuple[float, float, float, float] | None = None
     findings: tuple[str, ...] = ()

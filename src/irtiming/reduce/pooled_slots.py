@@ -1,52 +1,46 @@
-"""One slot table for all recordings of a rig: their wheel is the same, only its wander differs."""
+"""One slot table for all recordings of a rig: their wheel is the same, only its wander, ripple and speed differ."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 
-import numpy as np
-
-from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array
+from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
+from irtiming.reduce.slot_table import SlotTable
+from irtiming.reduce.slots_on_track import with_common_zero, with_slots
+from irtiming.reduce.wheel_calibration import WheelRun, calibrate, has_learned, stands_on
 
 
-def pool(tracks: list[WheelTrack]) -> list[WheelTrack]:
-    """The same tracks with the slot deviations averaged over all of them.
+def pool(
+    runs: Sequence[WheelRun], *, before: WheelCalibration | None = None
+) -> tuple[list[WheelTrack], WheelCalibration | None]:
+    """Tracks with the slots that all recordings tell together, and these slots.
 
-    A table learned from one recording carries that recording's wander into its delays; the average carries less, and the
-    same for all, so that it cancels in relative delays.
+    A table learned from one recording carries that recording's wander into its delays. The common one carries less, and the
+    same for all, so that it cancels in relative delays; so does the angle between the gates. At several speeds it is free of
+    the ripple: the angle at a slot's edge is the slot's own angle, however the wheel got there.
 
     Parameters
     ----------
-    tracks
-        Of one wheel, each with its own learned table or with equal slots.
+    runs
+        Of one wheel, each track with its own learned table or with equal slots.
+    before
+        An earlier calibration of the same wheel; its recordings count once.
+
+    Returns
+    -------
+    One track per run, and the calibration; None, and the tracks as they were, where nothing was learned. A track whose slots
+    contradict those of most turns keeps its own, and the calibration warns of it.
+
+    Raises
+    ------
+    ReductionError
+        If the earlier calibration is of a wheel with another number of slots.
     """
-    own = np.array([track.slot_deviation_rad for track in tracks])
-    u_own = np.array([track.u_slot_deviation_rad for track in tracks])
-    learned = np.any(u_own > 0, axis=1)
-    if learned.sum() < 2:
-        return tracks
-    weight = 1 / np.mean(u_own[learned] ** 2, axis=1)
-    weight /= weight.sum()
-    deviation = weight @ own[learned]
-    u_deviation = np.sqrt(weight**2 @ u_own[learned] ** 2)
-    return [_with_slots(track, deviation, u_deviation) for track in tracks]
-
-
-def _with_slots(track: WheelTrack, deviation: Array, u_deviation: Array) -> WheelTrack:
-    """The track with another table; angle zero stays where the reference edge passed the gate."""
-    pitch = TURN / deviation.size
-    alpha = track.edge_angle_rad + track.gate_separation_rad
-    known = np.isfinite(alpha)
-    slot = np.mod(np.rint(np.where(known, alpha, 0.0) / pitch).astype(int), deviation.size)
-    moved = alpha + (deviation - track.slot_deviation_rad)[slot]
-    zeros = TURN * np.arange(np.ceil(np.nanmin(track.edge_angle_rad) / TURN), np.nanmax(track.edge_angle_rad) / TURN)
-    ticks = (track.edge_ticks - track.edge_ticks[0]).astype(float)
-    at_reference = np.interp(zeros, track.edge_angle_rad[known], ticks[known])
-    separation = np.interp(at_reference, ticks[known], moved[known]) - zeros
-    return replace(
-        track,
-        edge_angle_rad=moved - float(separation.mean()),
-        gate_separation_rad=float(separation.mean()),
-        slot_deviation_rad=deviation,
-        u_slot_deviation_rad=u_deviation,
+    if before is None and not any(has_learned(run.track) for run in runs):
+        return [run.track for run in runs], None
+    calibration = calibrate(runs, before=before)
+    slots = SlotTable(deviation_rad=calibration.slot_deviation_rad, order_variance_rad2=calibration.order_variance_rad2)
+    on_table = [stands_on(run.track, calibration.speeds) for run in runs]
+    common = iter(
+        with_common_zero([with_slots(run.track, slots) for run, is_on in zip(runs, on_table, strict=True) if is_on])
     )
+    return [next(common) if is_on else run.track for run, is_on in zip(runs, on_table, strict=True)], calibration

@@ -20,8 +20,19 @@ _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class _Gates:
+    """Edges of both gates, numbered; times of the reference edge; number of the first control edge after it, modulo a turn."""
+
+    control: EdgeTrain
+    application: EdgeTrain
+    reference_ticks: Array
+    first: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Register:
-    """Control edges placed on the wheel: slot index and whole turns of each edge, slot phase of the zero angle."""
+    """Control edges placed on the wheel: slot index and whole turns of each edge, and the table of the slots."""
 
     slot: Ticks
     turn: Ticks
@@ -55,6 +66,18 @@ def track(
     With the paper's rotation the control gate comes before the application gate on an edge's way, so slot j passes it
     at theta = alpha_j - dbeta. The first slot after the reference edge is number floor(dbeta / pitch) + 1.
     """
+    return _track(recording, rig, _gates(recording, rig, reference_edge), learned=slots == "learned")
+
+
+def both_tracks(
+    recording: Recording, rig: Rig, *, reference_edge: ReferenceEdge = "automatic"
+) -> tuple[WheelTrack, WheelTrack]:
+    """Tracks with learned and with equal slots; parameters and errors as for `track`."""
+    gates = _gates(recording, rig, reference_edge)
+    return _track(recording, rig, gates, learned=True), _track(recording, rig, gates, learned=False)
+
+
+def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Gates:
     n_slots = rig.wheel.control_slots
     turn_ticks = recording.clock_frequency_hz / recording.rotation_speed_hz
     control = number_edges(recording.control_slot_ticks, period_ticks=turn_ticks / n_slots, name="control_slot")
@@ -63,11 +86,18 @@ def track(
     )
     reference = _reference_edges(application, reference_edge)
     first = _first_slot_after(reference, control, n_slots)
-    register = _register(control, first, rig, learned=slots == "learned")
-    alpha = TURN * (register.turn + register.slot / n_slots) + register.table.deviation_rad[register.slot]
-    at_reference = np.interp(reference, control.ticks, alpha, left=np.nan, right=np.nan)
+    return _Gates(control=control, application=application, reference_ticks=reference, first=first)
+
+
+def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> WheelTrack:
+    control, n_slots = gates.control, rig.wheel.control_slots
+    register = _register(control, gates.first, rig, learned=learned)
+    table = register.table
+    alpha = TURN * (register.turn + register.slot / n_slots) + table.deviation_rad[register.slot]
+    at_reference = np.interp(gates.reference_ticks, control.ticks, alpha, left=np.nan, right=np.nan)
     separations = _circular(at_reference[np.isfinite(at_reference)])
     separation = float(separations.mean())
+    u_mean = separations.std(ddof=1) / np.sqrt(separations.size)
     ticks, angle = _break_long_gaps(control, alpha - separation)
     duration_s = (control.ticks[-1] - control.ticks[0]) / recording.clock_frequency_hz
     edges, u_edges = _application_edges(recording, ticks, angle)
@@ -77,16 +107,13 @@ def track(
         clock_frequency_hz=recording.clock_frequency_hz,
         angular_frequency_rad_per_s=float(alpha[-1] - alpha[0]) / duration_s,
         gate_separation_rad=separation,
-        u_gate_separation_rad=float(
-            np.hypot(
-                separations.std(ddof=1) / np.sqrt(separations.size), np.sqrt(np.mean(register.table.deviation_rad**2))
-            )
-        ),
-        slot_deviation_rad=register.table.deviation_rad,
-        u_slot_deviation_rad=register.table.u_deviation_rad,
+        u_gate_separation_rad=float(np.hypot(u_mean, table.u_register_rad)),
+        slot_deviation_rad=table.deviation_rad,
+        u_slot_deviation_rad=table.u_deviation_rad,
+        order_variance_rad2=table.order_variance_rad2,
         application_edges_rad=edges,
         u_application_edges_rad=u_edges,
-        findings=control.findings("control_slot") + application.findings("application_slot"),
+        findings=control.findings("control_slot") + gates.application.findings("application_slot"),
     )
 
 
@@ -167,9 +194,7 @@ def _register(control: EdgeTrain, first: int, rig: Rig, *, learned: bool) -> _Re
     if learned:
         own = learn_slots(control, n_slots)
         start = int(slot[0])
-        table = SlotTable(
-            deviation_rad=np.roll(own.deviation_rad, start), u_deviation_rad=np.roll(own.u_deviation_rad, start)
-        )
+        table = SlotTable(deviation_rad=np.roll(own.deviation_rad, start), order_variance_rad2=own.order_variance_rad2)
     return _Register(slot=slot, turn=turn, table=table)
 
 

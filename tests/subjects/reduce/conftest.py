@@ -1,13 +1,17 @@
 """A wheel on paper, and cameras that see it: recordings made by brute force, sharing nothing with the package's formulas."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+from irtiming.reduce.edge_train import EdgeTrain, number_edges
+from irtiming.twin.clockwork import spin
+from irtiming.twin.rig import draw, simulate
+from irtiming.twin.scene import Ripple, Scene, SpeedWander, paper_scene, with_wheel_speed
 
 TURN = 2 * np.pi
 CLOCK_HZ = 49_152_000
@@ -88,6 +92,69 @@ def frames_in_memory() -> type[FramesInMemory]:
     return FramesInMemory
 
 
+@dataclass(frozen=True, kw_only=True)
+class SpunWheel:
+    """What the twin's wheel did: numbered control edges, slot of the first one, true slots (mean zero), and the recording."""
+
+    train: EdgeTrain
+    first_slot: int
+    slots: np.ndarray
+    recording: Recording
+    rig: Rig
+    scene: Scene
+
+
+@pytest.fixture(scope="session")
+def spun() -> Callable[..., SpunWheel]:
+    """Wheel of the twin: ``spun(seed, turns=40, hz=3.0, relative=1e-4, ripple=0.0)``.
+
+    ``ripple`` is the relative speed ripple of order 1 at 3 Hz; it falls with the square of the speed, and order 2 has 0.6 of it.
+    The wheel is that of ``rig_seed``.
+    """
+
+    def spin_it(
+        seed, *, turns=40, hz=3.0, relative=1e-4, correlation_time_s=0.5, ripple=0.0, jitter_s=0.5e-6, rig_seed=1
+    ):
+        scene = with_wheel_speed(paper_scene(64, 64), hz)
+        fallen = ripple * (3 / hz) ** 2
+        ripples = (
+            Ripple(order=1, relative=fallen),
+            Ripple(order=2, relative=0.6 * fallen, phase_rad=1.0),
+        )
+        per_frame = scene.trigger.camera_period_ticks / scene.trigger.turn_period_ticks
+        scene = replace(
+            scene,
+            wander=SpeedWander(relative=relative, correlation_time_s=correlation_time_s, ripples=ripples),
+            beams=replace(scene.beams, jitter_s=jitter_s),
+            trigger=replace(scene.trigger, n_triggers=int(turns / per_frame), start_angle_rad=1.234 * seed),
+        )
+        drawn = draw(scene, seed=rig_seed)
+        wheel = drawn.scene.wheel
+        uneven = (
+            *wheel.ring_edges_rad[:2],
+            np.pi + 4e-3,
+            wheel.ring_edges_rad[3],
+        )  # the reference edge is told in any wander
+        scene = replace(drawn.scene, wheel=replace(wheel, ring_edges_rad=uneven))
+        motion = spin(scene, seed=seed)
+        recording = replace(simulate(scene, seed=seed, name=f"{hz:g} Hz, seed {seed}"), sha256=f"{seed}-{hz}")
+        ticks = recording.control_slot_ticks
+        since = (ticks[:1] - recording.camera_trigger_ticks[0]) / recording.clock_frequency_hz
+        between = scene.beams.beta_1_rad + scene.beams.beta_2_rad
+        first = round(float(motion.angle_at(since)[0] + between) / (TURN / 100)) % 100
+        slots = np.array(scene.wheel.control_slot_errors_rad)
+        return SpunWheel(
+            train=number_edges(ticks, period_ticks=scene.trigger.turn_period_ticks / 100, name="control_slot"),
+            first_slot=first,
+            slots=slots - slots.mean(),
+            recording=recording,
+            rig=drawn.measured,
+            scene=scene,
+        )
+
+    return spin_it
+
+
 @pytest.fixture(scope="session")
 def rig() -> Rig:
     """Return the rig of the paper: 75 deg mask at the top, nine slots between the gates."""
@@ -152,6 +219,21 @@ class PaperCamera:
     delay_s: float = 4e-4
     integration_s: float = 250e-6
     sub: int = 8
+    distortion: float = 0.0
+
+    def beside_axle(self, row, column):
+        """Places of the image before the lens, down and across from the axle; by fixed-point iteration."""
+        middle, unit = np.array([self.rows - 1, self.columns - 1]) / 2, np.hypot(self.rows, self.columns) / 2
+
+        def unbent(y, x):
+            factor = 1.0
+            for _ in range(60):
+                factor = 1 / (1 + self.distortion * factor**2 * (y**2 + x**2) / unit**2)
+            return factor * y, factor * x
+
+        place = unbent(row - middle[0], column - middle[1])
+        axle = unbent(self.axle[0] - middle[0], self.axle[1] - middle[1])
+        return place[0] - axle[0], place[1] - axle[1]
 
     def points(self):
         """Rows and columns of the sub-pixel points and whether the mask lets them through."""
@@ -159,9 +241,10 @@ class PaperCamera:
         row = (np.arange(self.rows)[:, None] + place).ravel()
         column = (np.arange(self.columns)[:, None] + place).ravel()
         row, column = np.meshgrid(row, column, indexing="ij")
-        own = (self.axle[0] + self.mask_centre[0], self.axle[1] + self.mask_centre[1])
-        radius = np.hypot(row - own[0], column - own[1])
-        beside = np.angle(np.exp(1j * (np.arctan2(row - own[0], column - own[1]) - self.bisector_rad)))
+        down, across = self.beside_axle(row, column)
+        own = (down - self.mask_centre[0], across - self.mask_centre[1])
+        radius = np.hypot(*own)
+        beside = np.angle(np.exp(1j * (np.arctan2(*own) - self.bisector_rad)))
         through = (radius > self.radii[0]) & (radius < self.radii[1]) & (np.abs(beside) < self.opening_rad / 2)
         return row, column, through
 
@@ -170,7 +253,7 @@ class PaperCamera:
         from scipy import ndimage
 
         row, column, through = self.points()
-        phi = np.arctan2(row - self.axle[0], column - self.axle[1])
+        phi = np.arctan2(*self.beside_axle(row, column))
         alpha = self.gate_rad - (phi if self.clockwise else np.pi - phi)
         pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns
         pixel = pixel + np.repeat(np.arange(self.columns), self.sub)[None, :]

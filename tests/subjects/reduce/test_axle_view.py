@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.records.reduced import Choices
-from irtiming.records.rig import Wheel
+from irtiming.records.rig import CameraOptics, Measured, Wheel
 from irtiming.reduce import cooled
 
 CLOCK_HZ = 49_152_000
@@ -19,9 +19,13 @@ def reduced(paper_wheel, recorded, rig):
     base = recorded(wheel, n_triggers=500)
     times = (base.camera_trigger_ticks - wheel.start) / CLOCK_HZ
 
-    def run(camera, *, spoil=lambda frames: frames, **fields):
+    def run(camera, *, spoil=lambda frames: frames, lens=None, **fields):
         frames = spoil(camera.frames(wheel.theta, times))
-        own = replace(rig, wheel=Wheel(rotation="clockwise" if camera.clockwise else "counterclockwise"))
+        own = replace(
+            rig,
+            wheel=Wheel(rotation="clockwise" if camera.clockwise else "counterclockwise"),
+            camera=CameraOptics() if lens is None else CameraOptics(distortion=lens),
+        )
         return cooled.reduce(recorded(wheel, n_triggers=500, frames=frames, **fields), own, choices=Choices())
 
     return run
@@ -30,7 +34,7 @@ def reduced(paper_wheel, recorded, rig):
 def _true_offset(camera):
     """Mean polar angle about the axle of the points that the mask lets through, minus the mask's own bisector."""
     row, column, through = replace(camera, sub=32).points()
-    phi = np.arctan2(row - camera.axle[0], column - camera.axle[1])[through]
+    phi = np.arctan2(*camera.beside_axle(row, column))[through]
     return np.mean(np.angle(np.exp(1j * (phi - camera.bisector_rad))))
 
 
@@ -58,6 +62,45 @@ def test_mask_beside_the_axle(reduced, paper_camera, mask_centre, roll_deg):
     assert view.column_px == pytest.approx(camera.axle[1], abs=0.05)
     assert view.bisector_rad == pytest.approx(bisector, abs=2.5e-3)
     assert view.mean_angle_rad - view.bisector_rad == pytest.approx(_true_offset(camera), abs=2e-3)
+
+
+@pytest.mark.parametrize("clockwise", [True, False])
+@pytest.mark.parametrize("distortion", [-0.1, 0.1])
+def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, distortion, clockwise):
+    """Oracle: the lens, axle and mask that were rendered; the axle a quarter of the image beside its middle."""
+    camera = paper_camera(
+        axle=(48.0, 34.6), distortion=distortion, bisector_rad=float(np.radians(-87)), clockwise=clockwise
+    )
+    view = reduced(camera).axle
+    assert view.distortion == pytest.approx(distortion, abs=0.01)
+    assert abs(view.distortion - distortion) < 4 * view.u_distortion < 0.1
+    assert view.row_px == pytest.approx(48.0, abs=0.05)
+    assert view.column_px == pytest.approx(34.6, abs=0.05)
+    assert view.bisector_rad == pytest.approx(camera.bisector_rad, abs=2.5e-3)
+    assert view.mean_angle_rad - view.bisector_rad == pytest.approx(_true_offset(camera), abs=2e-3)
+
+
+def test_a_lens_that_rig_toml_states_is_taken(reduced, paper_camera):
+    """Oracle: the number stated, with an uncertainty far below what the frames tell."""
+    view = reduced(paper_camera(distortion=-0.05), lens=Measured(-0.05, 1e-4)).axle
+    assert view.distortion == pytest.approx(-0.05, abs=2e-4)
+    assert view.u_distortion == pytest.approx(1e-4, rel=0.1)
+    assert view.row_px == pytest.approx(48.0, abs=0.05)
+
+
+def test_uneven_light_does_not_turn_the_mask(reduced, paper_camera):
+    """Oracle: the mask that was rendered; towards one end of it the wheel looks up to 8 % of the contrast colder."""
+    camera = paper_camera()
+    row, column = np.mgrid[: camera.rows, : camera.columns]
+    spot = np.exp(-((row - 28) ** 2 + (column - 54) ** 2) / (2 * 8.0**2))
+
+    def spoil(frames):
+        wheel = (6000.0 - frames) / 1050
+        return np.clip(np.rint(frames - 80 * spot * wheel), 0, 16383).astype(np.uint16)
+
+    even, uneven = reduced(camera).axle, reduced(camera, spoil=spoil).axle
+    assert uneven.bisector_rad == pytest.approx(even.bisector_rad, abs=2e-3)
+    assert uneven.mean_angle_rad - even.mean_angle_rad > 3e-3
 
 
 def test_stated_uncertainty_of_the_bisector_covers_the_error(reduced, paper_camera):
