@@ -18,8 +18,8 @@ on they are off by less than 1e-11 of their value.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeAlias, final
 
 import numpy as np
@@ -124,13 +124,14 @@ def straight_line(
     )
 
 
-def _nodes(band_m: Band) -> Iterator[tuple[float, float]]:
+@lru_cache(maxsize=8)
+def _nodes(band_m: Band) -> tuple[tuple[float, float], ...]:
     """Wavelength and its width in the sum, both in m."""
     half = math.log(band_m[1] / band_m[0]) / 2
     count = max(_FEWEST_NODES, math.ceil(2 * half * _NODES_PER_E_FOLD))
     place, weight = np.polynomial.legendre.leggauss(count)
     wavelength_m = math.sqrt(band_m[0] * band_m[1]) * np.exp(half * place)
-    return zip(wavelength_m.tolist(), (half * weight * wavelength_m).tolist(), strict=True)
+    return tuple(zip(wavelength_m.tolist(), (half * weight * wavelength_m).tolist(), strict=True))
 
 
 def _photon_energy(wavelength_m: float, temperature_k: Array) -> Array:

@@ -14,6 +14,7 @@ from irtiming.twin.lag import Fading, LaggingPicture, lagging_picture, read_rows
 from irtiming.twin.noise import FixedPattern, Values, corrected_pattern, digitise, generator
 from irtiming.twin.scene import BolometerTiming, Detector, Scene
 from irtiming.twin.upkeep import ShutterEvent
+from irtiming.twin.wide_range import WidePicture, read_wide_rows, wide_picture, wide_pixel
 
 
 @final
@@ -21,13 +22,16 @@ from irtiming.twin.upkeep import ShutterEvent
 class Lens:
     """The turning wheel as lagging pixels see it."""
 
-    shot: LaggingPicture
+    shot: LaggingPicture | WidePicture
     motion: Motion
     nominal_rad_per_s: float
     time_constant_s: float
 
     def show(self, row_time_s: Array, *, out: Values) -> None:
         """Signal, DN, shape (row, column), of rows that are read at these times, shape (row,), s."""
+        if isinstance(self.shot, WidePicture):
+            read_wide_rows(self.shot, self.motion.angle_at(row_time_s), out=out)
+            return
         middle = np.median(row_time_s) - np.array([0.0, self.time_constant_s])
         now, before = self.motion.angle_at(middle)
         speed = (now - before) / (self.time_constant_s * self.nominal_rad_per_s) - 1
@@ -129,13 +133,7 @@ def bolometer_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> 
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
     triggered_s = np.arange(-1, trigger.n_triggers, dtype=np.float64) * period_s + set_s
     jitter_s = timing.jitter_s * generator(seed, "exposure").standard_normal(triggered_s.size)
-    rad_per_s = 2 * math.pi * trigger.wheel_hz
-    lens = Lens(
-        shot=_lagging_picture(_still(scene), rad_per_s * timing.time_constant_s),
-        motion=motion,
-        nominal_rad_per_s=rad_per_s,
-        time_constant_s=timing.time_constant_s,
-    )
+    lens = _lens(scene, timing, motion)
     events = scene.correction.events
     epoch = np.searchsorted([event.start_s + event.duration_s for event in events], triggered_s, side="right")
     jumps = np.cumsum([0.0, *(event.level_jump_dn for event in events)])
@@ -150,6 +148,30 @@ def bolometer_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> 
         patterns=_patterns(scene, seed),
         seed=seed,
     )
+
+
+def _lens(scene: Scene, timing: BolometerTiming, motion: Motion) -> Lens:
+    """Linear pixels, or those that radiate; the latter leave the shutter with the shortest of their lags."""
+    rad_per_s = 2 * math.pi * scene.trigger.wheel_hz
+    if timing.radiative is None:
+        lag_s = timing.time_constant_s
+        shot: LaggingPicture | WidePicture = _lagging_picture(_still(scene), rad_per_s * lag_s)
+    else:
+        shot = _wide_picture(replace(_still(scene), timing=_lag_alone(timing)), rad_per_s)
+        lag_s = wide_pixel(scene).shortest_lag_s
+    return Lens(shot=shot, motion=motion, nominal_rad_per_s=rad_per_s, time_constant_s=lag_s)
+
+
+def _lag_alone(timing: BolometerTiming) -> BolometerTiming:
+    """The lag without what differs from camera to camera or run to run besides."""
+    return BolometerTiming(time_constant_s=timing.time_constant_s, radiative=timing.radiative)
+
+
+def _surface_dn(scene: Scene) -> float:
+    """What pixels give before the shutter."""
+    if isinstance(scene.timing, BolometerTiming) and scene.timing.radiative is not None:
+        return float(wide_pixel(scene).settled_dn(np.array(scene.correction.surface_k)))
+    return scene.radiance.level_dn(scene.correction.surface_k)
 
 
 def refuse_slow_readout(scene: Scene) -> None:
@@ -177,6 +199,12 @@ def refuse_slow_readout(scene: Scene) -> None:
 def _lagging_picture(scene: Scene, lag_rad: float) -> LaggingPicture:
     """Light of each pixel; the same for every run of a rig at one speed, so kept from one run to the next."""
     return lagging_picture(scene, lag_rad)
+
+
+@lru_cache(maxsize=2)
+def _wide_picture(scene: Scene, rad_per_s: float) -> WidePicture:
+    """The same for pixels that radiate."""
+    return wide_picture(scene, rad_per_s)
 
 
 def _still(scene: Scene) -> Scene:
@@ -209,7 +237,7 @@ def _drift_dn(scene: Scene, time_s: Array) -> Array:
 
 def _patterns(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
     """Pattern at the start, which belongs to the camera, and after each correction, which is chance."""
-    detector, surface_dn = scene.detector, scene.radiance.level_dn(scene.correction.surface_k)
+    detector, surface_dn = scene.detector, _surface_dn(scene)
     shape = (detector.rows, detector.columns)
     first = generator(detector.pattern_seed, "correction").standard_normal(shape, dtype=np.float32)
     later = [
@@ -221,7 +249,7 @@ def _patterns(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
 
 def _shutter(scene: Scene, lens: Lens) -> Shutter:
     """Every closure with what the pixels carry into it and out of it."""
-    surface_dn = scene.radiance.level_dn(scene.correction.surface_k)
+    surface_dn = _surface_dn(scene)
     shape = (scene.detector.rows, scene.detector.columns)
     shutter = Shutter(surface_dn=surface_dn, fading=Fading(lens.time_constant_s))
     for event in scene.correction.events:

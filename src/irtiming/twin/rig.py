@@ -17,7 +17,7 @@ from irtiming.twin.clockwork import Motion, spin, tick_streams
 from irtiming.twin.frames import SimulatedFrames, WheelShots, nonuniformity_reference
 from irtiming.twin.noise import FixedPattern, fixed_pattern, generator
 from irtiming.twin.pixels import Picture, picture
-from irtiming.twin.scene import CameraTiming, ChopperWheel, Detector, Radiance, Scene, Timing
+from irtiming.twin.scene import BolometerTiming, CameraTiming, ChopperWheel, Detector, Radiance, Scene, Timing
 
 
 @final
@@ -300,6 +300,18 @@ def truth(scene: Scene) -> dict[str, object]:
     }
 
 
+def _lag_truth(timing: BolometerTiming) -> dict[str, object]:
+    """The one time constant, or the two of pixels that radiate."""
+    if timing.radiative is None:
+        return {"time_constant_s": timing.time_constant_s}
+    return {
+        "substrate_time_constant_s": timing.time_constant_s,
+        "scene_time_constant_s": timing.radiative.scene_time_constant_s,
+        "reference_temperature_k": timing.radiative.reference_k,
+        "substrate_temperature_k": timing.radiative.substrate_k,
+    }
+
+
 def _camera_truth(scene: Scene) -> dict[str, object]:
     """What is true of this kind of camera only."""
     timing, drift, events = scene.timing, scene.drift, scene.correction.events
@@ -313,7 +325,7 @@ def _camera_truth(scene: Scene) -> dict[str, object]:
     return {
         "camera": "microbolometer",
         "trigger_delay_s": timing.trigger_delay_s,
-        "time_constant_s": timing.time_constant_s,
+        **_lag_truth(timing),
         "row_delay_s": timing.row_delay_s,
         "shutter_start_s": [event.start_s for event in events],
         "shutter_duration_s": [event.duration_s for event in events],

@@ -207,10 +207,34 @@ class CameraTiming:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class RadiativeExchange:
+    """Heat that a pixel exchanges with what it sees, by Planck's law within the band.
+
+    ``scene_time_constant_s`` is its time constant for a pixel at ``reference_k``; ``substrate_k`` is the temperature of
+    the detector's substrate, to which the pixel returns with the time constant of `BolometerTiming`.
+    """
+
+    scene_time_constant_s: float
+    substrate_k: float = 303.15
+    reference_k: float = 300.0
+    band_m: tuple[float, float] = (7.5e-6, 14e-6)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no exchange."""
+        if not (_SHORTEST_LAG_S <= self.scene_time_constant_s < math.inf and self.substrate_k > 0):
+            raise PlanError(
+                f"scene time constant of {self.scene_time_constant_s} s with a substrate of {self.substrate_k} K; they must "
+                f"be at least {_SHORTEST_LAG_S * 1e6:g} us and above 0 K: check the units"
+            )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class BolometerTiming:
     """Rolling microbolometer: row y is read ``trigger_delay_s`` + y ``row_delay_s`` after the trigger.
 
-    Each pixel follows what it sees with ``time_constant_s``. ``row_delay_s`` is negative where the last row
+    Each pixel follows what it sees with ``time_constant_s``; with a ``radiative`` exchange it is not linear, and
+    ``time_constant_s`` is that of the exchange with the substrate alone. ``row_delay_s`` is negative where the last row
     is read first. ``jitter_s`` is the standard deviation of the whole frame's delay.
     """
 
@@ -218,6 +242,7 @@ class BolometerTiming:
     time_constant_s: float = 4.819e-3
     row_delay_s: float = 38.76e-6
     jitter_s: float = 0.05e-6
+    radiative: RadiativeExchange | None = None
 
     def __post_init__(self) -> None:
         """Refuse a pixel that does not lag."""
