@@ -7,25 +7,41 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from irtiming.cli.camera_options import CameraKind, Described
+from irtiming.errors import PlanError
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
     from irtiming.plan.search import Option, Options
-    from irtiming.records.trigger_plan import TriggerPlan, TriggerScheme, Wish, Wishes
+    from irtiming.records.trigger_plan import TriggerPlan, Wish, Wishes
 
 MOST_IN_FILE = 10_000
 """Options that the JSON file lists at most; ``n_options`` in it says how many there are."""
+
+PAPER = {"--clock-hz": "49152000", "--frame-hz": "30.303", "--samples": "1000"}
+"""Schatz 2023, section 2.3: what --for takes where nothing is given."""
+
+USUAL_SPEEDS = ("2", "3", "4", "5", "6", "8", "10", "12", "15", "20", "25", "30", "40", "50")
+"""Wheel speeds in Hz that --for chooses from where none is given."""
 
 _DOUBLE = (Fraction(1, 2), Fraction(2))
 """Default limits of the samples per turn, relative, where an exact frame rate leaves little choice."""
 
 
 def plan(
-    clock_hz: Annotated[str, typer.Option(help="Frequency of the trigger generator's clock; whole Hz.")],
-    wheel_hz: Annotated[list[str], typer.Option(help="Wheel rate in Hz; repeat it for several wheel speeds.")],
-    frame_hz: Annotated[str, typer.Option(help="Frame rate in Hz: 30.303, or exactly 1000/33.")],
-    samples: Annotated[str, typer.Option(help="Samples per turn of the wheel.")],
+    wanted: Annotated[
+        list[str] | None,
+        typer.Option("--for", metavar="PARAMETER=U", help="What to know, and how well (k = 1): 'trigger_delay=0.5us'."),
+    ] = None,
+    clock_hz: Annotated[str | None, typer.Option(help="Frequency of the trigger generator's clock; whole Hz.")] = None,
+    wheel_hz: Annotated[
+        list[str] | None,
+        typer.Option(help="Wheel rate in Hz; repeat it for several. With --for: those to choose from."),
+    ] = None,
+    frame_hz: Annotated[str | None, typer.Option(help="Frame rate in Hz: 30.303, or exactly 1000/33.")] = None,
+    samples: Annotated[str | None, typer.Option(help="Samples per turn of the wheel.")] = None,
     frame_hz_exact: Annotated[bool, typer.Option("--frame-hz-exact", help="No other frame rate will do.")] = False,
     frame_hz_min: Annotated[str | None, typer.Option(help="Lowest frame rate of the camera in Hz.")] = None,
     frame_hz_max: Annotated[str | None, typer.Option(help="Highest frame rate of the camera in Hz.")] = None,
@@ -39,42 +55,98 @@ def plan(
         typer.Option(help="Longest time between two non-uniformity corrections, such as '20 min'."),
     ] = None,
     delay: Annotated[list[str] | None, typer.Option(help="Extra trigger delay, such as '25 ms'; repeatable.")] = None,
-    repeats: Annotated[str, typer.Option(help="Runs for each wheel speed and delay.")] = "1",
+    repeats: Annotated[str, typer.Option(help="Runs for each wheel speed and delay; --for finds them itself.")] = "1",
+    rig: Annotated[Path | None, typer.Option(help="With --for: rig.toml, for the uncertainties of its angles.")] = None,
+    camera: Annotated[CameraKind | None, typer.Option(help="With --for: kind of camera; photon if not given.")] = None,
+    noise: Annotated[
+        float | None, typer.Option(help="With --for: noise of a pixel in K, or in DN as --contrast.")
+    ] = None,
+    contrast: Annotated[float | None, typer.Option(help="With --for: blackbody minus wheel in K, or in DN.")] = None,
+    opening_pixels: Annotated[float | None, typer.Option(help="With --for: pixels within the mask opening.")] = None,
+    integration_time: Annotated[
+        str | None, typer.Option(help="With --for: of a photon camera, such as '250 us'.")
+    ] = None,
+    known_integration_time: Annotated[
+        bool, typer.Option("--known-integration-time", help="With --for: it is exact and need not be found.")
+    ] = False,
+    time_constant: Annotated[
+        str | None, typer.Option(help="With --for: of a microbolometer, roughly, such as '5 ms'.")
+    ] = None,
+    like: Annotated[
+        Path | None, typer.Option(metavar="RESULT", help="With --for: take the camera from this result JSON.")
+    ] = None,
     most: Annotated[int, typer.Option(min=1, help="Rows of the table.")] = 10,
     json: Annotated[Path | None, typer.Option(help="Write all schemes and the plan to this file.")] = None,
     picture: Annotated[Path | None, typer.Option(help="Draw the sampling order of the best to this SVG.")] = None,
 ) -> None:
-    """Find every trigger scheme that meets the wishes, best first."""
+    """Find every trigger scheme that meets the wishes, best first.
+
+    With --for: the shortest measurements that should reach an uncertainty, whatever wheel speeds and runs that takes. Clock,
+    frame rate and samples are then those of the paper if not given, and the wheel may turn at 2 to 50 Hz.
+    """
+    from irtiming.cli.plan_json import write
     from irtiming.plan.drawing import sampling_svg
     from irtiming.plan.schedule import schedule
     from irtiming.plan.search import search
     from irtiming.plan.wishes import exact_seconds, ratio, whole_number
     from irtiming.records.trigger_plan import Wishes
 
+    given = {"--clock-hz": clock_hz, "--wheel-hz": wheel_hz, "--frame-hz": frame_hz, "--samples": samples}
+    described = Described(
+        camera=camera, noise=noise, contrast=contrast, opening_pixels=opening_pixels, integration_time=integration_time,
+        known_integration_time=known_integration_time, time_constant=time_constant, like=like, rig=rig,
+    )  # fmt: skip
+    _check_asked(bool(wanted), given, described=described, repeats=repeats)
+    delays = delay or (["0 s", "25 ms"] if any("relative" in text for text in wanted or ()) else ["0 s"])
     share = ratio(tolerance, "the tolerance")
     wheel_share = share if wheel_tolerance is None else ratio(wheel_tolerance, "the wheel tolerance")
     around, around_wheel = (1 - share, 1 + share), (1 - wheel_share, 1 + wheel_share)
     wishes = Wishes(
-        clock_frequency_hz=whole_number(clock_hz, "the clock frequency in Hz"),
-        wheel_rates_hz=tuple(_wish(text, (None, None), around_wheel, "the wheel rate") for text in wheel_hz),
-        frame_rate_hz=_wish(frame_hz, (frame_hz_min, frame_hz_max), around, "the frame rate", frame_hz_exact),
+        clock_frequency_hz=whole_number(clock_hz or PAPER["--clock-hz"], "the clock frequency in Hz"),
+        wheel_rates_hz=tuple(
+            _wish(text, (None, None), around_wheel, "the wheel rate") for text in wheel_hz or USUAL_SPEEDS
+        ),
+        frame_rate_hz=_wish(
+            frame_hz or PAPER["--frame-hz"], (frame_hz_min, frame_hz_max), around, "the frame rate", frame_hz_exact
+        ),
         samples_per_turn=_wish(
-            samples, (samples_min, samples_max), _DOUBLE if frame_hz_exact else around, "samples per turn"
+            samples or PAPER["--samples"],
+            (samples_min, samples_max),
+            _DOUBLE if frame_hz_exact else around,
+            "samples per turn",
         ),
         control_slots=whole_number(control_slots, "the number of control slots"),
         longest_uninterrupted_s=None
         if between_corrections is None
         else exact_seconds(between_corrections, "the time between corrections"),
-        trigger_delays_s=tuple(exact_seconds(text, "the trigger delay") for text in delay or ["0 s"]),
+        trigger_delays_s=tuple(exact_seconds(text, "the trigger delay") for text in delays),
         repeats=whole_number(repeats, "the number of repeats"),
     )
+    if wanted:
+        from irtiming.cli.plan_for import plan_for
+
+        plan_for(wanted, wishes, described=described, most=most, files=(json, picture))
+        return
     options = search(wishes, most=most if json is None else max(most, MOST_IN_FILE))
     best = schedule(options.best[0].schemes, wishes)
     if json is not None:
-        _write(json, _as_json(options, best, wishes))
+        write(json, _as_json(options, best, wishes))
     if picture is not None:
-        _write(picture, sampling_svg(best.schemes[0], wishes.clock_frequency_hz))
+        write(picture, sampling_svg(best.schemes[0], wishes.clock_frequency_hz))
     _show(options, best, wishes, most)
+
+
+def _check_asked(wants: bool, given: dict[str, Any], *, described: Described, repeats: str) -> None:
+    """Refuse what is missing without --for, and what makes no sense with or without it."""
+    missing = [name for name, value in given.items() if not value and value != ""]
+    if not wants and missing:
+        raise PlanError(
+            f"{', '.join(missing)} must be given; only with --for, such as --for 'trigger_delay=0.5us', are they found"
+        )
+    if not wants and described != Described():
+        raise PlanError("camera and rig are described, but nothing is asked of them; add --for 'trigger_delay=0.5us'")
+    if wants and repeats.strip() != "1":
+        raise PlanError(f"--repeats {repeats} with --for, which finds the number of runs itself; leave one of them out")
 
 
 def _wish(
@@ -84,7 +156,6 @@ def _wish(
     name: str,
     is_exact: bool = False,
 ) -> "Wish":
-    from irtiming.errors import PlanError
     from irtiming.plan.wishes import as_text, exact_number
     from irtiming.records.trigger_plan import Wish
 
@@ -115,7 +186,7 @@ def _show(options: "Options", best: "TriggerPlan", wishes: "Wishes", most: int) 
     for line in _remarks(options, min(most, len(options.best)), wishes):
         console.print(line, markup=False)
     if len(best.runs) > 1 or best.runs[0].repeats > 1:
-        _show_runs(console, best)
+        show_runs(console, best)
     for scheme in best.schemes:
         console.print(f"\nSampling order of T = {scheme.turn_period_ticks}, C = {scheme.camera_period_ticks} ticks")
         console.print(sampling_text(scheme, turns=12 // len(best.schemes) + 1), markup=False, soft_wrap=True)
@@ -180,7 +251,8 @@ def _remarks(options: "Options", shown: int, wishes: "Wishes") -> Iterator[str]:
             yield f"A delay of {float(delay_s):g} s is not a whole number of ticks; the nearest is set."
 
 
-def _show_runs(console: "Console", best: "TriggerPlan") -> None:
+def show_runs(console: "Console", best: "TriggerPlan") -> None:
+    """Print the runs of a plan, in order, and how long they take."""
     from rich import box
     from rich.table import Table
 
@@ -217,23 +289,9 @@ def _show_runs(console: "Console", best: "TriggerPlan") -> None:
 
 
 def _as_json(options: "Options", best: "TriggerPlan", wishes: "Wishes") -> dict[str, Any]:
-    from irtiming.plan.sampling import sampling_order
-    from irtiming.plan.schedule import plan_duration_s, run_length_ticks
+    from irtiming.cli.plan_json import plan_as_json, scheme_as_json
 
     clock = wishes.clock_frequency_hz
-    runs = [
-        {
-            "turn_period_ticks": run.scheme.turn_period_ticks,
-            "camera_period_ticks": run.scheme.camera_period_ticks,
-            "trigger_delay_ticks": run.trigger_delay_ticks,
-            "trigger_delay_s": run.trigger_delay_ticks / clock,
-            "repeats": run.repeats,
-            "is_after_correction": run.is_after_correction,
-            "duration_s": run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
-            / clock,
-        }
-        for run in best
-    ]
     return {
         "clock_frequency_hz": clock,
         "n_options": options.n_options,
@@ -241,51 +299,9 @@ def _as_json(options: "Options", best: "TriggerPlan", wishes: "Wishes") -> dict[
         "is_complete": options.is_complete,
         "shares_camera_period": options.shares_camera_period,
         "schemes": [
-            {"rank": rank, **_scheme_as_json(scheme, clock), "used_tolerance": float(option.used_tolerance)}
+            {"rank": rank, **scheme_as_json(scheme, clock), "used_tolerance": float(option.used_tolerance)}
             for rank, option in enumerate(options.best, 1)
             for scheme in option.schemes
         ],
-        "plan": {
-            "runs": runs,
-            "duration_s": float(plan_duration_s(best)),
-            "sampling_orders": [sampling_order(scheme).tolist() for scheme in best.schemes],
-        },
+        "plan": plan_as_json(best),
     }
-
-
-def _scheme_as_json(scheme: "TriggerScheme", clock_frequency_hz: int) -> dict[str, Any]:
-    from irtiming.plan import sampling
-
-    wheel = sampling.wheel_rate_hz(scheme, clock_frequency_hz)
-    camera = sampling.frame_rate_hz(scheme, clock_frequency_hz)
-    duration = sampling.run_duration_s(scheme, clock_frequency_hz)
-    return {
-        "turn_period_ticks": scheme.turn_period_ticks,
-        "control_slot_period_ticks": scheme.control_slot_period_ticks,
-        "camera_period_ticks": scheme.camera_period_ticks,
-        "sampling_interval_ticks": scheme.sampling_interval_ticks,
-        "samples_per_turn": scheme.samples_per_turn,
-        "samples_per_frame": scheme.samples_per_frame,
-        "control_slots": scheme.control_slots,
-        "triggers_to_neighbour": sampling.triggers_to_neighbour(scheme),
-        "wheel_rate_hz": float(wheel),
-        "wheel_rate_hz_exact": str(wheel),
-        "frame_rate_hz": float(camera),
-        "frame_rate_hz_exact": str(camera),
-        "run_duration_s": float(duration),
-        "run_duration_s_exact": str(duration),
-    }
-
-
-def _write(path: Path, content: str | dict[str, Any]) -> None:
-    from json import dumps
-
-    from irtiming.errors import ArchiveError
-
-    text = content if isinstance(content, str) else dumps(content, indent=1) + "\n"
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ArchiveError(
-            f"{path} cannot be written ({error.strerror}); give a path in a folder that exists"
-        ) from error

@@ -1,0 +1,91 @@
+"""What is taken for granted before anything is recorded: the rig's angles, and how sure they will be."""
+
+from dataclasses import dataclass
+from math import radians
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
+from irtiming.records.camera_description import Camera, PhotonCamera
+from irtiming.records.prediction import AngleErrors
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+
+USUAL_RIG = Rig(
+    light_gates=LightGates(
+        half_separation_m=Measured(13.0e-3, 0.05e-3),
+        height_difference_m=Measured(5.5e-3, 0.05e-3),
+        whole_slots_between=9,
+    ),
+    mask_opening=MaskOpening(
+        opening_angle_rad=Measured(radians(75.0)), centre_angle_rad=Measured(radians(-90.0), radians(0.03))
+    ),
+    source="the usual rig",
+)
+"""Caliper to 0.05 mm, direction of the mask to 0.03 degrees."""
+
+USUAL_EDGE_RAD = 0.1e-3
+_USUAL_SEPARATION_RAD = 0.45e-3  # of the gates, from slots that are irregular by 0.35 mrad and eccentric by 0.4 mrad
+_USUAL_BISECTOR_RAD, _USUAL_PIXELS = (
+    0.55e-3,
+    1200.0,
+)  # of the mask in an image of so many pixels; fewer pixels are worse
+_IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class AssumedRig:
+    """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say."""
+
+    model: WheelModel
+    angles: AngleErrors
+    remarks: tuple[str, ...]
+
+
+def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
+    """The rig before it runs; None takes `USUAL_RIG`.
+
+    The timestamps are not there yet: the gates are taken to stand half a slot beyond their whole slots, and their register to be
+    as good as on a wheel with usual slots. So are the cutout edges where rig.toml does not state their uncertainty.
+    """
+    remarks = []
+    if rig is None:
+        remarks.append(
+            "No rig.toml given: caliper to 0.05 mm, direction of the mask to 0.03° and the paper's dimensions are assumed."
+        )
+    owner = rig or USUAL_RIG
+    gates = gate_angles(
+        (owner.light_gates.whole_slots_between + 0.5) * TURN / owner.wheel.control_slots, owner.light_gates
+    )
+    edges, edge_rad = _IDEAL_EDGES, 0.0
+    if owner.wheel.cutout_edges_rad is not None:
+        a, b, c, d = (edge.value for edge in owner.wheel.cutout_edges_rad)
+        edges = (a, b, c, d)
+        edge_rad = float(np.sqrt(np.mean([edge.standard_uncertainty**2 for edge in owner.wheel.cutout_edges_rad])))
+    if edge_rad == 0:
+        edge_rad = USUAL_EDGE_RAD
+        remarks.append(f"No cutout_edges_u_rad known: {1e3 * edge_rad:g} mrad are assumed for each cutout edge.")
+    if owner.mask_opening.centre_angle_rad.standard_uncertainty == 0:
+        remarks.append(
+            "rig.toml states no centre_angle_u_deg: phi_M counts as exact, and every prediction is too good."
+        )
+    per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
+    common = [
+        ("mask centre angle phi_M", owner.mask_opening.centre_angle_rad.standard_uncertainty),
+        ("gate distance d (caliper)", per_d * owner.light_gates.half_separation_m.standard_uncertainty),
+        ("gate height difference dh (caliper)", per_dh * owner.light_gates.height_difference_m.standard_uncertainty),
+        ("register of slots and cutouts", per_separation * _USUAL_SEPARATION_RAD),
+    ]
+    if isinstance(camera, PhotonCamera):
+        bisector = _USUAL_BISECTOR_RAD * _USUAL_PIXELS / camera.opening_pixels
+        common.append(("mask beside the axle (image)", bisector))
+    model = wheel_model(
+        edges,
+        gates.application_rad,
+        opening_angle_rad=owner.mask_opening.opening_angle_rad.value,
+        centre_angle_rad=owner.mask_opening.centre_angle_rad.value,
+        rotation=owner.wheel.rotation,
+    )
+    return AssumedRig(model=model, angles=AngleErrors(common=tuple(common), edge_rad=edge_rad), remarks=tuple(remarks))

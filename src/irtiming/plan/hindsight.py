@@ -1,0 +1,174 @@
+"""What recordings that were made should tell: the same information as in planning, with the noise and angles that they show.
+
+The report holds this against what the estimation states. A ratio of 1 says that all information was used; a larger one that the
+residuals are correlated, runs scatter more than their noise, or something else was found that noise and rig do not explain.
+"""
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from irtiming.errors import PlanError
+from irtiming.physics.wheel import WheelModel
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.plan import information, photon_information, rolling_information
+from irtiming.plan.information import Information
+from irtiming.plan.photon_information import FrameNoise, Sampling, Structure
+from irtiming.plan.rolling_information import NAMES, RollingRun
+from irtiming.records.camera_description import Microbolometer
+from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.prediction import AngleErrors, PredictedRelativeDelay, Prediction
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.row_timing import RowTimingFit, SectorFit
+
+_UNKNOWN_BORDER_RAD = 0.1
+_LEAST_NOISE = 1e-9
+
+_Groups: TypeAlias = dict[tuple[float, float], list[Information]]
+
+
+def photon(
+    recordings: Sequence[ReducedRecording],
+    fits: Sequence[EdgeDelayFit],
+    *,
+    model: WheelModel,
+    angles: AngleErrors,
+    structure: Structure,
+) -> Prediction | None:
+    """Prediction for the recordings of a photon camera; None where they tell too little for one.
+
+    Parameters
+    ----------
+    recordings, fits
+        In the same order; of the fits the noise and the delay count.
+    model
+        Wheel and opening.
+    angles
+        Sizes of the angle errors.
+    structure
+        What each recording has for itself in the estimation, and what all share.
+    """
+    groups: _Groups = {}
+    for recording, fit in zip(recordings, fits, strict=True):
+        key = recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9)
+        told = photon_information.one_run(
+            _sampling(recording, fit), _noise(recording, fit), model=model, angles=angles, structure=structure
+        )
+        groups.setdefault(key, []).append(told)
+    every = information.total([one for members in groups.values() for one in members])
+    half = {"integration_time": 0.5} if "integration_time" in structure.shared else {}
+    weights = {"trigger_delay": {"trigger_delay": 1.0}, "exposure_midpoint_delay": {"trigger_delay": 1.0, **half}}
+    if any(recording.integration_time_s is None for recording in recordings):
+        del weights["trigger_delay"]
+    if half:
+        weights["integration_time"] = {"integration_time": 1.0}
+    pixels = float(np.median([max(1, recording.opening.mask.sum()) for recording in recordings]))
+    noise = float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
+    try:
+        return Prediction(
+            noise_to_contrast=noise * photon_information.contrast_per_noise(pixels),
+            opening_pixels=pixels,
+            uncertainties=information.uncertainties(every, weights),
+            relative_delays=_relative(groups),
+        )
+    except (PlanError, np.linalg.LinAlgError):
+        return None
+
+
+def rolling(
+    fits: Sequence[RowTimingFit], sector: SectorFit, *, model: WheelModel, angles: AngleErrors
+) -> Prediction | None:
+    """Prediction for the recordings of a rolling microbolometer camera; parameters as for `photon`."""
+    rows = rolling_information.rows_of(sector.shape)
+    image = rolling_information.sector_image(sector.shape)
+    parts, noises = [], []
+    for fit in fits:
+        noise = _pixel_noise(fit, rows)
+        run = RollingRun(
+            camera=Microbolometer(
+                noise_to_contrast=noise,
+                time_constant_s=max(fit.time_constant_s, 1e-6),
+                row_delay_s=fit.row_delay_s,
+                gain_scatter=sector.gain_scatter,
+            ),
+            rows=rows,
+            angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
+            n_frames=fit.wheel_angle_rad.size,
+        )
+        errors = rolling_information.image_errors(run, image, model=model)
+        parts.append(rolling_information.one_run(run, model=model, angles=angles, image=errors))
+        noises.append(noise)
+    try:
+        found = information.uncertainties(information.total(parts), {name: {name: 1.0} for name in NAMES})
+    except (PlanError, np.linalg.LinAlgError):
+        return None
+    return Prediction(
+        noise_to_contrast=float(np.sqrt(np.mean(np.square(noises)))),
+        opening_pixels=float(image.light.sum()),
+        uncertainties=found,
+    )
+
+
+def _pixel_noise(fit: RowTimingFit, rows: rolling_information.Rows) -> float:
+    """Noise of one pixel over the contrast, from that of the row sums."""
+    places = {int(row): k for k, row in enumerate(rows.row_px)}
+    light = rows.harmonics[:, 0].real
+    summed = rolling_information.summed_pixels(rows.harmonics)
+    found = [
+        noise * light[places[row]] / np.sqrt(summed[places[row]])
+        for row, noise in zip(fit.row_px.tolist(), fit.noise, strict=True)
+        if row in places
+    ]
+    return max(_LEAST_NOISE, float(np.median(found)) if found else _LEAST_NOISE)
+
+
+def _sampling(recording: ReducedRecording, fit: EdgeDelayFit) -> Sampling:
+    """Wheel angles at the start of integration of all frames whose exposure the wheel's timestamps cover."""
+    ticks = recording.trigger_ticks
+    delay_s = float(fit.edge_delay_s.mean()) + recording.trigger_delay_time_set_s
+    angle = wheel_angle_rad(delay_s, recording.track, at_ticks=ticks)
+    seen = np.isfinite(angle)
+    time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
+    return Sampling(
+        wheel_angle_rad=angle[seen],
+        time=time[seen],
+        angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
+    )
+
+
+def _noise(recording: ReducedRecording, fit: EdgeDelayFit) -> FrameNoise:
+    """The residuals of the fit hold pixels and jitter alike."""
+    border = _UNKNOWN_BORDER_RAD
+    if recording.axle is not None and recording.opening.mask.any():
+        rows, columns = np.nonzero(recording.opening.mask)
+        radius = np.hypot(rows - recording.axle.row_px, columns - recording.axle.column_px).mean()
+        border = float(np.clip(recording.opening.border_px / radius, 1e-2, 0.3))
+    return FrameNoise(
+        share=max(fit.noise, _LEAST_NOISE),
+        jitter_s=0.0,
+        integration_time_s=recording.integration_time_s or 0.0,
+        border_rad=border,
+    )
+
+
+def _relative(groups: _Groups) -> tuple[PredictedRelativeDelay, ...]:
+    """Each set delay at each speed against all runs with the smallest set delay."""
+    smallest = min(delay for _, delay in groups)
+    reference = information.total(
+        [one for (_, delay), members in groups.items() if delay == smallest for one in members]
+    )
+    found = []
+    for (speed, delay), members in sorted(groups.items()):
+        if delay == smallest:
+            continue
+        both = information.apart(information.total(members), reference)
+        square = information.variances(both, {"relative_delay": {"relative_delay": 1.0}})[0]
+        found.append(
+            PredictedRelativeDelay(
+                nominal_s=delay - smallest,
+                rotation_speed_hz=speed,
+                standard_uncertainty_s=float(np.sqrt(max(square, 0.0))),
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,179 @@
+r"""What one run of a photon camera can tell: derivatives of the pixel sum, each a closed form (Schatz 2023, eq. 1, figure 4b).
+
+A frame's sum over the opening is  f = covered + step (F + skew S + plate P + drift t)  with the exposed fraction F(theta) of
+`physics.wheel`, averaged over the integration. Its parameters:
+
+===================  =======================================================================================
+name                 derivative, at step = 1
+===================  =======================================================================================
+trigger_delay        omega dF/dtheta: a later exposure sees the wheel further on
+integration_time     omega (F_0(end of the window) - F) / sweep, F_0 without window: the start is held
+opening_angle        (share of the two radial edges that is open - F) / gamma
+skew, plate          S and P: light that is brighter towards one end; a mask plate that shows around the opening
+covered, step        1 and F
+drift                time, from -1/2 to 1/2
+an angle error       u dF/dtheta, common or by the edge that is off
+===================  =======================================================================================
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
+from irtiming.plan.information import EDGES, Information, without_own
+from irtiming.records.arrays import Array
+from irtiming.records.camera_description import PhotonCamera
+from irtiming.records.prediction import AngleErrors
+
+_NARROW_RAD = 1e-6
+_PERIMETER = 4.07  # of the paper's mask opening, times the root of its area
+_MEAN_RADIUS = 0.944  # the same
+_BORDER_PX, _BORDER_OF = 6.0, 1200.0  # that the reduction draws around an opening of so many pixels; it grows slowly
+_BORDER_GROWTH = 0.2
+_TIMESTAMPS = 2 / 3  # mean square of the weights of the two slots that an angle lies between
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """Which parameters each run has for itself and which all runs share; what stands in neither counts as known."""
+
+    own: tuple[str, ...]
+    shared: tuple[str, ...]
+
+
+SHARED_SHAPE = Structure(
+    own=("covered", "step", "drift"),
+    shared=("trigger_delay", "integration_time", "opening_angle", "skew", "plate"),
+)
+"""All runs share the opening and the integration time, and none is known; each has its own level, step and drift."""
+
+KNOWN_WINDOW = Structure(own=SHARED_SHAPE.own, shared=("trigger_delay", "opening_angle", "skew", "plate"))
+"""The same, but the integration time is known exactly."""
+
+OWN_SHAPE = Structure(own=("covered", "step", "drift", "opening_angle", "skew", "plate"), shared=("trigger_delay",))
+"""Each run has an opening of its own, and the integration time is known."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sampling:
+    """When a run looks at the wheel: its angle at the start of integration (n,), rad, and the time (n,), -1/2 .. 1/2.
+
+    ``weight`` is what each sample counts: 1 for a frame.
+    """
+
+    wheel_angle_rad: Array
+    time: Array
+    angular_frequency_rad_per_s: float
+    weight: float = 1.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FrameNoise:
+    """Noise of a frame: ``share`` of the step, from the pixels, and ``jitter_s``, which acts on the slopes only.
+
+    ``border_rad`` is the border of the summed region, as an angle about the axle.
+    """
+
+    share: float
+    jitter_s: float
+    integration_time_s: float
+    border_rad: float
+
+
+def frame_noise(camera: PhotonCamera) -> FrameNoise:
+    """Noise of the sum over an opening of the paper's shape with the border that the reduction draws around it."""
+    side = camera.opening_pixels**0.5
+    border = _BORDER_PX * (camera.opening_pixels / _BORDER_OF) ** _BORDER_GROWTH
+    return FrameNoise(
+        share=camera.noise_to_contrast / contrast_per_noise(camera.opening_pixels, border),
+        jitter_s=float(np.sqrt(_TIMESTAMPS * camera.gate_jitter_s**2 + camera.camera_jitter_s**2)),
+        integration_time_s=camera.integration_time_s,
+        border_rad=float(np.clip(border / (_MEAN_RADIUS * side), 1e-2, 0.3)),
+    )
+
+
+def contrast_per_noise(opening_pixels: float, border_px: float | None = None) -> float:
+    """By how much better the sum over the opening with its border is than one pixel: opening over the root of what is summed."""
+    border = _BORDER_PX * (opening_pixels / _BORDER_OF) ** _BORDER_GROWTH if border_px is None else border_px
+    return float(opening_pixels / (opening_pixels + _PERIMETER * opening_pixels**0.5 * border) ** 0.5)
+
+
+def one_run(
+    sampling: Sampling,
+    noise: FrameNoise,
+    *,
+    model: WheelModel,
+    angles: AngleErrors,
+    structure: Structure = SHARED_SHAPE,
+) -> Information:
+    """Information of one run on the shared parameters and the angle errors.
+
+    Parameters
+    ----------
+    sampling
+        Wheel angles of its frames.
+    noise
+        Of each frame.
+    model
+        Wheel and opening.
+    angles
+        Their sizes; an error of an angle acts as that angle over omega on the delay.
+    structure
+        What is the run's own and what is shared.
+    """
+    slopes = derivatives(sampling, noise, model=model)
+    by_edge = _by_edge(sampling.wheel_angle_rad, model, sweep_rad=_sweep(sampling, noise))
+    errors = [(source, u * by_edge.sum(axis=0)) for source, u in angles.common]
+    errors += [(EDGES, angles.edge_rad * edge) for edge in by_edge]
+    sigma = np.hypot(noise.share, noise.jitter_s * slopes["trigger_delay"])
+    shared = np.stack([slopes[name] for name in structure.shared] + [column for _, column in errors], axis=1)
+    own = np.stack([slopes[name] for name in structure.own], axis=1)
+    left = without_own(shared / sigma[:, None], own / sigma[:, None])
+    return Information(
+        names=structure.shared,
+        sources=tuple(source for source, _ in errors),
+        matrix=sampling.weight * left.T @ left,
+    )
+
+
+def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> dict[str, Array]:
+    """Derivative of a frame's sum to each parameter at step 1, by name; shapes (n,), per second, per rad or per 1."""
+    angle, gamma, omega = sampling.wheel_angle_rad, model.opening_angle_rad, sampling.angular_frequency_rad_per_s
+    sweep = _sweep(sampling, noise)
+    fraction = exposed_fraction(angle, model, sweep_rad=sweep)
+    moving = _by_edge(angle, model, sweep_rad=sweep).sum(axis=0)
+    ends = (_edge_open(angle, model, sweep_rad=sweep, side=1) + _edge_open(angle, model, sweep_rad=sweep, side=-1)) / 2
+    wider = replace(model, opening_angle_rad=gamma + 2 * noise.border_rad)
+    at_end = omega * moving / 2 if sweep == 0 else omega * (exposed_fraction(angle + sweep, model) - fraction) / sweep
+    return {
+        "trigger_delay": omega * moving,
+        "integration_time": at_end,
+        "opening_angle": (ends - fraction) / gamma,
+        "skew": skewed_fraction(angle, model, sweep_rad=sweep),
+        "plate": exposed_fraction(angle, wider, sweep_rad=sweep) - fraction,
+        "covered": np.ones_like(angle),
+        "step": fraction,
+        "drift": sampling.time,
+    }
+
+
+def _sweep(sampling: Sampling, noise: FrameNoise) -> float:
+    return sampling.angular_frequency_rad_per_s * noise.integration_time_s
+
+
+def _by_edge(angle: Array, model: WheelModel, *, sweep_rad: float) -> Array:
+    """What each wheel edge adds to dF/dtheta, shape (4, n)."""
+    crossing = edge_in_opening(angle, model, sweep_rad=sweep_rad)
+    return np.asarray(np.array(EDGE_SIGNS)[:, None] * crossing / model.opening_angle_rad)
+
+
+def _edge_open(angle: Array, model: WheelModel, *, sweep_rad: float, side: int) -> Array:
+    """Share of the window during which a radial edge of the mask is open: the fraction of an opening as wide as the sweep."""
+    width = max(sweep_rad, _NARROW_RAD)
+    there = angle + side * model.opening_angle_rad / 2 + sweep_rad / 2
+    return exposed_fraction(there, replace(model, opening_angle_rad=width))

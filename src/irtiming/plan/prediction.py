@@ -1,0 +1,145 @@
+"""What a number of runs at some wheel speeds can tell of a camera: the two kinds of cameras behind one door."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias, final
+
+import numpy as np
+
+from irtiming.errors import PlanError
+from irtiming.physics.wheel import TURN
+from irtiming.plan import information, photon_information, rolling_information
+from irtiming.plan.assumptions import AssumedRig
+from irtiming.plan.information import Information
+from irtiming.plan.photon_information import Sampling, Structure
+from irtiming.plan.sampling import sampling_order
+from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
+from irtiming.records.prediction import PredictedUncertainty
+from irtiming.records.trigger_plan import TriggerScheme
+
+RELATIVE = "relative_delay"
+_PHASES = 4  # places between two samples where a run may begin; what it tells is their mean
+PHOTON_PARAMETERS = ("trigger_delay", "exposure_midpoint_delay", "integration_time", RELATIVE)
+ROLLING_PARAMETERS = ("trigger_delay", "time_constant", "row_delay", RELATIVE)
+
+
+def parameters_of(camera: Camera) -> tuple[str, ...]:
+    """Names of what can be asked of this kind of camera."""
+    return PHOTON_PARAMETERS if isinstance(camera, PhotonCamera) else ROLLING_PARAMETERS
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """Camera, rig and clock of a measurement, and what is unknown of a photon camera's runs."""
+
+    camera: Camera
+    rig: AssumedRig
+    clock_frequency_hz: int
+    structure: Structure = photon_information.SHARED_SHAPE
+
+    @cached_property
+    def one_run(self) -> Callable[[TriggerScheme], Information]:
+        """Information of one run of a scheme."""
+        if isinstance(self.camera, PhotonCamera):
+            return _photon(self, self.camera)
+        return _rolling(self, self.camera)
+
+
+Runs: TypeAlias = Sequence[tuple[Information, int]]
+"""For each wheel speed what one run tells, and how many there are of each set delay."""
+
+
+def uncertainties(runs: Runs, names: Sequence[str], *, n_delays: int = 1) -> tuple[PredictedUncertainty, ...]:
+    """Predicted uncertainties of the named parameters.
+
+    Parameters
+    ----------
+    runs
+        All of one camera on one rig.
+    names
+        Of `parameters_of` the camera.
+    n_delays
+        Number of set delays: they are known, so all runs tell the camera's own timing. ``relative_delay`` is the difference
+        between two of them.
+    """
+    asked = [(one, weights) for one, weights in _asked(runs, names, n_delays=n_delays) if weights]
+    found = {each.name: each for one, weights in asked for each in information.uncertainties(one, weights)}
+    return tuple(found[name] for name in names)
+
+
+def sizes_s(runs: Runs, names: Sequence[str], *, n_delays: int = 1) -> dict[str, float]:
+    """The same without parts: standard uncertainties by name, s."""
+    found: dict[str, float] = {}
+    for one, weights in _asked(runs, names, n_delays=n_delays):
+        if weights:
+            squares = information.variances(one, weights)
+            found.update(zip(weights, np.sqrt(np.maximum(squares, 0.0)).tolist(), strict=True))
+    return found
+
+
+def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Information, information.Weights]]:
+    """What is asked of all runs as one camera's timing, and of pairs of them with two set delays."""
+    every = information.total([one.times(n) for one, n in runs])
+    absolute = {name: _weights(name, every) for name in names if name != RELATIVE}
+    relative = {RELATIVE: {RELATIVE: 1.0}} if RELATIVE in names else {}
+    return [(every.times(n_delays), absolute), (information.apart(every, every), relative)]
+
+
+def _weights(name: str, one: Information) -> dict[str, float]:
+    """The parameter as a sum of those that the information is about."""
+    if name == "exposure_midpoint_delay":
+        return {"trigger_delay": 1.0, "integration_time": 0.5}
+    if name not in one.names:
+        raise PlanError(f"{name} counts as known, so it has no uncertainty to plan for; leave it out")
+    return {name: 1.0}
+
+
+def nominal_sampling(scheme: TriggerScheme, clock_frequency_hz: int) -> Sampling:
+    """Wheel angles and times of one run, from `_PHASES` places where it may begin."""
+    n = scheme.samples_per_turn
+    places = (np.arange(_PHASES) + 0.5) / _PHASES
+    sample = (sampling_order(scheme)[None, :] + places[:, None]).ravel()
+    return Sampling(
+        wheel_angle_rad=TURN / n * sample,
+        time=np.tile((np.arange(n) + 0.5) / n - 0.5, _PHASES),
+        angular_frequency_rad_per_s=TURN * clock_frequency_hz / scheme.turn_period_ticks,
+        weight=1 / _PHASES,
+    )
+
+
+def _photon(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Information]:
+    noise = photon_information.frame_noise(camera)
+
+    def one_run(scheme: TriggerScheme) -> Information:
+        return photon_information.one_run(
+            nominal_sampling(scheme, setting.clock_frequency_hz),
+            noise,
+            model=setting.rig.model,
+            angles=setting.rig.angles,
+            structure=setting.structure,
+        )
+
+    return one_run
+
+
+def _rolling(setting: Setting, camera: Microbolometer) -> Callable[[TriggerScheme], Information]:
+    sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
+    rows, image = rolling_information.rows_of(sector), rolling_information.sector_image(sector)
+
+    def one_run(scheme: TriggerScheme) -> Information:
+        run = rolling_information.RollingRun(
+            camera=camera,
+            rows=rows,
+            angular_frequency_rad_per_s=TURN * setting.clock_frequency_hz / scheme.turn_period_ticks,
+            n_frames=scheme.samples_per_turn,
+        )
+        return rolling_information.one_run(
+            run,
+            model=setting.rig.model,
+            angles=setting.rig.angles,
+            image=rolling_information.image_errors(run, image, model=setting.rig.model),
+        )
+
+    return one_run

@@ -1,0 +1,261 @@
+r"""What one run of a rolling microbolometer can tell: row sums as harmonics of the wheel angle (Schatz 2023, eq. 2, 3).
+
+Row y has the harmonics  F_ym = sum_i open_im K_ym exp(i m omega (d_i + y t_row)) / (1 + i m omega tau).  Samples that stand
+evenly over the turn see harmonics apart, so the information on (d_0 .. d_3, tau, t_row) is a sum over rows and harmonics; gain
+and offset of each row are its own. The delays are d_i = t_delay + (e + e_i) / omega.
+
+The place and shape of the opening come from the image of the second harmonic, where each pixel's phase is twice its polar angle:
+noise and the pixels' gains set how well. Its errors are common to all runs of a set, and move the six numbers by one linear step.
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from irtiming.physics import blurred_sector, first_order_lag
+from irtiming.physics.wheel import TURN, WheelModel
+from irtiming.plan.information import EDGES, Information, without_own
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.camera_description import Microbolometer
+from irtiming.records.prediction import AngleErrors
+from irtiming.records.rolling import ComplexArray
+from irtiming.records.row_timing import SectorShape
+
+NAMES = ("trigger_delay", "time_constant", "row_delay")
+IMAGE = "axle, mask and blur in the image"
+
+_HARMONICS = 64
+_LEAST_LIGHT_PX2 = 3.0
+_ROWS = 50  # at least, that are looked at
+_BORDER_PX = 5.0  # that the reduction adds to both ends of a row, roughly
+_SHAPE = (
+    "axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
+    "bisector_rad", "opening_angle_rad", "blur_px",
+)  # fmt: skip
+_ANGLES = ("bisector_rad", "opening_angle_rad")
+_STEP_RAD, _STEP_PX = 1e-4, 3e-3
+_PAPER = SectorShape(
+    axle_row_px=249.1, axle_column_px=319.5, offset_row_px=0.0, offset_column_px=0.0, inner_radius_px=46.3,
+    outer_radius_px=229.7, bisector_rad=-TURN / 4, opening_angle_rad=TURN * 75 / 360, blur_px=0.7,
+)  # fmt: skip
+_PAPER_PIXELS = 33_100.0
+
+
+def sector_of(camera: Microbolometer, opening_angle_rad: float) -> SectorShape:
+    """The paper's opening, larger or smaller, until it has this camera's number of pixels; blur stays."""
+    scale = (camera.opening_pixels / _PAPER_PIXELS) ** 0.5
+    grown = {name: getattr(_PAPER, name) * scale for name in _SHAPE if name.endswith("_px") and name != "blur_px"}
+    return replace(_PAPER, **grown, opening_angle_rad=opening_angle_rad)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Rows in the light: image rows (n,), harmonics (n, M + 1) of their light, px^2, and changes (9, n, M + 1).
+
+    Of a high opening not every row is looked at; each then stands for ``weight`` rows.
+    """
+
+    row_px: Array
+    harmonics: ComplexArray
+    changes: ComplexArray
+    weight: int
+
+
+def rows_of(sector: SectorShape) -> Rows:
+    """Rows with the light of three pixels or more, and how they change with each number of the sector's shape."""
+    reach = sector.outer_radius_px + abs(sector.offset_row_px) + 5 * sector.blur_px
+    first = max(0, int(sector.axle_row_px - reach))
+    rows = np.arange(first, int(sector.axle_row_px + reach) + 1)
+    rows = rows[_light(sector, rows, n_harmonics=0)[:, 0].real > _LEAST_LIGHT_PX2]
+    weight = max(1, rows.size // _ROWS)
+    rows = rows[weight // 2 :: weight]
+    changes = []
+    for name in _SHAPE:
+        step = _STEP_RAD if name in _ANGLES else _STEP_PX
+        ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
+        changes.append((_light(ahead, rows) - _light(behind, rows)) / (2 * step))
+    light = _light(sector, rows)
+    return Rows(row_px=rows.astype(float), harmonics=light, changes=np.array(changes), weight=weight)
+
+
+def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int = _HARMONICS) -> ComplexArray:
+    points = blurred_sector.light_points(sector)
+    return blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_px, n_harmonics=n_harmonics)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RollingRun:
+    """One run: the camera, its rows in the light, the wheel's speed and the number of frames."""
+
+    camera: Microbolometer
+    rows: Rows
+    angular_frequency_rad_per_s: float
+    n_frames: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ImageErrors:
+    """Covariances (9, 9) of the sector's numbers: what the noise of one run and what the pixels' gains make of them."""
+
+    noise: Array
+    gains: Array
+
+
+def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> Information:
+    """Information of one run on trigger delay, time constant and row delay, the sector's numbers, and the errors.
+
+    Parameters
+    ----------
+    run
+        What is sampled, and how.
+    model
+        Wheel and gates.
+    angles
+        Sizes of the angle errors.
+    image
+        How well a run's image shows the sector. Its noise averages over the runs, so the sector's numbers are parameters; what
+        the pixels' gains do to them is an error that stays.
+    """
+    normal, effect = normal_and_effect(run, model)
+    root = _root(image.gains)
+    first_edge, n_shape = len(NAMES) + len(_SHAPE) + len(angles.common), len(_SHAPE)
+    per_rad = 1 / run.angular_frequency_rad_per_s
+    design = np.zeros((6, first_edge + 4 + n_shape))
+    design[:4, 0] = design[4, 1] = design[5, 2] = 1.0
+    design[:, 3 : 3 + n_shape] = effect
+    for k, (_, u) in enumerate(angles.common):
+        design[:4, 3 + n_shape + k] = u * per_rad
+    design[:4, first_edge : first_edge + 4] = angles.edge_rad * per_rad * np.eye(4)
+    design[:, first_edge + 4 :] = effect @ root
+    matrix = design.T @ normal @ design
+    matrix[3 : 3 + n_shape, 3 : 3 + n_shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
+    return Information(
+        names=(*NAMES, *_SHAPE),
+        sources=(*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape),
+        matrix=matrix,
+    )
+
+
+def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
+    """Information (6, 6) on four edge delays, tau and t_row, s^-2, and their change (6, 9) per unit of the sector's numbers."""
+    whole, slopes = _row_functions(run, model)
+    light = run.rows.harmonics
+    moved = run.rows.changes * (whole / np.where(light == 0, 1, light))
+    summed = summed_pixels(light)
+    per_noise = np.sqrt(run.rows.weight * run.n_frames / 2 / summed) / run.camera.noise_to_contrast
+    normal, pull = np.zeros((6, 6)), np.zeros((6, len(_SHAPE)))
+    for y, scale in enumerate(per_noise):
+        columns = scale * _real(np.concatenate([slopes[:, y], moved[:, y]])).T
+        free = without_own(columns, _real(whole[None, y]).T)
+        normal += free[:, :6].T @ free[:, :6]
+        pull -= free[:, :6].T @ free[:, 6:]
+    return normal, np.asarray(np.linalg.solve(normal, pull), float)
+
+
+def summed_pixels(light: ComplexArray) -> Array:
+    """Pixels that are summed in each row, (n_row,), of light with the harmonics (n_row, M + 1)."""
+    return np.asarray(light[:, 0].real + 2 * _BORDER_PX)
+
+
+def _row_functions(run: RollingRun, model: WheelModel) -> tuple[ComplexArray, ComplexArray]:
+    """Harmonics of each row, (n_row, M + 1), and their derivatives to d_0 .. d_3, tau, t_row, (6, n_row, M + 1)."""
+    omega, order = run.angular_frequency_rad_per_s, np.arange(_HARMONICS + 1)
+    lag = first_order_lag.lag_factor(omega, run.camera.time_constant_s, n_harmonics=_HARMONICS)
+    read = first_order_lag.later(omega * run.camera.row_delay_s * run.rows.row_px, n_harmonics=_HARMONICS)
+    turning = 1j * order * omega
+    edges = first_order_lag.open_harmonics(model, _HARMONICS) * lag
+    rows = run.rows.harmonics * read
+    by_edge = (edges * turning)[:, None, :] * rows
+    whole = edges.sum(axis=0) * rows
+    by_row = by_edge.sum(axis=0) * run.rows.row_px[:, None]
+    return whole, np.concatenate([by_edge, (-turning * lag * whole)[None], by_row[None]])
+
+
+def _real(harmonics: ComplexArray) -> Array:
+    """Orders 1 .. M as real numbers whose products are the mean products of the waves, times two; (k, 2 M)."""
+    return np.concatenate([harmonics[:, 1:].real, harmonics[:, 1:].imag], axis=1)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SectorImage:
+    """Image of the second harmonic about each pixel's own phase, at contrast 1, and its derivatives.
+
+    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (18, n), complex: to the sector's nine numbers and to
+    what else is unknown: row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it.
+    """
+
+    light: Array
+    columns: ComplexArray
+
+
+def sector_image(sector: SectorShape) -> SectorImage:
+    """The image of an opening, with the same derivatives whatever the wheel's speed."""
+    roi = _around(sector)
+    columns: list[ComplexArray] = []
+    for name in _SHAPE:
+        step = _STEP_RAD if name in _ANGLES else _STEP_PX
+        ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
+        columns.append((_second_harmonic(ahead, roi) - _second_harmonic(behind, roi)) / (2 * step))
+    angle, _ = blurred_sector.pixel_places(sector, roi=roi)
+    seen, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
+    down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
+    fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
+    columns += [down * seen * 1j, seen * 1j, seen, phase - seen, *(field * phase for field in fields)]
+    return SectorImage(
+        light=np.clip(np.abs(seen), 0, 1).ravel(), columns=(np.array(columns) * phase.conj()).reshape(18, -1)
+    )
+
+
+def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> ImageErrors:
+    """How well the image tells the sector, from least squares over all pixels.
+
+    Along a pixel's phase noise and the scatter of gains count, across it noise alone.
+    """
+    point = first_order_lag.open_harmonics(model, 2).sum(axis=0)[2]
+    point *= first_order_lag.lag_factor(run.angular_frequency_rad_per_s, run.camera.time_constant_s, n_harmonics=2)[2]
+    noise = run.camera.noise_to_contrast * np.sqrt(2 / run.n_frames) / abs(point)
+    scatter = run.camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
+    scale = np.linalg.norm(image.columns, axis=1)
+    told = image.columns / scale[:, None]
+    weighted = told.real / (noise**2 + scatter**2)
+    inverse = np.linalg.pinv(weighted @ told.real.T + told.imag @ told.imag.T / noise**2, hermitian=True)
+    pull = inverse @ weighted * scatter
+    by_gain, outer, n = pull @ pull.T, np.outer(scale, scale), len(_SHAPE)
+    return ImageErrors(noise=((inverse - by_gain) / outer)[:n, :n], gains=(by_gain / outer)[:n, :n])
+
+
+def _around(sector: SectorShape) -> tuple[int, int, int, int]:
+    """Region of the image that holds the opening and some of the plate around it."""
+    reach = sector.outer_radius_px + 5 * sector.blur_px + 2
+    polar = sector.bisector_rad + np.linspace(-0.5, 0.5, 181) * sector.opening_angle_rad
+    rows = sector.axle_row_px + np.outer([sector.inner_radius_px, reach], np.sin(polar))
+    sense = -1.0 if sector.mirrored else 1.0
+    columns = sector.axle_column_px + sense * np.outer([sector.inner_radius_px, reach], np.cos(polar))
+    edge = 5 * sector.blur_px + 2
+    return (
+        max(0, int(rows.min() - edge)), int(rows.max() + edge) + 1,
+        max(0, int(columns.min() - edge)), int(columns.max() + edge) + 1,
+    )  # fmt: skip
+
+
+def _second_harmonic(sector: SectorShape, roi: tuple[int, int, int, int]) -> ComplexArray:
+    """Image of exp(-2 i phi) over the sector; only its border is worked out point by point."""
+    points = blurred_sector.border_points(sector)
+    value = np.exp(-2j * (points.angle_rad + sector.bisector_rad))
+    border = blurred_sector.image(points, value, blur_px=sector.blur_px, roi=roi)
+    angle, radius = blurred_sector.pixel_places(sector, roi=roi)
+    smear = np.exp(-2 * (sector.blur_px**2 + 1 / 12) / np.maximum(radius, 1.0) ** 2)
+    inside = smear * np.exp(-2j * (angle + sector.bisector_rad))
+    return np.where(blurred_sector.well_inside(sector, roi=roi), inside, border)
+
+
+def _root(matrix: Array) -> Array:
+    """Columns whose products with themselves add up to the matrix, shape (n, n)."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

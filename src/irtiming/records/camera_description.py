@@ -1,0 +1,77 @@
+"""What must be known of a camera before it is measured, to foretell how well it can be."""
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+from irtiming.errors import PlanError
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PhotonCamera:
+    """A cooled snapshot camera; the defaults are the camera of Schatz 2023, section 3.1, with 38 mK of noise and 9 K of contrast.
+
+    Parameters
+    ----------
+    noise_to_contrast
+        Standard deviation of one pixel from frame to frame over the difference between blackbody and wheel; both in DN or both
+        in K.
+    opening_pixels
+        Pixels within the image of the mask opening.
+    integration_time_s
+        T_int.
+    gate_jitter_s, camera_jitter_s
+        Standard deviations of one timestamp of the control gate and of the camera's delay from frame to frame.
+    """
+
+    noise_to_contrast: float = 0.0042
+    opening_pixels: float = 21_800.0
+    integration_time_s: float = 250e-6
+    gate_jitter_s: float = 0.3e-6
+    camera_jitter_s: float = 0.05e-6
+
+    def __post_init__(self) -> None:
+        _check(
+            ("noise over contrast", self.noise_to_contrast),
+            ("number of pixels in the opening", self.opening_pixels),
+            ("integration time in seconds", self.integration_time_s),
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Microbolometer:
+    """A rolling microbolometer; the defaults are the camera of Schatz 2023, section 3.2, with 62 mK of noise and 8 K of contrast.
+
+    Parameters
+    ----------
+    noise_to_contrast, opening_pixels
+        As for a photon camera.
+    time_constant_s, row_delay_s
+        tau and t_row, roughly.
+    gain_scatter
+        Standard deviation of the pixels' gains.
+    """
+
+    noise_to_contrast: float = 0.0078
+    opening_pixels: float = 33_100.0
+    time_constant_s: float = 4.8e-3
+    row_delay_s: float = 38.8e-6
+    gain_scatter: float = 0.01
+
+    def __post_init__(self) -> None:
+        _check(
+            ("noise over contrast", self.noise_to_contrast),
+            ("number of pixels in the opening", self.opening_pixels),
+            ("time constant in seconds", self.time_constant_s),
+        )
+
+
+Camera: TypeAlias = PhotonCamera | Microbolometer
+
+
+def _check(*numbers: tuple[str, float]) -> None:
+    for name, number in numbers:
+        if not (number > 0 and math.isfinite(number)):
+            raise PlanError(f"the {name} is {number:g}, but must be greater than 0 and finite; correct it")

@@ -1,0 +1,146 @@
+"""What a run of a photon camera can tell, against brute force."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.physics.wheel import exposed_fraction, skewed_fraction, wheel_model
+from irtiming.plan import information, photon_information
+from irtiming.plan.photon_information import KNOWN_WINDOW, OWN_SHAPE, SHARED_SHAPE, FrameNoise, Sampling
+from irtiming.records.camera_description import PhotonCamera
+from irtiming.records.prediction import AngleErrors
+
+TURN = 2 * np.pi
+GAMMA = float(np.radians(75))
+MODEL = wheel_model((0.0, 1.5718, 3.1421, 4.7125), 0.2682, opening_angle_rad=GAMMA, centre_angle_rad=-np.pi / 2)
+NOISE = FrameNoise(share=2e-4, jitter_s=0.4e-6, integration_time_s=250e-6, border_rad=0.1)
+EXACT = AngleErrors(common=(), edge_rad=0.0)
+ANGLES = AngleErrors(common=(("mask", 5e-4), ("gates", 2e-4)), edge_rad=1e-4)
+STEPS = {
+    "trigger_delay": 1e-8, "integration_time": 1e-8, "opening_angle": 1e-6, "skew": 1e-3, "plate": 1e-3,
+    "covered": 1e-3, "step": 1e-3, "drift": 1e-3, "edge_0": 1e-6, "edge_1": 1e-6, "edge_2": 1e-6, "edge_3": 1e-6,
+}  # fmt: skip
+
+
+def _sampling(wheel_hz=12.0, n=1000, per_frame=99):
+    return Sampling(
+        wheel_angle_rad=TURN / n * (np.arange(n) * per_frame % n + 0.3),
+        time=(np.arange(n) + 0.5) / n - 0.5,
+        angular_frequency_rad_per_s=TURN * wheel_hz,
+    )
+
+
+def _frame_sums(sampling, noise, *, off):
+    """The sums of all frames for parameters that are off by this much: the whole model, written out."""
+    omega = sampling.angular_frequency_rad_per_s
+    window = noise.integration_time_s + off.get("integration_time", 0.0)
+    angle = sampling.wheel_angle_rad + omega * off.get("trigger_delay", 0.0)
+    edges = tuple(edge - off.get(f"edge_{k}", 0.0) for k, edge in enumerate(MODEL.cutout_edges_rad))
+    model = replace(MODEL, cutout_edges_rad=edges, opening_angle_rad=GAMMA + off.get("opening_angle", 0.0))
+    fraction = exposed_fraction(angle, model, sweep_rad=omega * window)
+    wider = replace(model, opening_angle_rad=model.opening_angle_rad + 2 * noise.border_rad)
+    plate = exposed_fraction(angle, wider, sweep_rad=omega * window) - fraction
+    light = fraction + off.get("skew", 0.0) * skewed_fraction(angle, model, sweep_rad=omega * window)
+    light += off.get("plate", 0.0) * plate + off.get("drift", 0.0) * sampling.time
+    return off.get("covered", 0.0) + (1 + off.get("step", 0.0)) * light
+
+
+def _column(name, sampling, noise):
+    ahead, behind = (_frame_sums(sampling, noise, off={name: sign * STEPS[name]}) for sign in (1, -1))
+    return (ahead - behind) / (2 * STEPS[name])
+
+
+@pytest.mark.parametrize("name", [name for name in STEPS if not name.startswith("edge")])
+@pytest.mark.parametrize("wheel_hz", [2.0, 12.0, 50.0])
+def test_each_derivative_is_that_of_the_model(name, wheel_hz):
+    """Oracle: central differences of the whole model."""
+    found = photon_information.derivatives(_sampling(wheel_hz), NOISE, model=MODEL)[name]
+    expected = _column(name, _sampling(wheel_hz), NOISE)
+    np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("structure", [SHARED_SHAPE, OWN_SHAPE, KNOWN_WINDOW])
+def test_uncertainties_are_those_of_the_whole_fisher_matrix(structure):
+    """Oracle: the matrix of all parameters of two runs at two speeds by central differences, priors added, inverted at once."""
+    runs = [(_sampling(5.0), 0), (_sampling(20.0, per_frame=401), 1)]
+    errors = [*ANGLES.common, *[("edge", ANGLES.edge_rad)] * 4]
+    n_own, n_shared = len(structure.own), len(structure.shared)
+    whole = np.zeros((n_shared + len(errors) + 2 * n_own,) * 2)
+    for sampling, k in runs:
+        edges = [_column(f"edge_{edge}", sampling, NOISE) for edge in range(4)]
+        columns = [_column(name, sampling, NOISE) for name in structure.shared]
+        columns += [u * np.sum(edges, axis=0) for _, u in ANGLES.common] + [ANGLES.edge_rad * edge for edge in edges]
+        own = [_column(name, sampling, NOISE) for name in structure.own]
+        nothing = [np.zeros(1000)] * n_own
+        columns += [*own, *nothing] if k == 0 else [*nothing, *own]
+        slope = sampling.angular_frequency_rad_per_s * np.sum(edges, axis=0)
+        weighted = np.array(columns) / np.hypot(NOISE.share, NOISE.jitter_s * slope)
+        whole += weighted @ weighted.T
+    known = np.zeros(len(whole))
+    known[n_shared : n_shared + len(errors)] = 1.0
+    scale = 1 / np.sqrt(np.diag(whole) + known)
+    inverse = np.linalg.inv((whole + np.diag(known)) * np.outer(scale, scale)) * np.outer(scale, scale)
+    told = information.total(
+        [photon_information.one_run(one, NOISE, model=MODEL, angles=ANGLES, structure=structure) for one, _ in runs]
+    )
+    found = information.uncertainties(told, {name: {name: 1.0} for name in structure.shared})
+    for k, each in enumerate(found):
+        assert each.standard_uncertainty_s == pytest.approx(np.sqrt(inverse[k, k]), rel=2e-3), each.name
+
+
+def _trigger_delay(told):
+    (found,) = information.uncertainties(told, {"trigger_delay": {"trigger_delay": 1.0}})
+    return found.standard_uncertainty_s
+
+
+@pytest.mark.parametrize("wheel_hz", [3.0, 50.0])
+def test_at_one_speed_the_angles_are_the_limit(wheel_hz):
+    """Oracle: the budget by hand; the common angles and a quarter of the edges' variance, over omega."""
+    told = photon_information.one_run(
+        _sampling(wheel_hz), NOISE, model=MODEL, angles=ANGLES, structure=KNOWN_WINDOW
+    ).times(1e4)
+    by_hand = np.sqrt(5e-4**2 + 2e-4**2 + 1e-4**2 / 4) / (TURN * wheel_hz)
+    assert _trigger_delay(told) == pytest.approx(by_hand, rel=1e-4)
+
+
+def test_noise_falls_with_the_root_of_the_runs_and_grows_with_that_of_a_frame():
+    """Oracle: the law of means, and proportion."""
+    one = photon_information.one_run(_sampling(), NOISE, model=MODEL, angles=EXACT)
+    noisy = replace(NOISE, share=3 * NOISE.share, jitter_s=3 * NOISE.jitter_s)
+    worse = photon_information.one_run(_sampling(), noisy, model=MODEL, angles=EXACT)
+    assert _trigger_delay(one.times(16)) == pytest.approx(_trigger_delay(one) / 4)
+    assert _trigger_delay(worse) == pytest.approx(3 * _trigger_delay(one))
+
+
+def test_without_a_window_the_slopes_alone_tell_the_delay():
+    """Oracle: by hand; 4 gamma of a turn lie on slopes of omega / gamma, all other shapes are even to them."""
+    sharp = replace(NOISE, integration_time_s=0.0, jitter_s=0.0)
+    told = photon_information.one_run(_sampling(3.0), sharp, model=MODEL, angles=EXACT, structure=KNOWN_WINDOW)
+    by_hand = NOISE.share * GAMMA / (TURN * 3.0) / np.sqrt(1000 * 4 * GAMMA / TURN)
+    assert _trigger_delay(told) == pytest.approx(by_hand, rel=0.02)
+
+
+def test_noise_of_a_frame_is_that_of_its_summed_pixels():
+    """Oracle: by hand; an opening of 1200 pixels with its border of 6 is summed over 2046, contrast comes from 1200."""
+    found = photon_information.frame_noise(PhotonCamera(noise_to_contrast=0.01, opening_pixels=1200.0))
+    assert found.share == pytest.approx(0.01 * np.sqrt(2046) / 1200, rel=1e-3)
+    assert found.jitter_s == pytest.approx(0.25e-6, rel=0.01)
+
+
+@pytest.mark.parametrize("wheel_hz", [3.0, 12.0])
+def test_fits_scatter_as_predicted(wheel_hz):
+    """Oracle: 60 least-squares fits of the whole model to sums with white noise; their scatter is known to a tenth (k = 1)."""
+    names = (*KNOWN_WINDOW.shared, *KNOWN_WINDOW.own)
+    white, sampling, random = replace(NOISE, jitter_s=0.0), _sampling(wheel_hz, n=500), np.random.default_rng(7)
+    columns = np.stack([_column(name, sampling, white) for name in names], axis=1)
+    clean = _frame_sums(sampling, white, off={})
+    delays = []
+    for _ in range(60):
+        sums, numbers = clean + random.normal(0, white.share, clean.size), np.zeros(len(names))
+        for _ in range(3):  # Newton's steps with the slopes at the truth
+            left = sums - _frame_sums(sampling, white, off=dict(zip(names, numbers, strict=True)))
+            numbers = numbers + np.linalg.lstsq(columns, left, rcond=None)[0]
+        delays.append(numbers[0])
+    told = photon_information.one_run(sampling, white, model=MODEL, angles=EXACT, structure=KNOWN_WINDOW)
+    assert np.std(delays) == pytest.approx(_trigger_delay(told), rel=0.3)

@@ -1,0 +1,139 @@
+"""What a run of a rolling microbolometer can tell, against brute force."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.physics import first_order_lag
+from irtiming.physics.wheel import wheel_model
+from irtiming.plan import information, rolling_information
+from irtiming.plan.rolling_information import IMAGE, NAMES, RollingRun
+from irtiming.records.camera_description import Microbolometer
+from irtiming.records.prediction import AngleErrors
+
+TURN = 2 * np.pi
+MODEL = wheel_model(
+    (0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.2682, opening_angle_rad=np.radians(75), centre_angle_rad=-np.pi / 2
+)
+CAMERA = Microbolometer(opening_pixels=600.0)
+ANGLES = AngleErrors(common=(("mask", 5e-4),), edge_rad=1e-4)
+
+
+@pytest.fixture(scope="module")
+def sector():
+    """Opening of 600 pixels."""
+    return rolling_information.sector_of(CAMERA, float(np.radians(75)))
+
+
+@pytest.fixture(scope="module")
+def run(sector):
+    """One run of 1000 frames at 5 Hz."""
+    rows = rolling_information.rows_of(sector)
+    return RollingRun(camera=CAMERA, rows=rows, angular_frequency_rad_per_s=TURN * 5, n_frames=1000)
+
+
+@pytest.fixture(scope="module")
+def image(sector):
+    """Its image."""
+    return rolling_information.sector_image(sector)
+
+
+def _row(run, y, six, shape=None):
+    """One row over 1000 even wheel angles, wave by wave."""
+    omega, light = run.angular_frequency_rad_per_s, run.rows.harmonics[y] if shape is None else shape
+    n = light.size - 1
+    edges = first_order_lag.open_harmonics(MODEL, n)
+    waves = sum(
+        edge * first_order_lag.later(omega * (delay + six[5] * run.rows.row_px[y]), n_harmonics=n)
+        for edge, delay in zip(edges, six[:4], strict=True)
+    )
+    waves = waves * light * first_order_lag.lag_factor(omega, six[4], n_harmonics=n)
+    return first_order_lag.at_angles(waves, TURN / 1000 * np.arange(1000))
+
+
+def test_information_on_six_numbers_is_that_of_all_frames(run):
+    """Oracle: central differences of each row's 1000 samples; gain and offset of the row taken out by least squares."""
+    at = np.array([0.0, 0, 0, 0, CAMERA.time_constant_s, CAMERA.row_delay_s])
+    steps = np.array([1e-7] * 4 + [1e-7, 1e-9])
+    normal, pull = np.zeros((6, 6)), np.zeros((6, 9))
+    sums = run.rows.harmonics[:, 0].real + 10.0
+    for y, summed in enumerate(sums):
+        columns = [
+            (_row(run, y, at + step * unit) - _row(run, y, at - step * unit)) / (2 * step)
+            for step, unit in zip(steps, np.eye(6), strict=True)
+        ]
+        columns += [_row(run, y, at, shape=change) for change in run.rows.changes[:, y]]
+        own = np.stack([np.ones(1000), _row(run, y, at)], axis=1)
+        free = np.array(columns).T
+        free = free - own @ np.linalg.lstsq(own, free, rcond=None)[0]
+        free /= CAMERA.noise_to_contrast * np.sqrt(summed)
+        normal += free[:, :6].T @ free[:, :6]
+        pull -= free[:, :6].T @ free[:, 6:]
+    found, effect = rolling_information.normal_and_effect(run, MODEL)
+    scale = np.sqrt(np.diag(normal))
+    np.testing.assert_allclose(found / np.outer(scale, scale), normal / np.outer(scale, scale), atol=1e-5)
+    np.testing.assert_allclose(effect, np.linalg.solve(normal, pull), rtol=1e-3, atol=1e-9)
+
+
+def test_the_images_errors_are_those_of_least_squares(run, image):
+    """Oracle: 300 images with noise and gains drawn at random, each fitted; variances known to a twelfth (k = 1)."""
+    found = rolling_information.image_errors(run, image, model=MODEL)
+    point = first_order_lag.open_harmonics(MODEL, 2).sum(axis=0)[2]
+    point *= first_order_lag.lag_factor(TURN * 5, CAMERA.time_constant_s, n_harmonics=2)[2]
+    noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
+    scatter = CAMERA.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
+    along, n = np.hypot(noise, scatter), image.light.size
+    design = np.concatenate([image.columns.real / along, image.columns.imag / noise], axis=1).T
+    scale = np.linalg.norm(design, axis=0)
+    random = np.random.default_rng(3)
+    drawn = random.normal(size=(300, 2 * n))
+    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:9] / scale[:9, None]
+    expected = np.sqrt(np.mean(fitted**2, axis=1))
+    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.gains)), expected, rtol=0.15)
+
+
+def test_equal_pixels_leave_noise_alone(run, image):
+    """Oracle: without scatter of gains there is no such error, and noise goes with the root of the frames."""
+    even = replace(run, camera=replace(CAMERA, gain_scatter=0.0))
+    found = rolling_information.image_errors(even, image, model=MODEL)
+    longer = rolling_information.image_errors(replace(even, n_frames=4000), image, model=MODEL)
+    assert np.abs(found.gains).max() < 1e-12
+    np.testing.assert_allclose(np.diag(found.noise), 4 * np.diag(longer.noise), rtol=1e-6)
+
+
+def _predicted(run, image, *, n_runs=1, angles=ANGLES):
+    errors = rolling_information.image_errors(run, image, model=MODEL)
+    told = rolling_information.one_run(run, model=MODEL, angles=angles, image=errors).times(n_runs)
+    found = information.uncertainties(told, {name: {name: 1.0} for name in NAMES})
+    return {each.name: each for each in found}
+
+
+def test_many_runs_leave_the_angles_and_the_pixels_gains(run, image):
+    """Oracle: by hand, 0.5 mrad and half of 0.1 mrad over omega; time constant and row delay know no angles."""
+    found = _predicted(run, image, n_runs=10**8)
+    angle = np.sqrt(5e-4**2 + 1e-4**2 / 4) / (TURN * 5)
+    assert found["trigger_delay"].standard_uncertainty_s == pytest.approx(angle, rel=0.05)
+    for name in ("time_constant", "row_delay"):
+        parts = {part.source: part.standard_uncertainty_s for part in found[name].parts}
+        assert parts[IMAGE] == pytest.approx(found[name].standard_uncertainty_s, rel=0.01)
+        assert parts["mask"] < 1e-3 * parts[IMAGE]
+
+
+def test_noise_falls_with_the_root_of_the_runs(run, image):
+    """Oracle: the law of means, where no pixel differs from another and all angles are known."""
+    even = replace(run, camera=replace(CAMERA, gain_scatter=0.0))
+    exact = AngleErrors(common=(), edge_rad=0.0)
+    one, many = (_predicted(even, image, n_runs=n, angles=exact) for n in (1, 25))
+    for name in NAMES:
+        assert one[name].standard_uncertainty_s == pytest.approx(5 * many[name].standard_uncertainty_s, rel=1e-3)
+
+
+def test_rows_that_stand_for_others_tell_what_all_would(sector, run, monkeypatch):
+    """Oracle: all rows of the opening, one by one; some of them stand for the rest within a tenth."""
+    monkeypatch.setattr(rolling_information, "_ROWS", 8)
+    fewer = replace(run, rows=rolling_information.rows_of(sector))
+    assert fewer.rows.weight == run.rows.row_px.size // 8
+    every, _ = rolling_information.normal_and_effect(run, MODEL)
+    some, _ = rolling_information.normal_and_effect(fewer, MODEL)
+    np.testing.assert_allclose(np.diag(np.linalg.inv(some)), np.diag(np.linalg.inv(every)), rtol=0.1)
