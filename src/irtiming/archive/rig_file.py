@@ -9,7 +9,7 @@ from typing import Any, cast, final
 
 from irtiming.archive.result_file import write_atomically
 from irtiming.errors import ArchiveError, GeometryError
-from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Rotation, Wheel
+from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Rotation, Wheel
 
 _MM = 1e-3
 _DEG = math.pi / 180
@@ -20,6 +20,7 @@ _KEYS = {
         "whole_slots_between",
     ),
     "mask": ("opening_angle_deg", "opening_angle_u_deg", "centre_angle_deg", "centre_angle_u_deg"),
+    "camera": ("distortion", "distortion_u"),
 }  # fmt: skip
 _ROTATIONS = ("clockwise", "counterclockwise")
 _FROM_IDEAL_DEG = 10.0
@@ -27,6 +28,7 @@ _LARGEST = 1e12
 _SMALLEST_HALF_SEPARATION_MM = 1.0
 _LARGEST_MM = 1000.0
 _HALF_TURN_TOLERANCE_RAD = 1e-3
+_DISTORTIONS = (-0.14, 0.5)  # beyond, one number does not describe a lens
 
 
 def read_rig(path: str | Path) -> Rig:
@@ -34,7 +36,7 @@ def read_rig(path: str | Path) -> Rig:
 
     Millimetres and degrees become metres and radians. A number without its ``_u_`` companion counts as exact.
     A single ``cutout_edges_u_rad`` applies to all four edges. Without ``[wheel]`` the wheel has 100 control
-    slots and turns clockwise; without ``cutout_edges_rad`` the record holds None.
+    slots and turns clockwise; without ``cutout_edges_rad`` the record holds None. Without ``[camera]`` the lens is not known.
 
     Raises
     ------
@@ -56,6 +58,7 @@ def read_rig(path: str | Path) -> Rig:
         wheel=_wheel(_Section(where, "wheel", table=table)),
         light_gates=_light_gates(_Section(where, "beams", table=table), _Section(where, "wheel", table=table)),
         mask_opening=_mask_opening(_Section(where, "mask", table=table)),
+        camera=_camera(_Section(where, "camera", table=table)),
         source=str(where),
         sha256=hashlib.sha256(content).hexdigest(),
     )
@@ -88,6 +91,10 @@ def write_rig(rig: Rig, path: str | Path) -> None:
         *_lines("centre_angle", "deg", number=rig.mask_opening.centre_angle_rad),
     ]
     sections = [["[wheel]", *wheel], ["[beams]", *beams], ["[mask]", *mask]]
+    if rig.camera != CameraOptics():
+        lens = rig.camera.distortion
+        stated = [f"distortion_u = {_toml(lens.standard_uncertainty)}"] if lens.standard_uncertainty else []
+        sections.append(["[camera]", f"distortion = {_toml(lens.value)}", *stated])
     write_atomically("\n\n".join("\n".join(lines) for lines in sections) + "\n", path)
 
 
@@ -234,6 +241,23 @@ def _mask_opening(section: _Section) -> MaskOpening:
     if opening.opening_angle_rad.value == 0:
         raise section.impossible("opening_angle_deg", "= 0 deg", cure="it must be greater than 0")
     return opening
+
+
+def _camera(section: _Section) -> CameraOptics:
+    key, companion = "distortion", "distortion_u"
+    if not section.has(key):
+        if section.has(companion):
+            raise section.wrong(companion, f"stands without {key}", cure=f"add {key} or take it out")
+        return CameraOptics()
+    value = section.number(key, section.get(key))
+    if not _DISTORTIONS[0] <= value <= _DISTORTIONS[1]:
+        raise section.impossible(
+            key,
+            f"= {value:g}",
+            cure=f"it must be from {_DISTORTIONS[0]:g} to {_DISTORTIONS[1]:g}: k in r_d = r_u (1 + k r_u^2), in half diagonals "
+            "of the image",
+        )
+    return CameraOptics(distortion=Measured(value, section.uncertainty(companion, section.get(companion, default=0.0))))
 
 
 def _refuse_no_plateau(rig: Rig, path: Path) -> None:

@@ -12,13 +12,13 @@ from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.rolling import ComplexArray
 from irtiming.records.row_timing import SectorFit, SectorShape
 
-SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.name != "mirrored")
+SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
 """Numbers of the sector in the order of its covariance."""
 
 _LEAST_LIGHT_PX2 = 3.0
 _FEWEST_ROWS = 6
 _ANGLES = ("bisector_rad", "opening_angle_rad")
-_STEP_RAD, _STEP_PX = 1e-4, 3e-3
+_STEP_RAD, _STEP_PX, _STEP_DISTORTION = 1e-4, 3e-3, 1e-3
 
 
 @final
@@ -27,7 +27,7 @@ class RowLight:
     """Fourier coefficients over polar angle of the light of each row, px^2.
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
-    ``harmonics`` (n_row, M + 1), and ``changes`` (9, n_row, M + 1), their derivatives to the sector's numbers.
+    ``harmonics`` (n_row, M + 1), and ``changes`` (10, n_row, M + 1), their derivatives to the sector's numbers.
     """
 
     row_px: Ticks
@@ -60,7 +60,7 @@ def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
         )
     changes = []
     for name in SHAPE_NUMBERS:
-        step = _STEP_RAD if name in _ANGLES else _STEP_PX
+        step = _STEP_RAD if name in _ANGLES else _STEP_DISTORTION if name == "distortion" else _STEP_PX
         value = getattr(sector.shape, name)
         ahead = _sector_harmonics(replace(sector.shape, **{name: value + step}), row_px[lit])
         behind = _sector_harmonics(replace(sector.shape, **{name: value - step}), row_px[lit])
@@ -68,9 +68,10 @@ def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
     return RowLight(row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit], changes=np.array(changes))
 
 
-def shape_of(numbers: Array, mirrored: bool) -> SectorShape:
-    """Sector with these nine numbers, in the order of SHAPE_NUMBERS."""
-    return SectorShape(**dict(zip(SHAPE_NUMBERS, map(float, numbers[:9]), strict=True)), mirrored=mirrored)
+def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
+    """Sector with these ten numbers, in the order of SHAPE_NUMBERS, in an image of so many rows and columns."""
+    named = dict(zip(SHAPE_NUMBERS, map(float, numbers[: len(SHAPE_NUMBERS)]), strict=True))
+    return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
 
 
 def _sector_harmonics(shape: SectorShape, row_px: Ticks) -> ComplexArray:

@@ -6,6 +6,9 @@ pixel's projection would be is computed with the very weights that made it, so t
 
 Two things spoil amplitudes and leave phases alone: pixels differ in gain, and the solid wheel mirrors the camera unevenly.
 So a pixel's deviation is split along and across its phase; only along it may differ by the pixels' gain scatter.
+
+A lens that distorts moves the phases where the axle is not in the middle of the image. Where it is, they say nothing of the lens,
+nor does the lens matter; then what rig.toml states holds, or that few lenses distort more than tenths.
 """
 
 from collections.abc import Sequence
@@ -17,13 +20,27 @@ from scipy.optimize import least_squares
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
-from irtiming.estimate.sector_image import PHASE, RING_INNER, RING_OUTER, ROW_DELAY, SCALES, SeenContrast, View
+from irtiming.estimate.sector_image import (
+    BLUR,
+    DISTORTION,
+    PHASE,
+    RING_INNER,
+    RING_OUTER,
+    ROW_DELAY,
+    SCALES,
+    Look,
+    SeenContrast,
+    View,
+)
+from irtiming.physics import lens
 from irtiming.physics.wheel import WheelModel
 from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.rig import Measured, Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.row_timing import SectorFit
 
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
+_FIRMEST_DISTORTION = 1e-5  # uncertainty of one that counts as exact
 _SIGNIFICANT = 2.0  # standard uncertainties of a pixel's contrast, below which an excess counts as noise
 _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
@@ -31,11 +48,12 @@ _BORDER = 0.35  # about half of full contrast
 _FIRST_SCATTER = 0.02
 _MOST_EVALUATIONS = 30
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
+_N_PRIORS = 3
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 
 
 def fit(
-    recordings: Sequence[ReducedRows], wheel: WheelModel, *, mirrored: bool, lag: tuple[Array, float],
+    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float],
     start: SectorFit | None = None,
 ) -> SectorFit:  # fmt: skip
     """Sector fitted to the contrast images of all recordings.
@@ -46,8 +64,8 @@ def fit(
         Of one camera in one place.
     wheel
         Geometry of wheel and gates.
-    mirrored
-        Whether the wheel turns counterclockwise.
+    rig
+        Which way the wheel turns, and what is known of the lens.
     lag
         Edge delays (4,) and time constant as known so far, s; they matter only where frames are missing.
     start
@@ -63,35 +81,44 @@ def fit(
     good = np.asarray(np.all([one.contrast.good for one in recordings], axis=0))
     view = View(
         roi=first.contrast.roi,
+        image=first.opening.mask.shape,
         good=good,
         summed=_summed(first),
-        mirrored=mirrored,
+        mirrored=rig.wheel.rotation == "counterclockwise",
         field_prior=_FIELD_PRIORS[1] if start is None else float(np.clip(start.hills, *_FIELD_PRIORS)),
     )
     imperfect = np.full(good.shape, _FIRST_SCATTER) if start is None else _imperfect(start)
     along = [np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen]
-    begin = sector_image.first_guess(seen[0], view) if start is None else _numbers(start)
+    begin = _begin(seen[0], view, rig) if start is None else _numbers(start)
 
     def misfit(numbers: Array) -> Array:
         fits = [
             sector_image.fitted(look, numbers, view=view, u_along_dn=u) for look, u in zip(seen, along, strict=True)
         ]
-        return np.concatenate([_ring_prior(numbers), *(one.misfit for one in fits)])
+        return np.concatenate([_priors(numbers, rig.camera.distortion), *(one.misfit for one in fits)])
 
     low, high = np.full(SCALES.size, -np.inf), np.full(SCALES.size, np.inf)
-    low[[4, RING_INNER]], low[8], high[8] = 0.0, _SHARPEST_PX, _MOST_BLURRED_PX
-    begin = np.clip(begin, low + 1e-6, high)
+    low[[4, RING_INNER]], low[BLUR], high[BLUR] = 0.0, _SHARPEST_PX, _MOST_BLURRED_PX
+    low[DISTORTION], high[DISTORTION] = lens.LOWEST, lens.HIGHEST
+    begin = np.clip(begin, low + 1e-6, high - 1e-6)
     found = least_squares(misfit, begin, x_scale=SCALES, bounds=(low, high), max_nfev=_MOST_EVALUATIONS, ftol=1e-6)
     numbers, residual = np.asarray(found.x), np.asarray(found.fun)
     _check(numbers, first)
     n_good = int(good.sum())
     pixels = np.concatenate(
-        [2 + np.arange(2 * n_good) + k * ((residual.size - 2) // len(seen)) for k in range(len(seen))]
+        [_N_PRIORS + np.arange(2 * n_good) + k * ((residual.size - _N_PRIORS) // len(seen)) for k in range(len(seen))]
     )
     covariance = _covariance(np.asarray(found.jac), residual, pixels.reshape(2 * len(seen), n_good))
     contrast = sector_image.contrast(seen, numbers, view=view, u_along_dn=along)
     told = _told(contrast, numbers, view=view, known=(covariance, float(np.mean(residual[pixels] ** 2))))
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+
+
+def _begin(seen: Look, view: View, rig: Rig) -> Array:
+    """What the image shows, through the lens that rig.toml states."""
+    numbers = sector_image.first_guess(seen, view)
+    numbers[DISTORTION] = rig.camera.distortion.value
+    return numbers
 
 
 def _told(seen: SeenContrast, numbers: Array, *, view: View, known: tuple[Array, float]) -> SectorFit:
@@ -105,8 +132,8 @@ def _told(seen: SeenContrast, numbers: Array, *, view: View, known: tuple[Array,
     border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
     covariance, chi_square = known
     return SectorFit(
-        shape=shape_of(numbers, view.mirrored),
-        covariance=covariance[:9, :9],
+        shape=shape_of(numbers, view.mirrored, image=view.image),
+        covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
         contrast=seen.light + seen.uneven + seen.plate + seen.residual,
         model_contrast=seen.light,
         plate=seen.plate * summed,
@@ -156,10 +183,11 @@ def _numbers(found: SectorFit) -> Array:
     )
 
 
-def _ring_prior(numbers: Array) -> Array:
-    """A loose word on the radii of the cutouts, for where the plate does not show."""
+def _priors(numbers: Array, distortion: Measured) -> Array:
+    """A loose word on the radii of the cutouts, for where the plate does not show, and what is known of the lens."""
     margin = np.array([numbers[4] - numbers[RING_INNER], numbers[RING_OUTER] - numbers[5]])
-    return np.asarray((margin - _RING_MARGIN_PX) / _RING_MARGIN_PX)
+    off = (numbers[DISTORTION] - distortion.value) / max(distortion.standard_uncertainty, _FIRMEST_DISTORTION)
+    return np.array([*(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX, off])
 
 
 def _summed(rows: ReducedRows) -> Mask:
@@ -180,10 +208,14 @@ def _check(numbers: Array, rows: ReducedRows) -> None:
 def _covariance(jacobian: Array, residual: Array, pixels: Ticks) -> Array:
     """Covariance that holds for pixels that differ from the model by more than noise, each a cluster of its own.
 
-    ``pixels`` (n, n_good) are the places in the residual that belong to each pixel.
+    ``pixels`` (n, n_good) are the places in the residual that belong to each pixel. In no direction is it smaller than noise
+    and priors alone would make it.
     """
-    white = np.linalg.pinv(jacobian.T @ jacobian)
-    scores = (jacobian * residual[:, None])[pixels].sum(axis=0)
-    found = white @ (scores.T @ scores) @ white
-    stretch = np.sqrt(np.maximum(1.0, np.diag(white) / np.maximum(np.diag(found), 1e-300)))
-    return np.asarray(found * np.outer(stretch, stretch))
+    scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
+    scaled = jacobian / np.where(scale > 0, scale, 1)
+    sizes, axes = np.linalg.eigh(scaled.T @ scaled)
+    white = axes / np.sqrt(np.maximum(sizes, 1e-12 * sizes[-1]))  # its square is the covariance of white noise
+    scores = (scaled * residual[:, None])[pixels].sum(axis=0) @ white
+    spread, turn = np.linalg.eigh(scores.T @ scores)
+    root = white @ turn * np.sqrt(np.maximum(spread, 1.0)) / np.where(scale > 0, scale, 1)[:, None]
+    return np.asarray(root @ root.T)

@@ -1,6 +1,6 @@
 """The contrast image that a blurred sector would give, and what a measured one says of it.
 
-Thirteen numbers are searched for: the nine of the sector's shape, the row delay in s, the phase of the image, and the radii in
+Fourteen numbers are searched for: the ten of the sector's shape, the row delay in s, the phase of the image, and the radii in
 px of the ring that the wheel's cutouts sweep. Others enter linearly and are solved for at each step: the contrast of the
 opening; that of the mask plate beside it, seen where the wheel is cut out, for it need not be as warm as the wheel; and a
 smooth field over the ring, since the solid wheel mirrors the camera unevenly.
@@ -23,8 +23,8 @@ from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.rolling import ComplexArray, ReducedRows
 
-SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 1e-5, 0.05, 2.0, 2.0])
-ROW_DELAY, PHASE, RING_INNER, RING_OUTER = 9, 10, 11, 12
+SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 0.02, 1e-5, 0.05, 2.0, 2.0])
+BLUR, DISTORTION, ROW_DELAY, PHASE, RING_INNER, RING_OUTER = 8, 9, 10, 11, 12, 13
 _TABLE = 8192
 _CENTRE_STEPS = 9
 _FIRST_BLUR_PX = 0.7
@@ -35,12 +35,14 @@ _FIELD_NODES = 7  # along rows and along columns
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class View:
-    """Region of interest; good pixels and summed pixels in it, shape (roi rows, roi columns); mirrored or not.
+    """Region of interest, good pixels and summed pixels in it, shape (roi rows, roi columns); mirrored or not.
 
-    ``field_prior`` is how high, roughly, the hills of the smooth field may be, as a share of the contrast.
+    ``image`` is the number of rows and columns of the whole image, ``field_prior`` how high, roughly, the hills of the smooth
+    field may be, as a share of the contrast.
     """
 
     roi: tuple[int, int, int, int]
+    image: tuple[int, ...]
     good: Mask
     summed: Mask
     mirrored: bool
@@ -172,7 +174,7 @@ def _point_table(recordings: list[ReducedRows], wheel: WheelModel, lag: tuple[Ar
 
 def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitted:
     """Model for these numbers; what is linear is solved for by weighted least squares over the good pixels."""
-    shape, row_turn = shape_of(numbers, view.mirrored), look.omega * numbers[ROW_DELAY]
+    shape, row_turn = shape_of(numbers, view.mirrored, image=view.image), look.omega * numbers[ROW_DELAY]
     points = blurred_sector.border_points(shape)
     value = look.values(points.angle_rad - row_turn * points.row_px) * np.exp(-2j * row_turn * points.row_px)
     border = blurred_sector.image(points, value, blur_px=shape.blur_px, roi=view.roi) * np.exp(
@@ -212,18 +214,18 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
 
 
 def _ring(radius: Array, numbers: Array) -> Array:
-    width = float(np.hypot(numbers[8], np.sqrt(1 / 12)))
+    width = float(np.hypot(numbers[BLUR], np.sqrt(1 / 12)))
     return np.asarray(ndtr((radius - numbers[RING_INNER]) / width) * ndtr((numbers[RING_OUTER] - radius) / width))
 
 
 def _smear(radius: Array, numbers: Array) -> Array:
     """What the width of a pixel leaves of exp(-2 i phi)."""
-    return np.exp(-2 * (numbers[8] ** 2 + 1 / 12) / np.maximum(radius, 1.0) ** 2)
+    return np.asarray(np.exp(-2 * (numbers[BLUR] ** 2 + 1 / 12) / np.maximum(radius, 1.0) ** 2))
 
 
 def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[Array]) -> SeenContrast:
     """What the images say of each pixel beyond the model."""
-    shape = shape_of(numbers, view.mirrored)
+    shape = shape_of(numbers, view.mirrored, image=view.image)
     points = blurred_sector.light_points(shape)
     light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=view.roi).real
     moment = blurred_sector.image(points, points.angle_rad.astype(complex), blur_px=shape.blur_px, roi=view.roi).real
@@ -276,7 +278,7 @@ def first_guess(look: Look, view: View) -> Array:
     ring = (max(0.0, inner - _CUTOUT_MARGIN_PX), outer + _CUTOUT_MARGIN_PX)
     phase = float(np.angle(np.sum(turned)))
     return np.array([
-        centre[0], sense * centre[1], 0, 0, inner, outer, middle, angle, _FIRST_BLUR_PX, 0.0, phase, *ring
+        centre[0], sense * centre[1], 0, 0, inner, outer, middle, angle, _FIRST_BLUR_PX, 0.0, 0.0, phase, *ring
     ])  # fmt: skip
 
 

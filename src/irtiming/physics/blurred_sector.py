@@ -10,6 +10,7 @@ offset                 centre of the mask's own arcs minus the axle, rows and co
 inner, outer radius    of the arcs about the mask's own centre, px
 bisector               direction of the mask's bisector, polar angle in the image
 opening angle          gamma, between the two radial edges
+distortion             of the lens (`physics.lens`); offset, radii and angles are those of the undistorted, flat plane
 blur                   standard deviation of the Gaussian that smears light along rows and columns, px
 =====================  =======================================================================================
 
@@ -26,6 +27,7 @@ from typing import Any, final
 import numpy as np
 from numba import njit
 
+from irtiming.physics.lens import Lens
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.rolling import ComplexArray
 from irtiming.records.row_timing import SectorShape
@@ -48,26 +50,85 @@ class LightPoints:
     area_px2: Array
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Nodes:
+    """Quadrature over the sector in the flat plane, from the axle, columns counted in the wheel's sense; shapes (n,), px."""
+
+    down: Array
+    across: Array
+    area: Array
+
+
 def light_points(shape: SectorShape) -> LightPoints:
     """Gauss-Legendre nodes in radius and angle, close enough for the blur."""
-    gap = _NODES_PER_BLUR * shape.blur_px * 2 / np.pi
+    return _in_image(shape, _nodes(shape))
+
+
+def border_points(shape: SectorShape) -> LightPoints:
+    """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
+    nodes = _nodes(shape)
+    near = _depth_px(shape, nodes.down, nodes.across) < 2 * (_REACH * shape.blur_px + 1)
+    return _in_image(shape, _Nodes(down=nodes.down[near], across=nodes.across[near], area=nodes.area[near]))
+
+
+def _nodes(shape: SectorShape) -> _Nodes:
+    gap = _NODES_PER_BLUR * shape.blur_px * 2 / np.pi / _widest(shape)
     half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
     half_angle = shape.opening_angle_rad / 2
     radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / gap)))
     around, around_weight = _gauss_legendre(max(8, math.ceil(2 * half_angle * shape.outer_radius_px / gap)))
     radius = shape.inner_radius_px + half_width * (1 + radial)
     polar = shape.bisector_rad + half_angle * around
-    down = shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel()
-    across = shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()
-    area = np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel()
-    sense = -1.0 if shape.mirrored else 1.0
-    angle = np.arctan2(down, across) - shape.bisector_rad
-    return LightPoints(
-        row_px=shape.axle_row_px + down,
-        column_px=shape.axle_column_px + sense * across,
-        angle_rad=np.mod(angle + np.pi, 2 * np.pi) - np.pi,
-        area_px2=area,
+    return _Nodes(
+        down=shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
+        across=shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel(),
+        area=np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
     )
+
+
+def _in_image(shape: SectorShape, nodes: _Nodes) -> LightPoints:
+    """Places in the image, and areas there."""
+    row, column = _from_axle(shape, nodes.down, nodes.across)
+    lens = lens_of(shape)
+    along, beside = lens.magnification(row, column)
+    row, column = lens.seen(row, column)
+    angle = np.arctan2(nodes.down, nodes.across) - shape.bisector_rad
+    return LightPoints(
+        row_px=row,
+        column_px=column,
+        angle_rad=np.mod(angle + np.pi, 2 * np.pi) - np.pi,
+        area_px2=nodes.area * along * beside,
+    )
+
+
+def lens_of(shape: SectorShape) -> Lens:
+    """Lens through which the sector is seen."""
+    return Lens(distortion=shape.distortion, rows=shape.image_rows, columns=shape.image_columns)
+
+
+def _from_axle(shape: SectorShape, down: Array, across: Array) -> tuple[Array, Array]:
+    """Row and column in the flat plane of places counted from the axle in the wheel's sense."""
+    row, column = lens_of(shape).flat(shape.axle_row_px, shape.axle_column_px)
+    return row + down, column + (-1.0 if shape.mirrored else 1.0) * across
+
+
+def _to_axle(shape: SectorShape, row_px: Array, column_px: Array) -> tuple[Array, Array]:
+    """Places of the image in the flat plane, counted from the axle in the wheel's sense."""
+    lens = lens_of(shape)
+    axle_row, axle_column = lens.flat(shape.axle_row_px, shape.axle_column_px)
+    row, column = lens.flat(row_px, column_px)
+    return row - axle_row, (-1.0 if shape.mirrored else 1.0) * (column - axle_column)
+
+
+def _widest(shape: SectorShape) -> float:
+    """Magnification that no place of the sector exceeds."""
+    lens = lens_of(shape)
+    if lens.distortion <= 0:
+        return 1.0
+    row, column = lens.flat(shape.axle_row_px, shape.axle_column_px)
+    off = math.hypot(row - lens.middle_px[0], column - lens.middle_px[1])
+    reach = off + math.hypot(shape.offset_row_px, shape.offset_column_px) + shape.outer_radius_px
+    return 1 + 3 * lens.distortion * (reach / lens.half_diagonal_px) ** 2
 
 
 @lru_cache(maxsize=256)
@@ -76,39 +137,30 @@ def _gauss_legendre(n: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(n)
 
 
-def border_points(shape: SectorShape) -> LightPoints:
-    """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
-    points = light_points(shape)
-    depth = _depth_px(shape, points.row_px, points.column_px)
-    near = depth < 2 * (_REACH * shape.blur_px + 1)
-    return LightPoints(
-        row_px=points.row_px[near],
-        column_px=points.column_px[near],
-        angle_rad=points.angle_rad[near],
-        area_px2=points.area_px2[near],
-    )
-
-
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    rows, columns = np.arange(roi[0], roi[1], dtype=float)[:, None], np.arange(roi[2], roi[3], dtype=float)[None, :]
-    return np.asarray(_depth_px(shape, rows, columns) > _REACH * shape.blur_px + 1)
+    return np.asarray(_depth_px(shape, *_to_axle(shape, *_pixels(roi))) > _REACH * shape.blur_px + 1)
 
 
-def _depth_px(shape: SectorShape, row_px: Array, column_px: Array) -> Array:
-    """Distance to the nearest border of the sector, px; negative outside."""
-    down = row_px - shape.axle_row_px - shape.offset_row_px
-    across = (-1.0 if shape.mirrored else 1.0) * (column_px - shape.axle_column_px) - shape.offset_column_px
+def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
+    """Rows, as a column, and columns, as a row, of the region."""
+    return np.arange(roi[0], roi[1], dtype=float)[:, None], np.arange(roi[2], roi[3], dtype=float)[None, :]
+
+
+def _depth_px(shape: SectorShape, down: Array, across: Array) -> Array:
+    """Distance in the image to the nearest border of the sector, px, or a little less; negative outside."""
+    along, beside = lens_of(shape).magnification(*_from_axle(shape, down, across))
+    down, across = down - shape.offset_row_px, across - shape.offset_column_px
     radius = np.hypot(down, across)
     off = np.abs(np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi)
-    beside = radius * np.sin(np.clip(shape.opening_angle_rad / 2 - off, -np.pi / 2, np.pi / 2))
-    return np.minimum(np.minimum(radius - shape.inner_radius_px, shape.outer_radius_px - radius), beside)
+    edge = radius * np.sin(np.clip(shape.opening_angle_rad / 2 - off, -np.pi / 2, np.pi / 2))
+    depth = np.minimum(np.minimum(radius - shape.inner_radius_px, shape.outer_radius_px - radius), edge)
+    return np.asarray(depth * np.minimum(along, beside))
 
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
-    """Polar angle from the bisector (rad) and distance from the axle (px) of each pixel's centre, (roi rows, roi columns)."""
-    down = np.arange(roi[0], roi[1])[:, None] - shape.axle_row_px
-    across = (-1.0 if shape.mirrored else 1.0) * (np.arange(roi[2], roi[3])[None, :] - shape.axle_column_px)
+    """Polar angle from the bisector (rad) and distance from the axle (flat px) of pixel centres, (roi rows, roi columns)."""
+    down, across = _to_axle(shape, *_pixels(roi))
     angle = np.arctan2(down + 0.0 * across, across + 0.0 * down) - shape.bisector_rad
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi, np.hypot(down, across)
 

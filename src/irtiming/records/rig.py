@@ -1,4 +1,4 @@
-"""The rig as its owner measured it: wheel, light gates and mask opening (rig.toml in SI units)."""
+"""The rig as its owner measured it: wheel, light gates, mask opening and lens (rig.toml in SI units)."""
 
 from dataclasses import dataclass, field
 from typing import Literal, final
@@ -59,11 +59,23 @@ class MaskOpening:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class CameraOptics:
+    """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half diagonals of the image.
+
+    Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
+    """
+
+    distortion: Measured = Measured(0.0, 0.1)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Rig:
     """All that a person measured on the rig; ``source`` and ``sha256`` say where it was read."""
 
     wheel: Wheel = field(default_factory=Wheel)
     light_gates: LightGates
     mask_opening: MaskOpening
+    camera: CameraOptics = field(default_factory=CameraOptics)
     source: str = ""
     sha256: str = ""

@@ -15,8 +15,10 @@ class SectorShape:
     ``axle_row_px``, ``axle_column_px`` say where the wheel's axle appears; polar angles are taken about it. The mask's own
     arcs have their centre ``offset_row_px``, ``offset_column_px`` beside it, and radii about that centre. ``bisector_rad`` is
     the direction of the mask's bisector, ``opening_angle_rad`` gamma, ``blur_px`` the standard deviation of the Gaussian that
-    smears light along rows and along columns. ``mirrored`` is true for a counterclockwise wheel: then columns are counted
-    leftwards from the axle, and polar angles, bisector and column offset with them.
+    smears light along rows and along columns of the image. ``distortion`` is that of the lens (`physics.lens`), in an image of
+    ``image_rows`` by ``image_columns`` pixels: offsets, radii and angles are those of the undistorted plane. ``mirrored`` is
+    true for a counterclockwise wheel: then columns are counted leftwards from the axle, and polar angles, bisector and column
+    offset with them.
     """
 
     axle_row_px: float
@@ -28,7 +30,10 @@ class SectorShape:
     bisector_rad: float
     opening_angle_rad: float
     blur_px: float
+    distortion: float = 0.0
     mirrored: bool = False
+    image_rows: int = 0
+    image_columns: int = 0
 
 
 @final
@@ -39,7 +44,7 @@ class SectorFit:
     Parameters
     ----------
     shape, covariance
-        The sector; covariance (9, 9) of its numbers, in their order.
+        The sector; covariance (10, 10) of its numbers, in their order.
     contrast
         Shape (roi rows, roi columns); how much each pixel takes part, as measured: about 1 for a pixel wholly in the light.
     model_contrast
@@ -105,7 +110,7 @@ class RowTimingFit:
     covariance_s2
         Shape (6, 6), in the order of the four edge delays, tau, t_row: from the residuals.
     shape_effect
-        Shape (6, 9); change of the six per unit of each number of the sector's shape.
+        Shape (6, 10); change of the six per unit of each number of the sector's shape.
     start_s
         Where the search began: delay, tau, t_row.
     n_steps
@@ -124,6 +129,8 @@ class RowTimingFit:
         Shape (n_row,); row sum from covered to open, DN; negative for a cold blackbody.
     widening
         Factor on the variances because the residuals are correlated; 1 when they are white.
+    blackbody_temperature_k
+        As the recording tells it; None where it does not.
     """
 
     name: str
@@ -145,6 +152,7 @@ class RowTimingFit:
     harmonics: ComplexArray
     gain_dn: Array
     widening: float
+    blackbody_temperature_k: float | None = None
 
 
 @final

@@ -4,20 +4,36 @@ Each pixel of the opening is covered twice and uncovered twice a turn. The phase
 over the wheel angle is therefore twice its polar angle about the axle, whatever the delay: no mask, edge or lens is
 needed to find the centre. The mask's own two edges then give its bisector. Where the mask's centre is not the axle, the
 mean angle of the light that comes through differs from the bisector, and the opening fraction is shifted by as much.
+
+All of these are angles in the plane that the lens has not distorted (`physics.lens`). Where the axle is not in the middle of the
+image the same phases tell the distortion; where it is, what rig.toml states of it holds, and matters little.
 """
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 from scipy import ndimage
 from scipy.optimize import least_squares
 
-from irtiming.records.arrays import Array, Mask
+from irtiming.physics.lens import HIGHEST, LOWEST, Lens
+from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.reduced import AxleView, Opening
+from irtiming.records.rig import Measured, Rig
 
 _ENOUGH_PIXELS = 200
+_U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated images of 160 to 640 columns showed
+_FIRMEST = 1e-5  # uncertainty of a distortion that counts as exact
+_ROUNDS = 3
+_CLUSTER_PX = 3.0
+_FAINTEST = 0.7  # of the light, to be evened out
+_U_EVENED = 0.3  # of what evening out turns the bisector by: the plate beside the opening mirrors the camera too
+_DEGREE = 4  # of the polynomial that evens the light out
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 
 
-def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, turns_clockwise: bool) -> AxleView | None:
+def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) -> AxleView | None:
     """Axle and mask in the image from the second harmonic of the pixel values.
 
     Parameters
@@ -28,8 +44,8 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, turns_clockw
         From the same recording.
     pixel_gain
         Gain of the non-uniformity correction in the region of interest, same shape as its pixels; 0 for a bad pixel.
-    turns_clockwise
-        Direction of the wheel in the image.
+    rig
+        Direction of the wheel in the image, and what is known of the lens.
 
     Returns
     -------
@@ -44,27 +60,27 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, turns_clockw
     if inside.sum() < 50:
         return None
     rows, columns = np.mgrid[row0:row1, column0:column1].astype(float)
-    sense = 1.0 if turns_clockwise else -1.0
+    sense = 1.0 if rig.wheel.rotation == "clockwise" else -1.0
     phase = sense * np.arctan2(harmonic[1], harmonic[0])
-    centre, u_centre = _centre(phase[inside], rows[inside], columns[inside])
-    polar = np.arctan2(rows - centre[0], columns - centre[1])
-    radius = np.hypot(rows - centre[0], columns - centre[1])[inside]
-    low, high = np.quantile(radius, [0.02, 0.98])
-    span = tuple(float(low + part * (high - low)) for part in _EDGE_SPAN)
+    places = (rows[inside], columns[inside])
+    image = opening.mask.shape
+    seen = _centre(phase[inside], places, image=image, distortion=rig.camera.distortion)
     summed = opening.weight > 0
     light = np.where(summed | (~good & ndimage.binary_dilation(summed)), contrast, 0.0)
-    middle = np.angle(np.sum(light * np.exp(1j * polar)))
-    offset = np.mod(polar - middle + np.pi, 2 * np.pi) - np.pi
-    origin = (float(centre[0]) - row0, float(centre[1]) - column0)
-    bisector, u_bisector = _bisector(light, origin, float(middle), (span[0], span[1]))
-    mean_offset = float(np.sum(light * offset) / np.sum(light))
+    told = _mask(seen, light, corner=(row0, column0), inside=inside)
+    u_view = _by_view(seen, told, lambda other: _mask(other, light, corner=(row0, column0), inside=inside))
+    u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
     return AxleView(
-        row_px=float(centre[0]),
-        column_px=float(centre[1]),
-        u_centre_px=u_centre,
-        bisector_rad=float(middle + bisector),
-        u_bisector_rad=u_bisector,
-        mean_angle_rad=float(middle + mean_offset),
+        row_px=float(seen.place[0]),
+        column_px=float(seen.place[1]),
+        u_centre_px=float(np.sqrt(max(seen.covariance[0, 0], seen.covariance[1, 1]))),
+        bisector_rad=told.bisector_rad,
+        u_bisector_rad=float(np.linalg.norm([u_ends, u_view, _U_EVENED * told.evened_rad])),
+        mean_angle_rad=told.mean_angle_rad,
+        edge_miss_px=(float(told.ends.miss_px[0]), float(told.ends.miss_px[1])),
+        u_edge_miss_px=float(np.hypot(told.ends.u_miss_px.max(), _U_STRAIGHT_PX)),
+        distortion=float(seen.place[2]),
+        u_distortion=float(np.sqrt(seen.covariance[2, 2])),
     )
 
 
@@ -86,49 +102,184 @@ def _well_inside(opening: Opening) -> Mask:
     return mask
 
 
-def _centre(phase: Array, rows: Array, columns: Array) -> tuple[Array, float]:
-    """Centre about which the phases are twice the polar angles, and its standard uncertainty, px."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _View:
+    """Row and column of the axle in the image (px) and distortion, shape (3,), their covariance, and the size of the image."""
+
+    place: Array
+    covariance: Array
+    image: tuple[int, ...]
+
+    @property
+    def lens(self) -> Lens:
+        return Lens(distortion=float(self.place[2]), rows=self.image[0], columns=self.image[1])
+
+    def from_axle(self, rows: Array, columns: Array) -> tuple[Array, Array]:
+        """Places of the image, from the axle down and to the right in the undistorted plane, px."""
+        return _from_axle(self.place, rows, columns, image=self.image)
+
+    def in_image(self, down: Array, across: Array) -> tuple[Array, Array]:
+        """The way back."""
+        row, column = self.lens.flat(*self.place[:2])
+        back: tuple[Array, Array] = self.lens.seen(row + down, column + across)
+        return back
+
+
+def _from_axle(place: Array, rows: Array, columns: Array, *, image: tuple[int, ...]) -> tuple[Array, Array]:
+    lens = Lens(distortion=float(place[2]), rows=image[0], columns=image[1])
+    axle = lens.flat(float(place[0]), float(place[1]))
+    row, column = lens.flat(rows, columns)
+    return row - axle[0], column - axle[1]
+
+
+def _centre(phase: Array, places: tuple[Array, Array], *, image: tuple[int, ...], distortion: Measured) -> _View:
+    """Axle and distortion with which the phases are twice the polar angles."""
+    rows, columns = places
 
     def misfit(p: Array) -> Array:
-        polar = np.arctan2(rows - p[0], columns - p[1])
-        return np.asarray(np.angle(np.exp(1j * (phase - 2 * polar - p[2]))))
+        down, across = _from_axle(np.array([p[0], p[1], p[3]]), rows, columns, image=image)
+        return np.asarray(np.angle(np.exp(1j * (phase - 2 * np.arctan2(down, across) - p[2]))))
 
-    def start(row: float, column: float) -> tuple[float, float, float]:
+    def start(row: float, column: float) -> Array:
         polar = np.arctan2(rows - row, columns - column)
-        return row, column, float(np.angle(np.mean(np.exp(1j * (phase - 2 * polar)))))
+        turned = float(np.angle(np.mean(np.exp(1j * (phase - 2 * polar)))))
+        return np.array([row, column, turned, distortion.value])
 
     row, column, reach = rows.mean(), columns.mean(), np.ptp(rows) + np.ptp(columns)
     around = [(row + reach * a, column + reach * b) for a in (-1, -0.5, 0, 0.5, 1) for b in (-1, -0.5, 0, 0.5, 1)]
-    best = min((start(r, c) for r, c in around), key=lambda p: float(np.sum(misfit(np.asarray(p)) ** 2)))
-    fit = least_squares(misfit, best, x_scale=(1.0, 1.0, 0.1))
-    jacobian: Array = np.asarray(fit.jac)
-    covariance = np.linalg.pinv(jacobian.T @ jacobian) * float(np.mean(fit.fun**2))
-    return fit.x[:2], float(np.sqrt(max(covariance[0, 0], covariance[1, 1])))
+    best = min((start(r, c) for r, c in around), key=lambda p: float(np.sum(misfit(p) ** 2)))
+    u = max(distortion.standard_uncertainty, _FIRMEST)
+    limits = ([-np.inf, -np.inf, -np.inf, LOWEST], [np.inf, np.inf, np.inf, HIGHEST])
+    scatter, covariance = 0.0, np.zeros((4, 4))
+    for _ in range(_ROUNDS):  # the prior weighs as much as the pixels' scatter lets it
+        weight = scatter / u
+
+        def known(p: Array, weight: float = weight) -> Array:
+            return np.append(misfit(p), weight * (p[3] - distortion.value))
+
+        fit = least_squares(known, best, x_scale=(1.0, 1.0, 0.1, 0.02), bounds=limits)
+        best, jacobian = fit.x, np.asarray(fit.jac)
+        down, across = _from_axle(best[[0, 1, 3]], rows, columns, image=image)
+        pixels = _clusters(down, across)
+        scatter = _scatter(jacobian[:-1], fit.fun[:-1], pixels)
+        covariance = np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-14) * scatter**2
+    kept = np.array([0, 1, 3])
+    return _View(place=best[kept], covariance=covariance[np.ix_(kept, kept)], image=image)
 
 
-def _bisector(
-    contrast: Array, origin: tuple[float, float], middle: float, radii: tuple[float, float]
-) -> tuple[float, float]:
-    """Direction of the bisector of the mask's straight edges relative to ``middle``, and its uncertainty, rad.
+def _clusters(down: Array, across: Array) -> Ticks:
+    """Number of the sector of a few pixels' width that a place lies in: an edge passes it in the same frames."""
+    radius = float(np.hypot(down, across).mean())
+    middle = float(np.arctan2(down.mean(), across.mean()))
+    apart = np.mod(np.arctan2(down, across) - middle + np.pi, 2 * np.pi)
+    return np.unique((apart * radius / _CLUSTER_PX).astype(np.int64), return_inverse=True)[1]
+
+
+def _scatter(jacobian: Array, residual: Array, clusters: Ticks) -> float:
+    """Standard deviation of a pixel's phase, were pixels independent: neighbours around the axle share the wheel's errors.
+
+    By as much as the scores of whole clusters scatter more than those of their pixels would.
+    """
+    scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
+    whitened = np.linalg.qr(jacobian / scale)[0] * residual[:, None]
+    n = int(clusters.max()) + 1
+    sums = np.array([np.bincount(clusters, one, n) for one in whitened.T])
+    alone, together = float(np.mean(residual**2)), float(np.mean(np.sum(sums**2, axis=1))) * n / max(n - 4, 1)
+    return float(np.sqrt(max(alone, together)))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Ends:
+    """The mask's two straight edges, that of the smaller polar angle first.
+
+    At the radius r an edge stands at direction + miss / r. Directions are relative to the middle of the mask; shapes (2,).
+    """
+
+    direction_rad: Array
+    u_direction_rad: Array
+    miss_px: Array
+    u_miss_px: Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Mask:
+    """Direction of the bisector, by how much evening the light out turned it, mean angle of the light, and the edges."""
+
+    bisector_rad: float
+    evened_rad: float
+    mean_angle_rad: float
+    ends: _Ends
+
+
+def _mask(view: _View, light: Array, *, corner: tuple[int, int], inside: Mask) -> _Mask:
+    """The mask about the axle; ``light`` (roi rows, roi columns) is the contrast of the region that begins at ``corner``."""
+    rows, columns = np.mgrid[: light.shape[0], : light.shape[1]].astype(float)
+    down, across = view.from_axle(rows + corner[0], columns + corner[1])
+    polar, radius = np.arctan2(down, across), np.hypot(down, across)[inside]
+    low, high = np.quantile(radius, [0.02, 0.98])
+    span = (float(low + _EDGE_SPAN[0] * (high - low)), float(low + _EDGE_SPAN[1] * (high - low)))
+    middle = float(np.angle(np.sum(light * np.exp(1j * polar))))
+    offset = np.mod(polar - middle + np.pi, 2 * np.pi) - np.pi
+    ends = _ends(_even(light, inside), view, corner=corner, middle=middle, radii=span)
+    uneven = _ends(light, view, corner=corner, middle=middle, radii=span)
+    return _Mask(
+        bisector_rad=float(middle + ends.direction_rad.mean()),
+        evened_rad=float(np.mean(ends.direction_rad - uneven.direction_rad)),
+        mean_angle_rad=middle + float(np.sum(light * offset) / np.sum(light)),
+        ends=ends,
+    )
+
+
+def _even(light: Array, inside: Mask) -> Array:
+    """Light over its own smooth course within the opening: the wheel mirrors the camera unevenly, and edges look displaced."""
+    rows, columns = (np.linspace(-1, 1, n) for n in light.shape)
+    terms = [np.multiply.outer(rows**a, columns**b) for a in range(_DEGREE + 1) for b in range(_DEGREE + 1 - a)]
+    found, *_ = np.linalg.lstsq(np.array([term[inside] for term in terms]).T, light[inside], rcond=None)
+    course = np.einsum("k,kij->ij", found, np.array(terms))
+    return np.asarray(light / np.clip(course, _FAINTEST, 2 - _FAINTEST))
+
+
+def _by_view(view: _View, told: _Mask, look: Callable[[_View], _Mask]) -> float:
+    """Uncertainty of mean angle minus bisector because axle and distortion are uncertain, rad."""
+    sizes, axes = np.linalg.eigh(view.covariance)
+    steps = axes * np.sqrt(np.maximum(sizes, 0.0))
+    others = [
+        look(replace(view, place=np.append((view.place + step)[:2], _possible((view.place + step)[2]))))
+        for step in steps.T
+    ]
+    moved = [(one.mean_angle_rad - one.bisector_rad) - (told.mean_angle_rad - told.bisector_rad) for one in others]
+    return float(np.linalg.norm(moved))
+
+
+def _possible(distortion: float) -> float:
+    return float(np.clip(distortion, LOWEST, HIGHEST))
+
+
+def _ends(contrast: Array, view: _View, *, corner: tuple[int, int], middle: float, radii: tuple[float, float]) -> _Ends:
+    """Both straight edges of the mask.
 
     On each arc about the axle the light on one side of the middle reaches as far as the edge: its sum, not a threshold,
-    gives the end. A straight edge that misses the axle by p ends at direction + p / radius.
+    gives the end.
     """
     n_rings = max(6, int(radii[1] - radii[0]))
     radius = np.linspace(*radii, n_rings)
     fan = np.linspace(0, np.pi / 2, max(200, int(4 * radii[1])))
     design = np.stack([np.ones(n_rings), 1 / radius], axis=1)
-    ends, variances = [], []
-    for side in (-1, 1):
+    found, variances = np.zeros((2, 2)), np.zeros((2, 2))
+    for k, side in enumerate((-1, 1)):
         polar = middle + side * fan
-        where = (
-            origin[0] + radius[:, None] * np.sin(polar),
-            origin[1] + radius[:, None] * np.cos(polar),
-        )
-        light = ndimage.map_coordinates(contrast, where, order=5, mode="nearest")
+        row, column = view.in_image(radius[:, None] * np.sin(polar), radius[:, None] * np.cos(polar))
+        light = ndimage.map_coordinates(contrast, (row - corner[0], column - corner[1]), order=5, mode="nearest")
         reach = side * np.trapezoid(light, fan, axis=1)
-        end, *_ = np.linalg.lstsq(design, reach, rcond=None)
-        spread = reach - design @ end
-        ends.append(float(end[0]))
-        variances.append(float(spread @ spread / (n_rings - 2) * np.linalg.inv(design.T @ design)[0, 0]))
-    return sum(ends) / 2, float(np.sqrt(sum(variances)) / 2)
+        found[k], *_ = np.linalg.lstsq(design, reach, rcond=None)
+        spread = reach - design @ found[k]
+        variances[k] = spread @ spread / (n_rings - 2) * np.diag(np.linalg.inv(design.T @ design))
+    return _Ends(
+        direction_rad=found[:, 0],
+        u_direction_rad=np.sqrt(variances[:, 0]),
+        miss_px=found[:, 1],
+        u_miss_px=np.sqrt(variances[:, 1]),
+    )

@@ -57,6 +57,36 @@ def test_what_may_be_left_out_gets_its_default(tmp_path: Path) -> None:
     assert (rig.wheel.control_slots, rig.wheel.rotation, rig.wheel.cutout_edges_rad) == (100, "clockwise", None)
 
 
+def test_a_lens_may_be_stated(tmp_path: Path) -> None:
+    """Oracle: the numbers of the text; without them few lenses are excluded; written and read again."""
+    path = tmp_path / "rig.toml"
+    path.write_text(RIG)
+    assert read_rig(path).camera.distortion == Measured(0.0, 0.1)
+    for text, expected in (("distortion_u = 0.002", Measured(-0.05, 0.002)), ("", Measured(-0.05))):
+        path.write_text(f"{RIG}\n[camera]\ndistortion = -0.05\n{text}\n")
+        rig = read_rig(path)
+        assert rig.camera.distortion == expected
+        write_rig(rig, tmp_path / "again.toml")
+        assert read_rig(tmp_path / "again.toml").camera == rig.camera
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("distortion = -0.3", r"\[camera\] distortion = -0.3; it must be from -0.14 to 0.5"),
+        ("distortion_u = 0.1", r"\[camera\] distortion_u stands without distortion; add distortion or take it out"),
+        ("distortion = 0\ndistortion_u = -1", "a standard uncertainty must be 0 or more"),
+        ("distorsion = 0.1", "did you mean 'distortion'"),
+    ],
+)
+def test_a_wrong_lens_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """Oracle: the message, with its cure."""
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{RIG}\n[camera]\n{text}\n")
+    with pytest.raises(IrTimingError, match=message):
+        read_rig(path)
+
+
 def test_a_written_rig_is_the_rig(tmp_path: Path) -> None:
     """Oracle: reading back; numbers agree to one part in 10^14."""
     (tmp_path / "rig.toml").write_text(RIG.replace("1e-4", "[0, 1e-4, 2e-4, 3e-4]"))

@@ -19,6 +19,8 @@ SHAPE = SectorShape(
     bisector_rad=float(np.radians(-93)),
     opening_angle_rad=float(np.radians(75)),
     blur_px=0.8,
+    image_rows=45,
+    image_columns=64,
 )
 ROI = (2, 36, 5, 55)
 SUB = 16
@@ -28,7 +30,9 @@ def _counted(shape):
     """Sub-pixels: row (n,), column (k,), polar angle about the axle from the bisector (n, k), and area in the light, px^2."""
     place = (np.arange(SUB) + 0.5) / SUB - 0.5
     row, column = (np.arange(45)[:, None] + place).ravel(), (np.arange(64)[:, None] + place).ravel()
-    down, across = row[:, None] - shape.axle_row_px, column[None, :] - shape.axle_column_px
+    (axle_row,), (axle_column,) = _unbent(shape, np.array([shape.axle_row_px]), np.array([shape.axle_column_px]))
+    flat_row, flat_column = _unbent(shape, row[:, None] + 0 * column, 0 * row[:, None] + column)
+    down, across = flat_row - axle_row, flat_column - axle_column
     across = -across if shape.mirrored else across
     own_down, own_across = down - shape.offset_row_px, across - shape.offset_column_px
     radius = np.hypot(own_down, own_across)
@@ -42,16 +46,31 @@ def _counted(shape):
     return row, column, polar, inside / SUB**2
 
 
+def _unbent(shape, row, column):
+    """Places before the lens, by interpolation in a table of r_d over r_u."""
+    middle, unit = ((shape.image_rows - 1) / 2, (shape.image_columns - 1) / 2), np.hypot(45, 64) / 2
+    before = np.linspace(0, 1.3, 100_001)
+    after = before * (1 + shape.distortion * before**2)
+    seen = np.hypot(row - middle[0], column - middle[1]) / unit
+    factor = np.interp(seen, after, before) / np.maximum(seen, 1e-12)
+    return middle[0] + factor * (row - middle[0]), middle[1] + factor * (column - middle[1])
+
+
 def _into(pixels, places, blur):
     """Share of light from each place that a Gaussian carries into each pixel, shape (place, pixel)."""
     high, low = ((pixels + half - places[:, None]) / blur for half in (0.5, -0.5))
     return norm.cdf(high) - norm.cdf(low)
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["clockwise", "counterclockwise"])
+@pytest.fixture(
+    scope="module",
+    params=[(False, 0.0), (True, 0.0), (False, -0.1), (True, 0.15)],
+    ids=["clockwise", "counterclockwise", "barrel", "pincushion"],
+)
 def shape(request):
-    """The sector as a clockwise and as a counterclockwise wheel counts its angles."""
-    return replace(SHAPE, mirrored=request.param)
+    """The sector as a clockwise and as a counterclockwise wheel counts its angles, and through lenses that distort."""
+    mirrored, distortion = request.param
+    return replace(SHAPE, mirrored=mirrored, distortion=distortion)
 
 
 @pytest.mark.parametrize("blur", [0.4, 0.8, 3.0])
@@ -94,6 +113,25 @@ def test_light_is_as_much_as_the_sector_is_large():
         np.testing.assert_array_equal(rows[:, 0].imag, 0)
 
 
+def test_a_lens_makes_the_image_as_large_as_its_border(shape):
+    """Oracle: the area of a polygon along the border, each corner carried through the lens (shoelace formula)."""
+    radius = np.linspace(shape.inner_radius_px, shape.outer_radius_px, 2000)
+    half = np.linspace(-0.5, 0.5, 4000) * shape.opening_angle_rad + shape.bisector_rad
+    ring = [(r, a) for a, r in ((half[0], radius), (half[-1], radius[::-1]))]
+    polar = np.concatenate([np.full(2000, half[0]), half, np.full(2000, half[-1]), half[::-1]])
+    away = np.concatenate(
+        [ring[0][0], np.full(4000, shape.outer_radius_px), ring[1][0], np.full(4000, shape.inner_radius_px)]
+    )
+    (row,), (column,) = _unbent(shape, np.array([shape.axle_row_px]), np.array([shape.axle_column_px]))
+    y = row + shape.offset_row_px + away * np.sin(polar) - 22.0
+    sense = -1 if shape.mirrored else 1
+    x = column + sense * (shape.offset_column_px + away * np.cos(polar)) - 31.5
+    bent = 1 + shape.distortion * (x**2 + y**2) / (45**2 + 64**2) * 4
+    x, y = x * bent, y * bent
+    area = abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+    assert light_points(shape).area_px2.sum() == pytest.approx(area, rel=1e-6)
+
+
 def test_quadrature_is_fine_enough():
     """Oracle: the same with nodes for a quarter of the blur, sixteen times as many."""
     rows = np.arange(5, 34)
@@ -132,7 +170,7 @@ def test_one_point_of_light_is_spread_as_a_gaussian():
 
 def test_places_of_the_pixels_are_their_polar_coordinates(shape):
     """Oracle: by hand for the pixel four rows above and three columns beside the axle, and a turn all around."""
-    at_axle = replace(shape, axle_row_px=20.0, axle_column_px=30.0, bisector_rad=float(np.radians(-90)))
+    at_axle = replace(shape, distortion=0.0, axle_row_px=20.0, axle_column_px=30.0, bisector_rad=float(np.radians(-90)))
     angle, radius = pixel_places(at_axle, roi=(16, 25, 27, 34))
     assert radius[0, 0] == pytest.approx(5)
     assert abs(angle[0, 0]) == pytest.approx(np.arctan2(3, 4))
