@@ -50,7 +50,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
 
     def exact() -> object:
         fit = row_fit.fit(seen, wheel, light=light)
-        return rolling_timing.estimate([fit], found.geometry, sector=found.sector, n_rows=rows)
+        return rolling_timing.estimate([fit], found.geometry, sectors=[found.sector], n_rows=rows)
 
     equal = wheel_geometry.geometry(found.recordings, rig.measured, slots="equal", off_axle_mask=False)
     assert seen.axle is not None

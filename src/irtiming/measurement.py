@@ -10,24 +10,33 @@ import numpy as np
 
 from irtiming.errors import EstimationError, IrTimingError
 from irtiming.estimate import (
+    by_blackbody,
     edge_delays,
     published,
+    rig_wide,
     rolling_camera,
     rolling_published,
     row_delay_and_lag,
     slopes,
     trigger_delay,
+    two_constants,
     wheel_geometry,
 )
 from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.plan import hindsight
+from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.joint_fit import JointFit
 from irtiming.records.lag_estimate import PublishedLagFit, WheelInImage
+from irtiming.records.prediction import AngleErrors, Prediction
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import average_runs, cooled, microbolometer, pooled_slots, row_averages
 
 Progress = Callable[[str, int, int], None]
@@ -46,8 +55,11 @@ class Analysis:
     equal_geometry: WheelGeometry
     edge_fits: tuple[EdgeDelayFit, ...]
     published_fits: tuple[PublishedFit, ...]
+    joint: JointFit
     best: DelayResult
     as_published: DelayResult
+    wheel: WheelCalibration | None = None
+    prediction: Prediction | None = None
 
     @property
     def result(self) -> DelayResult:
@@ -58,7 +70,7 @@ class Analysis:
     def warnings(self) -> tuple[str, ...]:
         """All warnings, each once, in order."""
         texts = [text for recording in self.recordings for text in recording.warnings]
-        return tuple(dict.fromkeys([*texts, *self.result.warnings]))
+        return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings]))
 
 
 @final
@@ -76,6 +88,9 @@ class RollingAnalysis:
     published_fits: tuple[PublishedLagFit, ...]
     best: RollingResult
     as_published: RollingResult
+    wheel: WheelCalibration | None = None
+    two_constants: TwoConstantsResult | None = None
+    prediction: Prediction | None = None
 
     @property
     def result(self) -> RollingResult:
@@ -87,12 +102,14 @@ class RollingAnalysis:
         """All warnings, each once, in order."""
         texts = [text for recording in self.recordings for text in recording.warnings]
         without = () if self.published_fits else self.as_published.warnings
-        return tuple(dict.fromkeys([*texts, *self.result.warnings, *without]))
+        two = self.two_constants.warnings if self.two_constants else ()
+        return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings, *without, *two]))
 
 
 def analyse(
-    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
-) -> Analysis | RollingAnalysis:
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None,
+    wheel_calibration: WheelCalibration | None = None,
+) -> Analysis | RollingAnalysis:  # fmt: skip
     """Timing of a camera from its recordings, by both methods; the first recording tells the kind of camera.
 
     Parameters
@@ -106,6 +123,8 @@ def analyse(
         What a person decided instead of the automatic choice, the method among it.
     progress
         Called as frames are read.
+    wheel_calibration
+        Slots of the same wheel from other recordings, to be taken together with what these tell.
 
     Raises
     ------
@@ -117,13 +136,16 @@ def analyse(
     if first is None:
         raise EstimationError("no recording given; name at least one recording file")
     if first.camera_type == "microbolometer":
-        return analyse_rolling(chain([first], stream), rig, choices=choices, progress=progress)
-    return analyse_snapshot(chain([first], stream), rig, choices=choices, progress=progress)
+        kind: Callable[..., Analysis | RollingAnalysis] = analyse_rolling
+    else:
+        kind = analyse_snapshot
+    return kind(chain([first], stream), rig, choices=choices, progress=progress, wheel_calibration=wheel_calibration)
 
 
 def analyse_snapshot(
-    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
-) -> Analysis:
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None,
+    wheel_calibration: WheelCalibration | None = None,
+) -> Analysis:  # fmt: skip
     """Trigger delay of a snapshot photon camera; parameters and errors as for `analyse`."""
     choices = choices or Choices()
     reduced: list[ReducedRecording] = []
@@ -135,7 +157,7 @@ def analyse_snapshot(
                 cooled.reduce(recording, rig, choices=choices, progress=_told(recording, progress), before=before)
             )
     reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
-    tracks = pooled_slots.pool([recording.track for recording in reduced])
+    tracks, wheel = pooled_slots.pool(reduced, before=wheel_calibration)
     reduced = [replace(recording, track=track) for recording, track in zip(reduced, tracks, strict=True)]
     integration_s = _common_integration_time(reduced)
     geometry = wheel_geometry.geometry(reduced, rig, slots="learned", off_axle_mask=True)
@@ -151,6 +173,8 @@ def analyse_snapshot(
         )
         for runs in groups
     ]
+    timing = trigger_delay.estimate(reduced, edge_fits, geometry=geometry, integration_time_s=integration_s)
+    structure = SHARED_SHAPE if integration_s is None else KNOWN_WINDOW
     return Analysis(
         rig=rig,
         choices=choices,
@@ -159,14 +183,20 @@ def analyse_snapshot(
         equal_geometry=equal,
         edge_fits=tuple(edge_fits),
         published_fits=tuple(published_fits),
-        best=trigger_delay.estimate(edge_fits, geometry, integration_time_s=integration_s),
+        joint=timing.joint,
+        best=timing.result,
         as_published=published.estimate(published_fits, equal.model, integration_time_s=integration_s),
+        wheel=wheel,
+        prediction=hindsight.photon(
+            reduced, edge_fits, model=geometry.model, angles=_angle_errors(edge_fits, geometry), structure=structure
+        ),
     )
 
 
 def analyse_rolling(
-    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None
-) -> RollingAnalysis:
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None,
+    wheel_calibration: WheelCalibration | None = None,
+) -> RollingAnalysis:  # fmt: skip
     """Trigger delay, time constant and row delay of a rolling microbolometer camera; parameters and errors as for `analyse`."""
     choices = choices or Choices()
     reduced: list[ReducedRows] = []
@@ -179,8 +209,8 @@ def analyse_rolling(
                     recording, rig, choices=choices, progress=_told(recording, progress), before=before
                 )
             )
-    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
-    tracks = pooled_slots.pool([one.track for one in reduced])
+    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0))
+    tracks, wheel = pooled_slots.pool(reduced, before=wheel_calibration)
     best = rolling_camera.estimate([replace(one, track=track) for one, track in zip(reduced, tracks, strict=True)], rig)
     published_fits: tuple[PublishedLagFit, ...] = ()
     try:
@@ -201,6 +231,35 @@ def analyse_rolling(
         published_fits=published_fits,
         best=best.result,
         as_published=as_published,
+        wheel=wheel,
+        prediction=hindsight.rolling(
+            best.fits, best.sector, model=best.geometry.model, angles=_angle_errors(best.fits, best.geometry)
+        ),
+        two_constants=_two_constants(best.result, choices),
+    )
+
+
+def _two_constants(result: RollingResult, choices: Choices) -> TwoConstantsResult | None:
+    """Constants of substrate and scene, where a person told how warm the substrate is."""
+    if choices.substrate_temperature_k is None:
+        return None
+    if result.effective is None:
+        raise EstimationError(
+            "the substrate's temperature was given, but not every recording tells that of its blackbody "
+            "(entry/instrument/blackbody/temperature); write it, or leave the substrate's out"
+        )
+    return two_constants.estimate(
+        result.effective,
+        substrate_temperature_k=choices.substrate_temperature_k,
+        wheel_temperature_k=choices.wheel_temperature_k,
+    )
+
+
+def _angle_errors(fits: Sequence[rig_wide.EdgeDelays], geometry: WheelGeometry) -> AngleErrors:
+    """Sizes of the angle errors that the estimation takes, for what it should be able to reach with them."""
+    return AngleErrors(
+        common=tuple((source, u) for source, _, u in geometry.angle_budget),
+        edge_rad=rig_wide.edge_uncertainty(fits, geometry),
     )
 
 
@@ -223,8 +282,17 @@ def _rolling_as_published(recordings: tuple[ReducedRows, ...], rig: Rig) -> tupl
             wheel=wheel,
             initial_row_delay_s=_frame_period_s(runs[0]) / runs[0].opening.mask.shape[0],
         )
-        for runs in _by_delay(recordings)
+        for runs in _by_delay(recordings, blackbody=_blackbodies(recordings))
     )
+
+
+def _blackbodies(recordings: Sequence[ReducedRows]) -> list[int]:
+    """Which blackbody each recording shows, counted from 0."""
+    groups = by_blackbody.groups(
+        [one.blackbody_temperature_k for one in recordings],
+        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    )
+    return [next(g for g, members in enumerate(groups) if k in members) for k in range(len(recordings))]
 
 
 def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording | ReducedRows], choices: Choices) -> None:
@@ -246,6 +314,10 @@ def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording | R
             f"{before[0].opening.mask.shape[0]} x {before[0].opening.mask.shape[1]}: all must be of one camera with one window; "
             "analyse them apart"
         )
+
+
+def _doubts(wheel: WheelCalibration | None) -> tuple[str, ...]:
+    return wheel.warnings if wheel else ()
 
 
 def _told(recording: Recording, progress: Progress | None) -> Callable[[int], None]:
@@ -275,11 +347,11 @@ def _frame_period_s(rows: ReducedRows) -> float:
 _Reduced = TypeVar("_Reduced", ReducedRecording, ReducedRows)
 
 
-def _by_delay(reduced: Sequence[_Reduced]) -> list[list[_Reduced]]:
-    """Runs of the same nominal delay and wheel speed together, sorted."""
-    groups: dict[tuple[float, float], list[_Reduced]] = {}
-    for recording in reduced:
-        key = (recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9))
+def _by_delay(reduced: Sequence[_Reduced], *, blackbody: Sequence[int] | None = None) -> list[list[_Reduced]]:
+    """Runs of the same nominal delay, wheel speed and blackbody together, sorted."""
+    groups: dict[tuple[float, float, int], list[_Reduced]] = {}
+    for recording, shown in zip(reduced, blackbody or [0] * len(reduced), strict=True):
+        key = (recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9), shown)
         groups.setdefault(key, []).append(recording)
     return list(groups.values())
 

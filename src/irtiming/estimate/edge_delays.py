@@ -2,20 +2,21 @@
 
 Blur moves light but keeps its sum, so the sum over the opening with its whole border is exactly the exposed fraction, and
 the integration window rounds its corners by a known parabola (eq. 1). The wheel angle is taken at the moment of exposure,
-not at the trigger: an irregular slot or a change of speed between trigger and exposure does no harm.
+not at the trigger: an irregular slot or a change of speed between trigger and exposure does no harm. The fit says where the
+joint fit of all recordings (`estimate.joint_fit`) begins, and which frames are wild.
 """
 
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from irtiming.errors import EstimationError
+from irtiming.estimate import pixel_sum_model as model_of
 from irtiming.estimate import shared_residual
-from irtiming.physics.wheel import EDGE_SIGNS, TURN, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
-from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, Mask
+from irtiming.estimate.pixel_sum_model import PixelSums
+from irtiming.physics.wheel import TURN, WheelModel, exposed_fraction
+from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 
@@ -26,33 +27,6 @@ _NEIGHBOURS = 15
 _GAP_SEARCH = 81  # delays over the scan: closer together than the shortest gap in the slots is long
 _DROPPED_SHARE = 0.05
 _LARGEST_SPREAD = 0.1  # of the step
-_SMALLEST_WIDTH_RAD = 1e-3
-_BORDER_RAD = 0.1  # where the axle was not found in the image
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Problem:
-    """Pixel sums, the angle of each frame's trigger, and a first guess of the sum when covered and of the step."""
-
-    reduced: ReducedRecording
-    model: WheelModel
-    sweep_rad: float
-    kept: Mask
-    time: Array
-    covered_dn: float
-    step_dn: float
-    border_rad: float
-
-    def angle(self, delay_s: float) -> Array:
-        """Wheel angle of the kept frames this long after the trigger and the delay set, rad."""
-        delay = delay_s + self.reduced.trigger_delay_time_set_s
-        return wheel_angle_rad(delay, self.reduced.track, at_ticks=self.reduced.trigger_ticks[self.kept])
-
-    @property
-    def sums(self) -> Array:
-        """Pixel sums of the kept frames, DN."""
-        return self.reduced.pixel_sum[self.kept]
 
 
 def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
@@ -74,23 +48,12 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
     EstimationError
         If the sums do not follow the model, or too many frames are outliers.
     """
-    omega = reduced.track.angular_frequency_rad_per_s
-    ticks = reduced.trigger_ticks
-    covered, step = _levels(reduced)
-    problem = _Problem(
-        reduced=reduced,
-        model=model,
-        sweep_rad=omega * (reduced.integration_time_s or 0.0),
-        kept=np.ones(ticks.size, bool),
-        time=(ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks))),
-        covered_dn=covered,
-        step_dn=step,
-        border_rad=_border(reduced),
-    )
-    problem = _inside_track(problem, omega)
-    start = _scan(problem)
-    values, _, _ = _fit(problem, start, model.opening_angle_rad)
-    residual = _misfit(values, problem)
+    told, covered_dn = model_of.pixel_sums(reduced, model)
+    told = _inside_track(model_of.at_one_radius(told))
+    start = _scan(told)
+    numbers = np.array([*[start] * 4, model.opening_angle_rad, covered_dn, told.unit_dn, 0.0, 0.0, 0.0])
+    numbers, _ = _fit(told, numbers)
+    residual = model_of.residual(_values(numbers, told), told)
     residual = residual - np.median(residual)  # where many are wild, the rest is shifted
     spread = 1.4826 * float(np.median(np.abs(residual)))
     if spread > _LARGEST_SPREAD:
@@ -98,7 +61,7 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
             f"{reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the step, "
             f"at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
         )
-    alone = _beside_neighbours(residual, problem.angle(float(values[:4].mean())))
+    alone = _beside_neighbours(residual, told.angle(float(numbers[:4].mean())))
     spread = 1.4826 * float(np.median(np.abs(alone)))
     outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
     if outlier.mean() > _DROPPED_SHARE:
@@ -107,11 +70,11 @@ def estimate(reduced: ReducedRecording, model: WheelModel) -> EdgeDelayFit:
             f"standard deviations ({spread:.2g} of the step), at most {_DROPPED_SHARE:.0%} may; check rig.toml against the "
             "mean frame and the frames for disturbances"
         )
-    kept = problem.kept.copy()
+    kept = told.kept.copy()
     kept[np.flatnonzero(kept)[outlier]] = False
-    problem = replace(problem, kept=kept)
-    values, covariance, residual = _fit(problem, float(values[:4].mean()), float(values[4]))
-    return _result(problem, values, covariance, residual, start=start)
+    told = replace(told, kept=kept)
+    numbers, covariance = _fit(told, np.array([*[numbers[:4].mean()] * 4, *numbers[4:]]))
+    return _result(told, numbers, covariance, start=start)
 
 
 def _beside_neighbours(residual: Array, angle: Array) -> Array:
@@ -127,156 +90,83 @@ def _beside_neighbours(residual: Array, angle: Array) -> Array:
     return alone
 
 
-def _border(reduced: ReducedRecording) -> float:
-    """Angle about the axle of the border by which the summed region exceeds the opening, rad."""
-    if reduced.axle is None:
-        return _BORDER_RAD
-    rows, columns = np.nonzero(reduced.opening.mask)
-    radius = np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px).mean()
-    return float(np.clip(reduced.opening.border_px / radius, 1e-2, 0.3))
-
-
-def _levels(reduced: ReducedRecording) -> tuple[float, float]:
-    """First guess of the sum when covered and of the signed step to open, DN."""
-    low, high = (float(v) for v in np.quantile(reduced.pixel_sum, [0.03, 0.97]))
-    hot = reduced.opening.peaks_dn[1] > reduced.opening.peaks_dn[0]
-    return (low, high - low) if hot else (high, low - high)
-
-
-def _inside_track(problem: _Problem, omega: float) -> _Problem:
+def _inside_track(told: PixelSums) -> PixelSums:
     """Leave out frames whose exposure, for any delay of the scan, may fall outside the recorded wheel or into a gap."""
-    quarter_s = TURN / 4 / omega
+    quarter_s = TURN / 4 / told.angular_frequency_rad_per_s
     trials = np.linspace(-quarter_s, quarter_s, _GAP_SEARCH)
-    inside = np.all([np.isfinite(problem.angle(float(trial))) for trial in trials], axis=0)
+    inside = np.all([np.isfinite(told.angle(float(trial))) for trial in trials], axis=0)
     if inside.sum() < 100:
         raise EstimationError(
-            f"{problem.reduced.name}: {inside.sum()} frames lie a quarter turn inside the recorded wheel, at least 100 must; "
+            f"{told.reduced.name}: {inside.sum()} frames lie a quarter turn inside the recorded wheel, at least 100 must; "
             "record the wheel's edges from before the first to after the last frame"
         )
-    return replace(problem, kept=inside)
+    return replace(told, kept=inside)
 
 
-def _scan(problem: _Problem) -> float:
+def _scan(told: PixelSums) -> float:
     """Best of a grid of delays over a quarter turn to either side: the fit needs no start value from the user."""
-    quarter_s = TURN / 4 / problem.reduced.track.angular_frequency_rad_per_s
-    sums = problem.sums - problem.sums.mean()
-    sign = np.sign(problem.reduced.opening.peaks_dn[1] - problem.reduced.opening.peaks_dn[0])
+    quarter_s = TURN / 4 / told.angular_frequency_rad_per_s
+    sums = told.sums_dn - told.sums_dn.mean()
     trials = np.linspace(-quarter_s, quarter_s, _SCAN, endpoint=False)
-    half = 0.5 * problem.sweep_rad  # the middle of the window will do here
-    fits = [exposed_fraction(problem.angle(float(t)) + half, problem.model) for t in trials]
-    match = [sign * float(sums @ (f - f.mean())) / float(np.std(f)) for f in fits]
+    fits = [exposed_fraction(told.angle(float(t)), told.wheel) for t in trials]
+    match = [np.sign(told.unit_dn) * float(sums @ (f - f.mean())) / float(np.std(f)) for f in fits]
     return float(trials[int(np.argmax(match))])
 
 
-def _shifted(values: Array, problem: _Problem) -> tuple[WheelModel, float]:
-    """Model whose edges come as much earlier as the edge delays differ from their mean, and that mean."""
-    mean = float(values[:4].mean())
-    omega = problem.reduced.track.angular_frequency_rad_per_s
-    earlier = omega * (values[:4] - mean)
-    edges = tuple(float(e - d) for e, d in zip(problem.model.cutout_edges_rad, earlier, strict=True))
-    shifted = replace(
-        problem.model,
-        cutout_edges_rad=(edges[0], edges[1], edges[2], edges[3]),
-        opening_angle_rad=max(float(values[4]), _SMALLEST_WIDTH_RAD),
-    )
-    return shifted, mean
+def _values(numbers: Array, told: PixelSums) -> Array:
+    """The model's values from four edge delays (middle of the window), opening, covered, step, drift, skew, plate."""
+    delays, mean = numbers[:4], float(numbers[:4].mean())
+    edges = told.angular_frequency_rad_per_s * (delays - mean)
+    return np.array([mean, *numbers[5:10], *edges, numbers[4], told.reduced.integration_time_s or 0.0, 0.0, 0.0])
 
 
-def _expected(values: Array, problem: _Problem) -> Array:
-    shifted, mean = _shifted(values, problem)
-    angle = problem.angle(mean)
-    fraction, skewed, plate = _shapes(angle, shifted, problem)
-    return fraction + values[8] * skewed + values[9] * plate
+def _fit(told: PixelSums, start: Array) -> tuple[Array, Array]:
+    """Ten numbers as for `_values` and their covariance for white residuals."""
+    size = abs(told.unit_dn) * 1e-3
+    scale = np.array([1e-4] * 4 + [1e-3, size, size, 1e-3, 1e-2, 1e-2])
 
+    def misfit(numbers: Array) -> Array:
+        return model_of.residual(_values(numbers, told), told)
 
-def _shapes(angle: Array, model: WheelModel, problem: _Problem) -> tuple[Array, Array, Array]:
-    """Exposed fraction of the even opening, and what a skewed opening and a shining mask plate add to it.
+    def derivative(numbers: Array) -> Array:
+        to_all = model_of.slopes(_values(numbers, told), told)
+        by_edge = to_all[:, model_of.EDGES] * told.angular_frequency_rad_per_s
+        return -np.concatenate([by_edge, to_all[:, [model_of.OPENING]], to_all[:, 1:6]], axis=1)
 
-    A plate that is not as warm as the wheel shows around the opening while a cutout passes: an opening that is wider by the
-    summed border.
-    """
-    fraction = exposed_fraction(angle, model, sweep_rad=problem.sweep_rad)
-    wider = replace(model, opening_angle_rad=model.opening_angle_rad + 2 * problem.border_rad)
-    plate = exposed_fraction(angle, wider, sweep_rad=problem.sweep_rad) - fraction
-    return fraction, skewed_fraction(angle, model, sweep_rad=problem.sweep_rad), plate
-
-
-def _misfit(values: Array, problem: _Problem) -> Array:
-    """Sums minus model, in units of the guessed step: a fitted one would let the misfit vanish by growing."""
-    fraction = _expected(values, problem) + values[7] * problem.time[problem.kept]
-    return (problem.sums - values[5] - values[6] * fraction) / problem.step_dn
-
-
-def _derivative(values: Array, problem: _Problem) -> Array:
-    """Analytic derivatives of the misfit, shape (n, 10); skew and plate are small and taken as even in the others."""
-    shifted, mean = _shifted(values, problem)
-    angle, gamma = problem.angle(mean), shifted.opening_angle_rad
-    omega = problem.reduced.track.angular_frequency_rad_per_s
-    crossing = edge_in_opening(angle, shifted, sweep_rad=problem.sweep_rad)
-    step = values[6] / problem.step_dn
-    columns = [-step * s * omega / gamma * c for s, c in zip(EDGE_SIGNS, crossing, strict=True)]
-    half = 0.5 * problem.sweep_rad
-    fraction, skewed, plate = _shapes(angle, shifted, problem)
-    ends = 0.5 * (_open_share(angle + half, shifted, 1) + _open_share(angle + half, shifted, -1))
-    columns.append(step * (fraction - ends) / gamma)
-    time = problem.time[problem.kept]
-    columns += [
-        np.full(angle.size, -1 / problem.step_dn),
-        -(fraction + values[7] * time + values[8] * skewed + values[9] * plate) / problem.step_dn,
-        -step * time,
-        -step * skewed,
-        -step * plate,
-    ]
-    return np.stack(columns, axis=1)
-
-
-def _open_share(angle: Array, model: WheelModel, side: int) -> Array:
-    """Whether the radial edge of the mask on one side is uncovered: the fraction of a vanishingly narrow opening there."""
-    edge = replace(
-        model,
-        opening_angle_rad=_SMALLEST_WIDTH_RAD,
-        centre_angle_rad=model.centre_angle_rad - side * model.opening_angle_rad / 2,
-    )
-    return exposed_fraction(angle, edge)
-
-
-def _fit(problem: _Problem, start_s: float, opening_angle_rad: float) -> tuple[Array, Array, Array]:
-    """Values, covariance (for white residuals) and residuals. Edge delays are scaled by the quarter turn."""
-    step = problem.step_dn
-    initial = np.array([start_s] * 4 + [opening_angle_rad, problem.covered_dn, step, 0.0, 0.0, 0.0])
-    scale = np.array([1e-4] * 4 + [1e-3, abs(step) * 1e-3, abs(step) * 1e-3, 1e-3, 1e-2, 1e-2])
-    found = least_squares(_misfit, initial, jac=_derivative, x_scale=scale, args=(problem,), xtol=1e-14, ftol=1e-14)
-    values = np.asarray(found.x)
-    if not np.all(np.isfinite(values)) or not 0.2 < values[4] / problem.model.opening_angle_rad < 5:
+    found = least_squares(misfit, start, jac=derivative, x_scale=scale, xtol=1e-14, ftol=1e-14)
+    numbers = np.asarray(found.x)
+    if not np.all(np.isfinite(numbers)) or not 0.2 < numbers[4] / told.wheel.opening_angle_rad < 5:
         raise EstimationError(
-            f"{problem.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "
-            f"{np.degrees(values[4]):.2f} deg, rig.toml says {np.degrees(problem.model.opening_angle_rad):.2f} deg; "
+            f"{told.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "
+            f"{np.degrees(numbers[4]):.2f} deg, rig.toml says {np.degrees(told.wheel.opening_angle_rad):.2f} deg; "
             "check rig.toml and that the timestamps belong to these frames"
         )
-    residual = _misfit(values, problem)
-    jacobian = _derivative(values, problem) * scale
-    variance = float(residual @ residual) / (residual.size - values.size)
-    covariance = np.linalg.inv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
-    return values, covariance, residual
+    residual, jacobian = misfit(numbers), derivative(numbers) * scale
+    variance = float(residual @ residual) / (residual.size - numbers.size)
+    return numbers, np.linalg.inv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)
 
 
-def _result(problem: _Problem, values: Array, covariance: Array, residual: Array, *, start: float) -> EdgeDelayFit:
-    angle = np.mod(problem.angle(float(values[:4].mean())), TURN)
+def _result(told: PixelSums, numbers: Array, covariance: Array, *, start: float) -> EdgeDelayFit:
+    values = _values(numbers, told)
+    half_s = (told.reduced.integration_time_s or 0.0) / 2
+    angle = np.mod(told.angle(float(values[model_of.DELAY]) - half_s), TURN)
     order = np.argsort(angle)
-    residual = residual * problem.step_dn / values[6]
+    residual = model_of.residual(values, told) * told.unit_dn / values[model_of.STEP]
     widening = shared_residual.widening(residual[order])
     return EdgeDelayFit(
-        name=problem.reduced.name,
-        trigger_delay_time_set_s=problem.reduced.trigger_delay_time_set_s,
-        angular_frequency_rad_per_s=problem.reduced.track.angular_frequency_rad_per_s,
-        edge_delay_s=values[:4],
+        name=told.reduced.name,
+        trigger_delay_time_set_s=told.reduced.trigger_delay_time_set_s,
+        angular_frequency_rad_per_s=told.angular_frequency_rad_per_s,
+        edge_delay_s=numbers[:4] - half_s,
         covariance_s2=covariance[:4, :4] * widening,
-        start_delay_s=start,
+        start_delay_s=start - half_s,
         wheel_angle_rad=angle[order],
-        fraction=(residual + _expected(values, problem))[order],
+        fraction=(residual + model_of.expected_fraction(values, told))[order],
         residual=residual[order],
-        opening_angle_rad=float(values[4]),
-        noise=float(np.sqrt(residual @ residual / (residual.size - values.size))),
+        opening_angle_rad=float(numbers[4]),
+        noise=float(np.sqrt(residual @ residual / (residual.size - numbers.size))),
         widening=widening,
-        n_dropped=int(problem.reduced.trigger_ticks.size - problem.kept.sum()),
+        n_dropped=int(told.reduced.trigger_ticks.size - told.kept.sum()),
+        kept=told.kept,
+        values=values,
     )

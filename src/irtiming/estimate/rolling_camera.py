@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import rolling_timing, row_fit, row_light, sector_fit, wheel_geometry
+from irtiming.estimate import by_blackbody, rolling_timing, row_fit, row_light, sector_fit, wheel_geometry
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.physics import blurred_sector
 from irtiming.records.reduced import AxleView
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
@@ -27,7 +28,7 @@ _FIRST_LAG = 1e-4  # seconds; the first contrast image is fitted as if there wer
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RollingFit:
-    """All that the default method found; ``recordings`` now know the axle."""
+    """All that the default method found; ``recordings`` now know the axle. ``sector`` is that of the first recording."""
 
     recordings: tuple[ReducedRows, ...]
     geometry: WheelGeometry
@@ -59,24 +60,33 @@ def estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
 
 
 def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
-    mirrored = rig.wheel.rotation == "counterclockwise"
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False)
-    lag: tuple[Array, float] = (np.zeros(4), _FIRST_LAG)
-    sector: SectorFit | None = None
+    groups = by_blackbody.groups(
+        [one.blackbody_temperature_k for one in recordings],
+        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    )
+    group_of = [next(g for g, members in enumerate(groups) if k in members) for k in range(len(recordings))]
+    lags: list[tuple[Array, float]] = [(np.zeros(4), _FIRST_LAG)] * len(groups)
+    sectors: list[SectorFit] = []
+    earlier: list[SectorFit | None] = [None] * len(groups)
     fits: tuple[RowTimingFit, ...] = ()
     for n_round in range(_MOST_ROUNDS):
-        sector = sector_fit.fit(recordings, bare.model, mirrored=mirrored, lag=lag, start=sector)
-        light = row_light.row_light(recordings[0].row_px, sector)
+        sectors = [
+            sector_fit.fit([recordings[k] for k in members], bare.model, rig=rig, lag=lag, start=start)
+            for members, lag, start in zip(groups, lags, earlier, strict=True)
+        ]
+        earlier = [*sectors]
+        lights = [
+            row_light.row_light(recordings[members[0]].row_px, sector)
+            for members, sector in zip(groups, sectors, strict=True)
+        ]
         starts = fits or (None,) * len(recordings)
         before = fits
         fits = tuple(
-            row_fit.fit(one, bare.model, light=light, start=start)
-            for one, start in zip(recordings, starts, strict=True)
+            row_fit.fit(one, bare.model, light=lights[g], start=start)
+            for one, g, start in zip(recordings, group_of, starts, strict=True)
         )
-        lag = (
-            np.mean([fit.edge_delay_s for fit in fits], axis=0),
-            float(np.mean([fit.time_constant_s for fit in fits])),
-        )
+        lags = [_mean_lag([fits[k] for k in members]) for members in groups]
         if before:
             fits = tuple(
                 replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
@@ -86,19 +96,26 @@ def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
             break
     else:
         raise EstimationError(
-            f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lag[1]:.3f} ms); the "
-            "recordings must show the whole opening and nothing else that turns with the wheel"
+            f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lags[0][1]:.3f} ms); "
+            "the recordings must show the whole opening and nothing else that turns with the wheel"
         )
-    seen = tuple(replace(one, axle=_axle(sector)) for one in recordings)
+    seen = tuple(replace(one, axle=_axle(sectors[g])) for one, g in zip(recordings, group_of, strict=True))
     geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
     return RollingFit(
         recordings=seen,
         geometry=geometry,
-        sector=sector,
+        sector=sectors[group_of[0]],
         fits=fits,
-        scan=row_fit.scan(recordings[0], bare.model, light=light, found=fits[0]),
-        result=rolling_timing.estimate(fits, geometry, sector=sector, n_rows=recordings[0].opening.mask.shape[0]),
+        scan=row_fit.scan(recordings[0], bare.model, light=lights[group_of[0]], found=fits[0]),
+        result=rolling_timing.estimate(
+            fits, geometry, sectors=[sectors[g] for g in group_of], n_rows=recordings[0].opening.mask.shape[0]
+        ),
     )
+
+
+def _mean_lag(fits: list[RowTimingFit]) -> tuple["Array", float]:
+    """Edge delays and time constant, means over fits."""
+    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(np.mean([fit.time_constant_s for fit in fits]))
 
 
 def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
@@ -116,15 +133,16 @@ def _axle(sector: SectorFit) -> AxleView:
     """Axle and mask as the report shows them, polar angles in the image as it is."""
     shape, covariance = sector.shape, sector.covariance
     light = sector.model_contrast
-    rows, columns = np.arange(sector.roi[0], sector.roi[1])[:, None], np.arange(sector.roi[2], sector.roi[3])[None, :]
-    polar = np.arctan2(rows - shape.axle_row_px, columns - shape.axle_column_px)
     bisector = float(np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad)
-    apart = np.mod(polar - bisector + np.pi, 2 * np.pi) - np.pi
+    apart, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
+    sense = -1.0 if shape.mirrored else 1.0
     return AxleView(
         row_px=shape.axle_row_px,
         column_px=shape.axle_column_px,
         u_centre_px=float(np.sqrt(max(covariance[0, 0], covariance[1, 1]))),
         bisector_rad=bisector,
         u_bisector_rad=float(np.sqrt(covariance[6, 6])),
-        mean_angle_rad=bisector + float(np.sum(light * apart) / np.sum(light)),
+        mean_angle_rad=bisector + sense * float(np.sum(light * apart) / np.sum(light)),
+        distortion=shape.distortion,
+        u_distortion=float(np.sqrt(covariance[9, 9])),
     )

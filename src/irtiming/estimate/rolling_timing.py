@@ -8,6 +8,9 @@ camera's own by
 where the angle errors e (mask, gates, slots) and e_i (cutout edge i) are common to all recordings, as are the errors of the
 opening's shape in the image. All numbers are combined by generalised least squares with just this covariance, so that
 several wheel speeds separate delays from angles by themselves.
+
+A warmer pixel is faster (`physics.two_constant`): each blackbody temperature has a tau of its own, and so has it a sector, for
+plate and wheel differ from it in contrast. Of several taus the mean is told, and they themselves in `EffectiveTimeConstants`.
 """
 
 from collections.abc import Sequence
@@ -15,12 +18,13 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy import stats
 
-from irtiming.estimate import rig_wide
+from irtiming.estimate import by_blackbody, rig_wide
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate, RelativeDelay
-from irtiming.records.rolling_result import Bound, RollingContribution, RollingResult
+from irtiming.records.rolling_result import Bound, EffectiveTimeConstants, RollingContribution, RollingResult
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
@@ -29,6 +33,8 @@ _UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no
 _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
 _SUSPICIOUS = 2.0
 _DISAGREE = 4.0  # standard uncertainties
+_PARAMETERS_OF_A_ROW = 6  # fitted to each row of all frames
+_BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
 
 
 @final
@@ -44,7 +50,9 @@ class _Parts:
         return np.asarray(np.sum([part for _, _, part in self.parts], axis=0))
 
 
-def estimate(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: SectorFit, n_rows: int) -> RollingResult:
+def estimate(
+    fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sectors: Sequence[SectorFit], n_rows: int
+) -> RollingResult:
     """Combine the fits.
 
     Parameters
@@ -53,23 +61,30 @@ def estimate(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: S
         One per recording.
     geometry
         Wheel model that the fits used, and the uncertainties of its angles.
-    sector
-        The opening in the image that the fits used; its uncertainty is common to all.
+    sectors
+        The opening in the image that each fit used; the uncertainty of one is common to all fits that used it.
     n_rows
         Rows of the image: the last is read ``(n_rows - 1) row_delay`` after the first.
     """
     u_edge = rig_wide.edge_uncertainty(fits, geometry)
-    told = _parts(fits, geometry, sector=sector, u_edge_rad=u_edge)
-    pick = np.tile(_PARAMETER_OF, (len(fits), 1))
-    weights = _weights(told.total, pick)
+    told = _parts(fits, geometry, sectors=sectors, u_edge_rad=u_edge)
+    groups = _by_blackbody(fits)
+    each = _weights(told.total, _design(groups, own_delays=False))[: 2 + len(groups)]
+    weights = _one_time_constant(each, each @ told.total @ each.T) @ each
     values, covariance = weights @ told.values, weights @ told.total @ weights.T
+    frames = float(sum(fit.wheel_angle_rad.size - _PARAMETERS_OF_A_ROW for fit in fits))
+    freedom = {("noise of the frames", "A"): frames}
     budget = tuple(
         RollingContribution(
-            source=source, kind=kind, **_three(np.sqrt(np.maximum(np.diag(weights @ part @ weights.T), 0)))
+            source=source,
+            kind=kind,
+            degrees_of_freedom=freedom.get((source, kind), np.inf),
+            **_three(np.sqrt(np.maximum(np.diag(weights @ part @ weights.T), 0))),
         )
         for source, kind, part in told.parts
     )
     keep, bounds, undetermined = _determined(values, covariance)
+    effective = _effective(fits, groups, each=each[2:], told=told)
     noise = np.sqrt(np.mean([np.diag(fit.covariance_s2)[:4] for fit in fits], axis=0) / len(fits))
     return RollingResult(
         method="row-sum",
@@ -81,30 +96,108 @@ def estimate(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: S
         edge_delay_s=np.mean([fit.edge_delay_s for fit in fits], axis=0),
         u_edge_delay_s=noise,
         bounds=bounds,
-        warnings=geometry.warnings + undetermined + _doubts(values, u_edge, n_rows=n_rows) + _remarks(fits, sector),
-    )
+        warnings=geometry.warnings + undetermined + _doubts(values, u_edge, n_rows=n_rows)
+        + _remarks(fits, sectors[0]) + _mixture(effective),
+        effective=effective,
+    )  # fmt: skip
 
 
 _PARAMETER_OF = np.array([[1, 0, 0]] * 4 + [[0, 1, 0], [0, 0, 1]], float)
+
+
+def _by_blackbody(fits: Sequence[RowTimingFit]) -> list[list[int]]:
+    return by_blackbody.groups(
+        [fit.blackbody_temperature_k for fit in fits], is_colder=[bool(np.median(fit.gain_dn) < 0) for fit in fits]
+    )
+
+
+def _design(groups: list[list[int]], *, own_delays: bool) -> Array:
+    """What each number of each fit is made of, shape (6 n, ...): delay, one or one per fit; row delay; tau of each group.
+
+    Of several groups also by how much edges that uncover are later than those that cover: a pixel that is faster when it is
+    warm warms later and cools earlier than the one time constant says.
+    """
+    n, n_groups = sum(map(len, groups)), len(groups)
+    n_delays = n if own_delays else 1
+    design = np.zeros((6 * n, n_delays + 1 + n_groups * (2 if n_groups > 1 else 1)))
+    for g, members in enumerate(groups):
+        for k in members:
+            design[6 * k : 6 * k + 4, k if own_delays else 0] = 1
+            design[6 * k + 4, n_delays + 1 + g] = design[6 * k + 5, n_delays] = 1
+            if n_groups > 1:
+                design[6 * k : 6 * k + 4, n_delays + 1 + n_groups + g] = [-1, 1, -1, 1]
+    return design
+
+
+def _one_time_constant(each: Array, covariance: Array) -> Array:
+    """Delay, mean tau and row delay from delay, row delay and all taus; shape (3, 2 + k)."""
+    n_tau = len(each) - 2
+    mix = np.zeros((3, 2 + n_tau))
+    mix[0, 0] = mix[2, 1] = 1
+    mix[1, 2:] = _weights(covariance[2:, 2:], np.ones((n_tau, 1)))[0]
+    return mix
+
+
+def _effective(
+    fits: Sequence[RowTimingFit], groups: list[list[int]], *, each: Array, told: _Parts
+) -> EffectiveTimeConstants | None:
+    """The taus, coldest blackbody first; ``each`` (k, 6 n) makes them from the six numbers of the fits."""
+    found = [
+        [kelvin for kelvin in (fits[k].blackbody_temperature_k for k in members) if kelvin is not None]
+        for members in groups
+    ]
+    if not all(found):
+        return None
+    temperature_k = np.array([np.mean(kelvins) for kelvins in found])
+    order = np.argsort(temperature_k)
+    contrast = np.array([np.mean([fits[k].gain_dn.mean() for k in members]) for members in groups])
+    weights = each[order]
+    return EffectiveTimeConstants(
+        blackbody_temperature_k=temperature_k[order],
+        time_constant_s=weights @ told.values,
+        covariance_s2=weights @ told.total @ weights.T,
+        contrast_dn=contrast[order],
+    )
+
+
+def _mixture(effective: EffectiveTimeConstants | None) -> tuple[str, ...]:
+    """A warning where the taus differ by more than chance."""
+    if effective is None or effective.time_constant_s.size < 2:
+        return ()
+    tau, kelvin = effective.time_constant_s, effective.blackbody_temperature_k
+    mean = _weights(effective.covariance_s2, np.ones((tau.size, 1)))[0] @ tau
+    chi_square = float((tau - mean) @ np.linalg.solve(effective.covariance_s2, tau - mean))
+    if stats.chi2.sf(chi_square, tau.size - 1) > _BY_CHANCE:
+        return ()
+    return (
+        f"the time constant changes with the blackbody, from {1e3 * tau[0]:.4f} ms at {kelvin[0]:.1f} K to "
+        f"{1e3 * tau[-1]:.4f} ms at {kelvin[-1]:.1f} K: time_constant is an effective one, a mean over these recordings "
+        "(--substrate-temperature separates the constants of substrate and scene)",
+    )
 
 
 def _three(numbers: Array) -> dict[str, float]:
     return {f"{name}_s": float(number) for name, number in zip(NAMES, numbers, strict=True)}
 
 
-def _parts(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sector: SectorFit, u_edge_rad: float) -> _Parts:
+def _parts(
+    fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sectors: Sequence[SectorFit], u_edge_rad: float
+) -> _Parts:
     n = 6 * len(fits)
     is_edge = np.tile([1.0, 1, 1, 1, 0, 0], len(fits))
     per_rad = is_edge * np.repeat([1 / fit.angular_frequency_rad_per_s for fit in fits], 6)
     noise = np.zeros((n, n))
     for k, (fit, factor) in enumerate(zip(fits, _run_to_run(fits), strict=True)):
         noise[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = fit.covariance_s2 * factor
-    effect = np.concatenate([fit.shape_effect for fit in fits])
+    shape = np.zeros((n, n))
+    for sector in {id(sector): sector for sector in sectors}.values():
+        effect = np.concatenate([fit.shape_effect * (own is sector) for fit, own in zip(fits, sectors, strict=True)])
+        shape += effect @ sector.covariance @ effect.T
     same_edge = np.equal.outer(np.arange(n) % 6, np.arange(n) % 6)
     edges = u_edge_rad**2 * np.outer(per_rad, per_rad) * same_edge
     parts: list[tuple[str, str, Array]] = [
         ("noise of the frames", "A", noise),
-        ("axle, mask and blur in the image", "A", effect @ sector.covariance @ effect.T),
+        ("axle, mask and blur in the image", "A", shape),
         ("cutout edges", "A" if geometry.u_edge_rad is None else "B", edges),
     ]
     parts += [(source, kind, u**2 * np.outer(per_rad, per_rad)) for source, kind, u in geometry.angle_budget]
@@ -152,13 +245,8 @@ def _determined(values: Array, covariance: Array) -> tuple[list[int], tuple[Boun
 
 
 def _relative(fits: Sequence[RowTimingFit], told: _Parts) -> tuple[RelativeDelay, ...]:
-    """Delay of each recording minus the mean of those with the smallest set delay, tau and t_row being one for all."""
-    n = len(fits)
-    design = np.zeros((6 * n, n + 2))
-    for k in range(n):
-        design[6 * k : 6 * k + 4, k] = 1
-        design[6 * k + 4, n] = design[6 * k + 5, n + 1] = 1
-    weights = _weights(told.total, design)[:n]
+    """Delay of each recording minus the mean of those with the smallest set delay; one t_row for all, one tau per blackbody."""
+    weights = _weights(told.total, _design(_by_blackbody(fits), own_delays=True))[: len(fits)]
     return rig_wide.relative_delays(fits, weights, values=told.values, total=told.total)
 
 
@@ -172,10 +260,21 @@ def _birge_ratio(group: list[RowTimingFit]) -> float:
     return float(np.sqrt(np.einsum("fi,fij,fj->", apart, inverses, apart) / (3 * (len(group) - 1))))
 
 
+def _alike(fits: Sequence[RowTimingFit]) -> list[tuple[float, list[int]]]:
+    """Wheel rate in Hz and the indices of the fits of one rate and blackbody, for each such pair."""
+    groups = _by_blackbody(fits)
+    return [
+        (speed, both)
+        for speed, members in rig_wide.by_speed(fits)
+        for group in groups
+        if (both := [k for k in members if k in group])
+    ]
+
+
 def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:
     """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1."""
     factor = np.ones(len(fits))
-    for _, members in rig_wide.by_speed(fits):
+    for _, members in _alike(fits):
         if len(members) >= _RUNS_THAT_TELL:
             factor[members] = max(1.0, _birge_ratio([fits[k] for k in members]) ** 2)
     return factor
@@ -208,7 +307,7 @@ def _remarks(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[str, ...]
             f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels {1e6 * sector.row_delay_s:.3f} us: "
             f"they differ by {abs(row_delay - sector.row_delay_s) / u:.1f} u; lens distortion or a moved camera may be the cause"
         )
-    for speed, members in rig_wide.by_speed(fits):
+    for speed, members in _alike(fits):
         if len(members) < 2:
             continue
         birge = _birge_ratio([fits[k] for k in members])

@@ -88,6 +88,7 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
         harmonics=whole / mass[:, None],
         gain_dn=found.gain.mean(axis=0) * mass,
         widening=widening,
+        blackbody_temperature_k=rows.blackbody_temperature_k,
     )
 
 
@@ -153,7 +154,7 @@ def _scores(
 def _shape_effect(
     task: _Task, found: Solution, *, functions: tuple[ComplexArray, ComplexArray], changes: ComplexArray
 ) -> Array:
-    """Change of the six numbers per unit of each number of the sector, shape (6, 9): one linear step of the fit."""
+    """Change of the six numbers per unit of each number of the sector, shape (6, 10): one linear step of the fit."""
     whole, slopes = functions
     light = task.model.row_harmonics
     moved = packed(changes * (whole / np.where(light == 0, 1, light)))

@@ -9,7 +9,7 @@ import numpy as np
 from irtiming.physics.light_gates import GateAngles, gate_angles
 from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rig import Rig
+from irtiming.records.rig import Rig, Rotation
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.wheel_track import WheelTrack
 
@@ -34,6 +34,7 @@ class WheelGeometry:
     edges_from: str
     camera_roll_rad: float | None
     warnings: tuple[str, ...]
+    rotation: Rotation = "clockwise"
 
 
 def geometry(
@@ -94,6 +95,7 @@ def geometry(
         edges_from=edges_from,
         camera_roll_rad=roll,
         warnings=warnings,
+        rotation=rig.wheel.rotation,
     )
 
 

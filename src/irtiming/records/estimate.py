@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array
+from irtiming.records.arrays import Array, Mask
 from irtiming.records.reduced import ExposedFraction, Method
 
 
@@ -53,11 +53,15 @@ class RelativeDelay:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
-    """One line of the uncertainty budget of the trigger delay: what it is, and its standard uncertainty, s."""
+    """One line of the uncertainty budget of the trigger delay: what it is, and its standard uncertainty, s.
+
+    ``kind`` is A or B as in the GUM; ``degrees_of_freedom`` say how well the uncertainty itself is known.
+    """
 
     source: str
     kind: str
     standard_uncertainty_s: float
+    degrees_of_freedom: float = float("inf")
 
 
 @final
@@ -108,6 +112,10 @@ class EdgeDelayFit:
         Standard deviation of the residuals, opening fractions.
     widening
         Factor on the covariance for residuals that are correlated along the angle; 1 when they are white.
+    kept
+        Shape (n_frame,); frames of the reduced recording that took part.
+    values
+        Shape (12,); what the model took, in the order of `estimate.pixel_sum_model.NAMES`.
     """
 
     name: str
@@ -123,6 +131,8 @@ class EdgeDelayFit:
     noise: float
     widening: float
     n_dropped: int
+    kept: Mask
+    values: Array
 
 
 @final

@@ -22,7 +22,8 @@ class Choices:
     value; ``threshold_level`` the place between the histogram peaks where it is put otherwise (0 covered, 1 open).
     ``border_px`` is by how much the summed region exceeds the opening; ``plateau_margin`` the share of a plateau's width that
     is kept away from each of its corners. ``slope_limits`` are the opening fractions between which lines are fitted.
-    ``reference_edge`` names the application edge that is the angle zero.
+    ``reference_edge`` names the application edge that is the angle zero. ``substrate_temperature_k`` of a microbolometer
+    detector and ``wheel_temperature_k`` are what its two time constants are separated with.
     """
 
     method: Method = "pixel-sum"
@@ -33,6 +34,8 @@ class Choices:
     plateau_margin: float = 0.15
     slope_limits: tuple[float, float] = (0.05, 0.95)
     reference_edge: ReferenceEdge = "automatic"
+    substrate_temperature_k: float | None = None
+    wheel_temperature_k: float | None = None
 
 
 @final
@@ -81,6 +84,9 @@ class AxleView:
     ``row_px``, ``column_px`` locate the axle, found from when each pixel is covered. ``bisector_rad`` is the direction of
     the bisector of the mask's two radial edges, ``mean_angle_rad`` the mean polar angle, about the axle, of the light
     that comes through: they differ when the mask's own centre lies beside the axle. Polar angles in the image.
+    ``edge_miss_px`` is by how much the mask's radial edges, that of the smaller polar angle first, miss the axle: at the radius r
+    an edge stands ``edge_miss_px`` / r beyond its direction. None where it was not looked at. ``distortion`` is that of the
+    lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane.
     """
 
     row_px: float
@@ -89,6 +95,10 @@ class AxleView:
     bisector_rad: float
     u_bisector_rad: float
     mean_angle_rad: float
+    edge_miss_px: tuple[float, float] | None = None
+    u_edge_miss_px: float = 0.0
+    distortion: float = 0.0
+    u_distortion: float = 0.0
 
 
 @final

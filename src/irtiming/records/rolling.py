@@ -121,6 +121,8 @@ class ReducedRows:
         kept frames: to look at.
     axle
         Wheel centre and mask in the image, once the contrast image has told; None before.
+    blackbody_temperature_k
+        As the recording tells it; None where it does not.
     """
 
     name: str
@@ -146,6 +148,7 @@ class ReducedRows:
     edge_frame: int
     axle: AxleView | None = None
     warnings: tuple[str, ...] = ()
+    blackbody_temperature_k: float | None = None
 
 
 @final

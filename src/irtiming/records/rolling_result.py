@@ -13,13 +13,17 @@ RollingMethod = Literal["row-sum", "published"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class RollingContribution:
-    """One line of the uncertainty budget: what it is, A or B, and its standard uncertainty in each parameter, s."""
+    """One line of the uncertainty budget: what it is, A or B, and its standard uncertainty in each parameter, s.
+
+    ``degrees_of_freedom`` say how well the uncertainty itself is known.
+    """
 
     source: str
     kind: str
     trigger_delay_s: float
     time_constant_s: float
     row_delay_s: float
+    degrees_of_freedom: float = float("inf")
 
 
 @final
@@ -30,6 +34,21 @@ class Bound:
     name: str
     lower_s: float | None
     upper_s: float | None
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EffectiveTimeConstants:
+    """Time constant of eq. 2 as recordings at each blackbody temperature give it; they differ where the range is wide.
+
+    Shapes (k,): ``blackbody_temperature_k``, ascending; ``time_constant_s``; ``contrast_dn``, mean change of the row sums from
+    covered to open, negative for a blackbody colder than the wheel. ``covariance_s2`` (k, k).
+    """
+
+    blackbody_temperature_k: Array
+    time_constant_s: Array
+    covariance_s2: Array
+    contrast_dn: Array
 
 
 @final
@@ -54,6 +73,8 @@ class RollingResult:
         Of parameters that are not determined.
     warnings
         Doubts about the result.
+    effective
+        Time constants of the blackbody temperatures one by one; None where these are not known.
     """
 
     method: RollingMethod
@@ -64,3 +85,4 @@ class RollingResult:
     u_edge_delay_s: Array
     bounds: tuple[Bound, ...] = ()
     warnings: tuple[str, ...] = ()
+    effective: EffectiveTimeConstants | None = None

@@ -32,7 +32,7 @@ def by_edge(evidence: Evidence) -> Figure:
         left.legend(loc="best")
         mean = float(evidence.best.edge_delay_s.mean())
         n = len(evidence.edge_fits)
-        hues = sheet.colours([fit.trigger_delay_time_set_s for fit in evidence.edge_fits])
+        hues = sheet.colours([(one.trigger_delay_time_set_s, one.rotation_speed_hz) for one in evidence.recordings])
         for k, (fit, hue) in enumerate(zip(evidence.edge_fits, hues, strict=True)):
             right.errorbar(
                 np.arange(4) + (0.5 * (k + 0.5) / n - 0.25), (fit.edge_delay_s - mean) / US,

@@ -6,12 +6,16 @@ from typing import Protocol, runtime_checkable
 from irtiming.physics.light_gates import GateAngles
 from irtiming.physics.wheel import WheelModel
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
+from irtiming.records.joint_fit import JointFit
 from irtiming.records.lag_estimate import PublishedLagFit
+from irtiming.records.prediction import Prediction
 from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
 
 
@@ -72,6 +76,11 @@ class WheelEvidence(Protocol):
         ...
 
     @property
+    def wheel(self) -> WheelCalibration | None:
+        """Slots that all recordings tell together; None where they were taken as equal."""
+        ...
+
+    @property
     def geometry(self) -> Geometry:
         """With learned slots."""
         ...
@@ -100,6 +109,11 @@ class Evidence(Protocol):
         ...
 
     @property
+    def wheel(self) -> WheelCalibration | None:
+        """Slots that all recordings tell together; None where they were taken as equal."""
+        ...
+
+    @property
     def geometry(self) -> Geometry:
         """With learned slots; of the pixel sums."""
         ...
@@ -120,6 +134,11 @@ class Evidence(Protocol):
         ...
 
     @property
+    def joint(self) -> JointFit:
+        """The fit behind ``best``; whiteness, information and pull in the order of ``recordings``."""
+        ...
+
+    @property
     def best(self) -> DelayResult:
         """By pixel sums."""
         ...
@@ -127,6 +146,11 @@ class Evidence(Protocol):
     @property
     def as_published(self) -> DelayResult:
         """By the procedure of Schatz 2023."""
+        ...
+
+    @property
+    def prediction(self) -> Prediction | None:
+        """What the recordings should tell; None where nobody predicted it."""
         ...
 
     @property
@@ -164,6 +188,11 @@ class RollingEvidence(Protocol):
         ...
 
     @property
+    def wheel(self) -> WheelCalibration | None:
+        """Slots that all recordings tell together; None where they were taken as equal."""
+        ...
+
+    @property
     def geometry(self) -> Geometry:
         """With learned slots."""
         ...
@@ -196,6 +225,16 @@ class RollingEvidence(Protocol):
     @property
     def as_published(self) -> RollingResult:
         """By the procedure of Schatz 2023."""
+        ...
+
+    @property
+    def prediction(self) -> Prediction | None:
+        """What the recordings should tell; None where nobody predicted it."""
+        ...
+
+    @property
+    def two_constants(self) -> TwoConstantsResult | None:
+        """Constants of substrate and scene; None where nobody asked for them."""
         ...
 
     @property

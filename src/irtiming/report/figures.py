@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 
 from irtiming.physics.wheel_drawing import drawing
+from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.report import delay_figures, fraction_figures, image_figures, sheet, wheel_figures
 from irtiming.report.evidence import Evidence, WheelEvidence
 from irtiming.report.rounding import uncertainty_text
@@ -105,21 +106,44 @@ def slots(evidence: WheelEvidence) -> Panel:
     """Learned slot table."""
     return Panel(
         title="Irregularity of the control slots",
-        caption="Angle of each slot minus its regular place, averaged over all turns. The default method corrects for it; the "
-        "published one takes the slots as equal. A speed ripple that repeats every turn looks the same at a single wheel "
-        "speed.",
-        svg=sheet.svg(wheel_figures.slots(evidence), title="Deviation of the control slots"),
+        caption=slots_caption(evidence.wheel),
+        svg=sheet.svg(wheel_figures.slots(evidence), title="Deviation of the control slots, and its orders"),
+    )
+
+
+def slots_caption(wheel: WheelCalibration | None) -> str:
+    """What the figure of the slots shows."""
+    if wheel is None:
+        return "Too few turns were recorded to learn the slots: they are taken as equal."
+    told = (
+        "Above: angle of each slot minus its regular place, from all recordings together. The default method corrects for it, "
+        "the published one takes the slots as equal. Below: the same as waves around the wheel; order 1 is eccentricity. "
+    )
+    if wheel.ripple is None:
+        return told + (
+            "A speed ripple that repeats every turn is in it: no order can be told from such a ripple at a single wheel speed, "
+            "the low ones least. Recordings at another speed separate them."
+        )
+    return told + (
+        "Orange: speed ripple that repeats every turn, told from the slots by its fall with the square of the speed, at the "
+        f"slowest speed; pale where it may be chance. All orders together are chance with probability {wheel.ripple.chance:.1g}."
     )
 
 
 def by_edge(evidence: Evidence) -> Panel:
     """Delays per edge."""
     spread = float(np.ptp(evidence.best.edge_delay_s))
+    several = len({recording.rotation_speed_hz for recording in evidence.recordings}) > 1
+    alone = (
+        " Single recordings take all angles from rig.toml: where wheel speeds differ in delay, an angle is wrong, and the "
+        "joint fit corrects it."
+    )
     return Panel(
         title="Delay as seen from each wheel edge",
         caption="Four edges of a perfect wheel would give one delay. Pixel sums spread by "
         f"{uncertainty_text(spread)} from edge to edge: noise and the error of the cutout edges’ angles. Error bars: "
-        "standard uncertainty from the noise of the frames alone. Colours on the right as in the figure before.",
+        "standard uncertainty from the noise of the frames alone. Colours on the right as in the figure before."
+        + (alone if several else ""),
         svg=sheet.svg(delay_figures.by_edge(evidence), title="Delay by wheel edge"),
     )
 

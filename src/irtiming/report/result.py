@@ -6,9 +6,13 @@ import numpy as np
 
 from irtiming.records.estimate import DelayResult
 from irtiming.records.reduced import ReducedRecording
+from irtiming.report import budget, joint_result, wheel_result
 from irtiming.report.combination import combined
 from irtiming.report.evidence import Evidence
-from irtiming.report.tables import COVERAGE_FACTOR, REFERENCE_EVENTS, SIGN, versions
+from irtiming.report.prediction_result import predicted
+from irtiming.report.tables import REFERENCE_EVENTS, RELATIVE_EVENT, RELATIVE_SIGN, SIGN, versions
+
+_RELATIVE = {"reference_event": RELATIVE_EVENT, "sign": RELATIVE_SIGN}
 
 
 def result(evidence: Evidence) -> dict[str, Any]:
@@ -17,8 +21,8 @@ def result(evidence: Evidence) -> dict[str, Any]:
     Returns
     -------
     Keys method, camera, parameters, correlation, relative_delays, warnings as the format asks; beside them
-    relative_delays_combined, budget, edge_delays, other_method, choices, inputs and software. All values are of the types
-    that JSON has.
+    relative_delays_combined, budget, edge_delays, joint_fit, other_method, choices, inputs and software. All values are of
+    the types that JSON has.
     """
     other = evidence.best if evidence.result is evidence.as_published else evidence.as_published
     return {
@@ -26,8 +30,11 @@ def result(evidence: Evidence) -> dict[str, Any]:
         "camera": "photon",
         **_core(evidence, evidence.result),
         "warnings": list(evidence.warnings),
+        "joint_fit": joint_result.result(evidence),
+        "prediction": predicted(evidence, kind="photon"),
         "other_method": {"method": other.method, **_core(evidence, other), "warnings": list(other.warnings)},
         "geometry": _geometry(evidence),
+        "wheel": wheel_result.result(evidence.wheel),
         "choices": _choices(evidence),
         "inputs": [_input(recording) for recording in evidence.recordings],
         "rig": {"file": evidence.rig.source, "sha256": evidence.rig.sha256},
@@ -49,22 +56,27 @@ def _core(evidence: Evidence, chosen: DelayResult) -> dict[str, Any]:
                 "scatter_of_runs": row.scatter_s,
                 "rotation_speed": {"value": row.rotation_speed_hz, "unit": "Hz"},
                 "unit": "s",
+                **_RELATIVE,
             }
             for row in combined(evidence, chosen)
         ],
         "budget": [
             {
-                "source": part.source,
-                "type": part.kind,
-                "standard_uncertainty": part.standard_uncertainty_s,
+                "source": line.part.source,
+                "type": line.part.kind,
+                "standard_uncertainty": line.part.standard_uncertainty_s,
+                "degrees_of_freedom": budget.freedom_number(line.part.degrees_of_freedom),
+                "share_percent": 100 * line.share,
                 "unit": "s",
             }
-            for part in chosen.budget
+            for line in budget.of_delay(chosen).lines
         ],
         "edge_delays": {
             "value": [float(v) for v in chosen.edge_delay_s],
             "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
             "unit": "s",
+            "reference_event": _edge_event(chosen),
+            "sign": SIGN,
         },
     }
 
@@ -75,14 +87,18 @@ def _parameters(chosen: DelayResult) -> dict[str, Any]:
         name: {
             "value": float(value),
             "standard_uncertainty": float(u),
-            "expanded_uncertainty": COVERAGE_FACTOR * float(u),
-            "coverage_factor": COVERAGE_FACTOR,
+            **budget.expanded_numbers(float(u), budget.degrees_of_freedom(chosen, name)),
             "unit": "s",
             "reference_event": REFERENCE_EVENTS.get(name, name),
-            "sign": SIGN,
+            "sign": None if name == "integration_time" else SIGN,
         }
         for name, value, u in zip(estimate.names, estimate.values, estimate.standard_uncertainties, strict=True)
     }
+
+
+def _edge_event(chosen: DelayResult) -> str:
+    name = "trigger_delay" if "trigger_delay" in chosen.estimate.names else "exposure_midpoint_delay"
+    return f"{REFERENCE_EVENTS[name]}, as seen from wheel edges 0 to 3"
 
 
 def _relative_delays(evidence: Evidence, chosen: DelayResult) -> list[dict[str, Any]]:
@@ -93,6 +109,7 @@ def _relative_delays(evidence: Evidence, chosen: DelayResult) -> list[dict[str, 
             "value": delay.value_s,
             "standard_uncertainty": delay.standard_uncertainty_s,
             "unit": "s",
+            **_RELATIVE,
         }
         for recording, delay in zip(evidence.recordings, chosen.relative_delays, strict=True)
     ]

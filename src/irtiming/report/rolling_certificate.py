@@ -2,13 +2,24 @@
 
 import numpy as np
 
-from irtiming.report import figures, rolling_figures, rolling_inputs, rolling_tables, tables
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.report import (
+    budget,
+    figures,
+    prediction_tables,
+    rolling_figures,
+    rolling_inputs,
+    rolling_tables,
+    tables,
+    two_constant_figures,
+    two_constant_tables,
+    wheel_tables,
+)
 from irtiming.report.evidence import RollingEvidence
 from irtiming.report.page import Section, Verdict
 from irtiming.report.rolling_result import last_row_read
 from irtiming.report.rolling_tables import METHOD_NAMES, NAMES
 from irtiming.report.rounding import time_text, uncertainty_text
-from irtiming.report.tables import COVERAGE_FACTOR
 
 
 def verdict(evidence: RollingEvidence) -> Verdict:
@@ -66,7 +77,8 @@ def _sentence(found: dict[str, tuple[float, float]], bounds: dict[str, str]) -> 
 
 def _limit(evidence: RollingEvidence, name: str, u: float) -> str:
     largest = rolling_tables.largest_part(evidence, name)
-    start = f"{_words(name).capitalize()}: U = {uncertainty_text(COVERAGE_FACTOR * u)} (k = {COVERAGE_FACTOR})"
+    expanded, factor = budget.expanded_text(u, budget.of_rolling(evidence.result, name).degrees_of_freedom)
+    start = f"{_words(name).capitalize()}: U = {expanded} (k = {factor})"
     if largest is None:
         return f"{start}; a single part of uncertainty is known."
     part, size = largest
@@ -104,6 +116,14 @@ def _relative_remark(evidence: RollingEvidence) -> str:
     )
 
 
+def wide_range(found: TwoConstantsResult | None) -> tuple[Section, ...]:
+    """Constants of substrate and scene, where somebody asked for them."""
+    if found is None:
+        return ()
+    tables_of = (two_constant_tables.constants(found), two_constant_tables.effective(found))
+    return (Section(title="Wide temperature range", blocks=(*tables_of, two_constant_figures.panel(found))),)
+
+
 def sections(evidence: RollingEvidence) -> tuple[Section, ...]:
     """The body of the page, in the order of the argument."""
     delays = rolling_tables.relative_delays(evidence)
@@ -116,6 +136,7 @@ def sections(evidence: RollingEvidence) -> tuple[Section, ...]:
             title="Lag and delay",
             blocks=(rolling_figures.scan(evidence), rolling_figures.ellipse(evidence), rolling_tables.noise(evidence)),
         ),
+        *wide_range(evidence.two_constants),
         Section(
             title="Row by row", blocks=(rolling_figures.row_delays(evidence), rolling_figures.residual_map(evidence))
         ),
@@ -125,6 +146,7 @@ def sections(evidence: RollingEvidence) -> tuple[Section, ...]:
             blocks=(
                 rolling_figures.budget(evidence),
                 rolling_tables.budget(evidence),
+                *prediction_tables.compared_rolling(evidence),
                 rolling_tables.correlation(evidence),
                 rolling_figures.by_edge(evidence),
             ),
@@ -142,7 +164,10 @@ def sections(evidence: RollingEvidence) -> tuple[Section, ...]:
             ),
         ),
         Section(title="Rig and model", blocks=(figures.wheel(evidence), figures.model(evidence))),
-        Section(title="What the wheel did", blocks=(figures.speed(evidence), figures.slots(evidence))),
+        Section(
+            title="What the wheel did",
+            blocks=(figures.speed(evidence), figures.slots(evidence), *wheel_tables.blocks(evidence.wheel)),
+        ),
         Section(
             title="Choices, inputs, software",
             blocks=(rolling_inputs.choices(evidence), rolling_inputs.inputs(evidence), tables.software()),

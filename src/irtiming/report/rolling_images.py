@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from irtiming.physics.lens import Lens
 from irtiming.records.arrays import Array
 from irtiming.records.row_timing import SectorShape
 from irtiming.report import sheet
@@ -75,18 +76,20 @@ def _map(
 def _sector(axes: Axes, shape: SectorShape, size: tuple[int, ...]) -> None:
     """Arcs and radial edges of the fitted sector, axle and bisector, in the image."""
     sense = -1.0 if shape.mirrored else 1.0
-    row, column = shape.axle_row_px + shape.offset_row_px, shape.axle_column_px + sense * shape.offset_column_px
+    lens = Lens(distortion=shape.distortion, rows=shape.image_rows, columns=shape.image_columns)
+    axle_row, axle_column = lens.flat(shape.axle_row_px, shape.axle_column_px)
+    row, column = axle_row + shape.offset_row_px, axle_column + sense * shape.offset_column_px
     half = shape.opening_angle_rad / 2
     around = shape.bisector_rad + np.linspace(-half, half, 100)
     polar = np.concatenate([around, around[::-1], around[:1]])
     radius = np.repeat([shape.outer_radius_px, shape.inner_radius_px, shape.outer_radius_px], [100, 100, 1])
-    axes.plot(column + sense * radius * np.cos(polar), row + radius * np.sin(polar), color=_SECTOR, linewidth=1.2)
-    reach = np.array([0.0, 1.15 * shape.outer_radius_px])
-    axes.plot(
-        shape.axle_column_px + sense * reach * np.cos(shape.bisector_rad),
-        shape.axle_row_px + reach * np.sin(shape.bisector_rad),
-        "-.", color=sheet.ORANGE, linewidth=1,
-    )  # fmt: skip
+    border = lens.seen(row + radius * np.sin(polar), column + sense * radius * np.cos(polar))
+    axes.plot(border[1], border[0], color=_SECTOR, linewidth=1.2)
+    reach = np.linspace(0.0, 1.15 * shape.outer_radius_px, 50)
+    middle = lens.seen(
+        axle_row + reach * np.sin(shape.bisector_rad), axle_column + sense * reach * np.cos(shape.bisector_rad)
+    )
+    axes.plot(middle[1], middle[0], "-.", color=sheet.ORANGE, linewidth=1)
     axes.plot([shape.axle_column_px], [shape.axle_row_px], "+", color=sheet.ORANGE, markersize=12, markeredgewidth=1.8)
     axes.set_xlim(min(-0.5, shape.axle_column_px - 3), max(size[1] - 0.5, shape.axle_column_px + 3))
     axes.set_ylim(max(size[0] - 0.5, shape.axle_row_px + 3), min(-0.5, shape.axle_row_px - 3))

@@ -18,6 +18,7 @@ _SHAPE = (
     ("bisector (degrees)", "bisector_rad", 180 / np.pi),
     ("opening angle (degrees)", "opening_angle_rad", 180 / np.pi),
     ("blur, standard deviation (px)", "blur_px", 1.0),
+    ("distortion of the lens", "distortion", 1.0),
 )
 
 

@@ -8,10 +8,13 @@ import numpy as np
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowTimingFit
-from irtiming.report import rolling_noise
+from irtiming.report import budget, rolling_noise, two_constant_tables, wheel_result
 from irtiming.report.evidence import RollingEvidence
-from irtiming.report.rolling_tables import EVENTS, SIGNS, entries
-from irtiming.report.tables import COVERAGE_FACTOR, versions
+from irtiming.report.prediction_result import predicted
+from irtiming.report.rolling_tables import EVENTS, NAMES, RELATIVE_EVENT, SIGNS, entries
+from irtiming.report.tables import RELATIVE_SIGN, SIGN, versions
+
+_NOT_FITTED = ("mirrored", "image_rows", "image_columns")
 
 
 def result(evidence: RollingEvidence) -> dict[str, Any]:
@@ -20,17 +23,23 @@ def result(evidence: RollingEvidence) -> dict[str, Any]:
     Returns
     -------
     Keys method, camera, parameters, correlation, relative_delays, warnings as the format asks; beside them bounds, budget,
-    edge_delays, last_row_read, noise_correlation, other_method, geometry, opening, fits, choices, inputs and software.
+    edge_delays, last_row_read, noise_correlation, two_constants, other_method, geometry, opening, fits, choices, inputs and
+    software.
     """
     other = evidence.best if evidence.result is evidence.as_published else evidence.as_published
+    core = _core(evidence, evidence.result)
     return {
         "method": evidence.result.method,
         "camera": "microbolometer",
-        **_core(evidence, evidence.result),
+        **core,
+        "parameters": core["parameters"] | two_constant_tables.parameters(evidence.two_constants),
         "warnings": list(evidence.warnings),
+        "two_constants": two_constant_tables.result(evidence.two_constants),
         "noise_correlation": _noise(evidence),
+        "prediction": predicted(evidence, kind="microbolometer"),
         "other_method": {"method": other.method, **_core(evidence, other), "warnings": list(other.warnings)},
         "geometry": _geometry(evidence),
+        "wheel": wheel_result.result(evidence.wheel),
         "opening": _opening(evidence),
         "fits": [_fit(fit) for fit in evidence.row_fits],
         "published_fits": _published(evidence),
@@ -60,8 +69,7 @@ def _core(evidence: RollingEvidence, chosen: RollingResult) -> dict[str, Any]:
             name: {
                 "value": value,
                 "standard_uncertainty": u,
-                "expanded_uncertainty": COVERAGE_FACTOR * u,
-                "coverage_factor": COVERAGE_FACTOR,
+                **budget.expanded_numbers(u, budget.of_rolling(chosen, name).degrees_of_freedom),
                 "unit": "s",
                 "reference_event": EVENTS[name],
                 "sign": SIGNS[name],
@@ -79,27 +87,40 @@ def _core(evidence: RollingEvidence, chosen: RollingResult) -> dict[str, Any]:
                 "value": delay.value_s,
                 "standard_uncertainty": delay.standard_uncertainty_s,
                 "unit": "s",
+                "reference_event": RELATIVE_EVENT,
+                "sign": RELATIVE_SIGN,
             }
             for recording, delay in zip(evidence.recordings, chosen.relative_delays, strict=False)
         ],
         "last_row_read": None
         if last is None
-        else {"row": last[0], "value": last[1], "standard_uncertainty": last[2], "unit": "s"},
-        "budget": [
-            {
-                "source": part.source,
-                "type": part.kind,
-                "standard_uncertainty": {
-                    "trigger_delay": part.trigger_delay_s,
-                    "time_constant": part.time_constant_s,
-                    "row_delay": part.row_delay_s,
-                },
-                "unit": "s",
-            }
-            for part in chosen.budget
-        ],
+        else {
+            "row": last[0],
+            "value": last[1],
+            "standard_uncertainty": last[2],
+            "unit": "s",
+            "reference_event": "reading of the last image row",
+            "sign": SIGN,
+        },
+        "budget": _budget(chosen),
         "edge_delays": _edge_delays(chosen),
     }
+
+
+def _budget(chosen: RollingResult) -> list[dict[str, Any]]:
+    """In the order of the estimation; shares by parameter."""
+    found = {name: budget.of_rolling(chosen, name) for name in NAMES}
+    return [
+        {
+            "source": part.source,
+            "type": part.kind,
+            "standard_uncertainty": {name: getattr(part, f"{name}_s") for name in NAMES},
+            "degrees_of_freedom": budget.freedom_number(part.degrees_of_freedom),
+            "share_percent": {name: 100 * budget.share(found[name], part.source) for name in NAMES},
+            "unit": "s",
+        }
+        for part in chosen.budget
+    ]
 
 
 def _edge_delays(chosen: RollingResult) -> dict[str, Any] | None:
@@ -110,6 +131,8 @@ def _edge_delays(chosen: RollingResult) -> dict[str, Any] | None:
         "value": [float(v) for v in chosen.edge_delay_s],
         "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
         "unit": "s",
+        "reference_event": "reading of image row 0, as seen from wheel edges 0 to 3",
+        "sign": SIGN,
     }
 
 
@@ -140,7 +163,7 @@ def _geometry(evidence: RollingEvidence) -> dict[str, Any]:
 
 def _opening(evidence: RollingEvidence) -> dict[str, Any]:
     found = evidence.sector
-    names = [field.name for field in fields(found.shape) if field.name != "mirrored"]
+    names = [field.name for field in fields(found.shape) if field.name not in _NOT_FITTED]
     u = np.sqrt(np.diag(found.covariance))
     return {
         **{
@@ -196,6 +219,8 @@ def _choices(evidence: RollingEvidence) -> dict[str, Any]:
         "border_px": chosen.border_px,
         "threshold_level": chosen.threshold_level,
         "reference_edge": chosen.reference_edge,
+        "substrate_temperature": chosen.substrate_temperature_k,
+        "wheel_temperature": chosen.wheel_temperature_k,
     }
 
 
@@ -208,6 +233,7 @@ def _input(recording: ReducedRows) -> dict[str, Any]:
         "frames_used": int(recording.frame_index.size),
         "trigger_delay_time_set": recording.trigger_delay_time_set_s,
         "rotation_speed": recording.rotation_speed_hz,
+        "blackbody_temperature": recording.blackbody_temperature_k,
         "roi": list(opening.roi),
         "border_px": opening.border_px,
         "bad_pixels": int((opening.bad & opening.summed).sum()),

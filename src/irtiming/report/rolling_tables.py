@@ -6,15 +6,17 @@ import numpy as np
 
 from irtiming.records.rolling_result import Bound, RollingContribution, RollingResult
 from irtiming.records.row_timing import RowTimingFit
+from irtiming.report import budget as budget_of
 from irtiming.report import rolling_noise, row_curves
 from irtiming.report.drift_figures import frame_time_s
 from irtiming.report.evidence import RollingEvidence
 from irtiming.report.rounding import fixed, signed, significant, time_text, time_unit, uncertainty_text
-from irtiming.report.tables import COVERAGE_FACTOR, SIGN, Table
+from irtiming.report.tables import RELATIVE_SIGN, SIGN, Table
 
 MS, US = 1e-3, 1e-6
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 _SYMBOLS = {"trigger_delay": "t_delay", "time_constant": "τ", "row_delay": "t_row"}
+_NO_SHARE = 1e-8
 METHOD_NAMES = {"row-sum": "row sums", "published": "as published (Schatz 2023)"}
 EVENTS = {
     "trigger_delay": "reading of image row 0 (y = 0); row y is read at trigger_delay + y · row_delay",
@@ -29,22 +31,27 @@ SIGNS = {
     "row_delay": "positive: rows are read from the top down; negative: from the bottom up",
 }
 
+RELATIVE_EVENT = "reading of image row 0, counted from that of the smallest set delay"
+
 
 def parameters(evidence: RollingEvidence) -> Table:
     """The parameters of the chosen method: value, standard uncertainty u, expanded uncertainty U, event and sign."""
     result = evidence.result
-    rows = [
-        (name, time_text(value, u), uncertainty_text(COVERAGE_FACTOR * u), EVENTS[name], SIGNS[name])
-        for name, value, u in entries(result)
+    rows = []
+    for name, value, u in entries(result):
+        expanded = budget_of.expanded_text(u, budget_of.of_rolling(result, name).degrees_of_freedom)
+        rows.append((name, time_text(value, u), *expanded, EVENTS[name], SIGNS[name]))
+    rows += [
+        (bound.name, bound_text(bound), "–", "–", EVENTS[bound.name], SIGNS[bound.name]) for bound in result.bounds
     ]
-    rows += [(bound.name, bound_text(bound), "–", EVENTS[bound.name], SIGNS[bound.name]) for bound in result.bounds]
     return Table(
         title="Timing of the camera",
-        columns=("parameter", "value ± u", f"U\u00a0(k\u00a0=\u00a0{COVERAGE_FACTOR})", "what it is", "sign"),
-        align="lrrll",
+        columns=("parameter", "value ± u", "U = k u", "k", "what it is", "sign"),
+        align="lrrrll",
         rows=tuple(rows),
         note="Delays count from the trigger edge. The delay set in the trigger generator is taken off. u is the standard "
-        f"uncertainty (k = 1). Method: {METHOD_NAMES[result.method]}.",
+        f"uncertainty (k = 1); value ± U holds the true one with {budget_of.COVERAGE_PERCENT} % probability. "
+        f"Method: {METHOD_NAMES[result.method]}.",
     )
 
 
@@ -90,7 +97,8 @@ def both_methods(evidence: RollingEvidence) -> Table:
         columns=("parameter", "row sums", "as published", "published − row sums"),
         align="lrrr",
         rows=tuple(rows),
-        note="Row sums: an exact model of all rows at once, with the blurred edges of mask and light, learned slots and one "
+        note=f"Trigger delay: {EVENTS['trigger_delay']}; {SIGN}. "
+        "Row sums: an exact model of all rows at once, with the blurred edges of mask and light, learned slots and one "
         "delay per wheel edge. As published: binary mask, equal slots, simulated rows, a straight line over the rows and a "
         "parabola over the time constant; its u holds the scatter of these two only. The paper’s camera: τ 4.819 ms, "
         "t_delay 3.872 ms, t_row 38.76 µs.",
@@ -146,22 +154,41 @@ def correlation(evidence: RollingEvidence) -> Table:
 
 def budget(evidence: RollingEvidence) -> Table:
     """Uncertainty budget of all three parameters, the largest part of the trigger delay first."""
+    found = [budget_of.of_rolling(evidence.result, name) for name in NAMES]
     parts = sorted(evidence.result.budget, key=lambda part: -part.trigger_delay_s)
-    sizes = np.array([_sizes(part) for part in parts])
-    total = np.sqrt(np.sum(sizes**2, axis=0))
     rows = [
-        (part.source, part.kind, *(_cell(size, whole) for size, whole in zip(row, total, strict=True)))
-        for part, row in zip(parts, sizes, strict=True)
+        (
+            part.source,
+            part.kind,
+            budget_of.freedom_text(part.degrees_of_freedom),
+            *(
+                _cell(size, budget_of.share(whole, part.source))
+                for size, whole in zip(_sizes(part), found, strict=True)
+            ),
+        )
+        for part in parts
     ]
-    rows.append(("all together (root of the sum of squares)", "", *(_micro(float(u)) for u in total)))
+    rows.append(
+        (
+            "all together (root of the sum of squares)",
+            "",
+            "",
+            *(_micro(whole.standard_uncertainty_s) for whole in found),
+        )
+    )
+    freedoms = [budget_of.freedom_text(whole.degrees_of_freedom) for whole in found]
+    rows.append(("ν, all together", "", "", *freedoms))
     return Table(
         title="Uncertainty budget",
-        columns=("source", "type", "trigger delay: u (µs)", "time constant: u (µs)", "row delay: u (µs)"),
-        align="lcrrr",
+        columns=(
+            "source", "type", "ν", "trigger delay: u (µs)", "time constant: u (µs)", "row delay: u (µs)",
+        ),
+        align="lcrrrr",
         rows=tuple(rows),
         note="In brackets the share of u². Type A: from the scatter of this measurement; type B: from rig.toml. Angle errors "
-        "become times by division through the wheel’s angular frequency and do not touch time constant and row delay.",
-    )
+        "become times by division through the wheel’s angular frequency and do not touch time constant and row delay. ν, degrees "
+        "of freedom: how well u itself is known; those of the sums by Welch and Satterthwaite.",
+    )  # fmt: skip
 
 
 def _sizes(part: RollingContribution) -> tuple[float, float, float]:
@@ -177,11 +204,8 @@ def largest_part(evidence: RollingEvidence, name: str) -> tuple[RollingContribut
     return largest, _sizes(largest)[NAMES.index(name)]
 
 
-def _cell(size_s: float, total_s: float) -> str:
-    if size_s < 1e-4 * total_s or total_s <= 0:
-        return "0"
-    share = (size_s / total_s) ** 2
-    return f"{_micro(size_s)} ({f'{share:.0%}' if share >= 0.005 else '< 1%'})"
+def _cell(size_s: float, share: float) -> str:
+    return "0" if share < _NO_SHARE else f"{_micro(size_s)} ({budget_of.share_text(share)})"
 
 
 def _micro(value_s: float) -> str:
@@ -212,7 +236,7 @@ def relative_delays(evidence: RollingEvidence) -> Table:
         align="lrrrrr",
         rows=tuple(rows) if several else (),
         note="Deviation is measured minus nominal; the trigger generator sets delays to a tick of its clock. Row sums: time "
-        "constant and row delay are taken as one for all recordings.",
+        f"constant and row delay are taken as one for all recordings. Relative delay: {RELATIVE_EVENT}; {RELATIVE_SIGN}.",
     )  # fmt: skip
 
 
@@ -274,7 +298,8 @@ def searches(evidence: RollingEvidence) -> Table:
         columns=("fit", "trigger delay", "time constant", "row delay", "work"),
         align="lrrrr",
         rows=tuple(rows),
-        note="Row sums and contrast image are fitted in rounds: a later round begins where the one before ended.",
+        note="Row sums and contrast image are fitted in rounds: a later round begins where the one before ended. Trigger delay: "
+        f"reading of image row 0; {SIGN}.",
     )
 
 
@@ -317,4 +342,5 @@ def beside_the_truth(evidence: RollingEvidence, truth_s: dict[str, float]) -> Ta
         columns=("", "true", "row sums", "off/u", "as published", "off/u"),
         align="lrrrrr",
         rows=tuple(rows),
+        note=f"t_delay: reading of image row 0; {SIGN}.",
     )

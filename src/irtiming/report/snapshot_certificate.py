@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.report import figures, tables
+from irtiming.report import budget, figures, joint_figures, joint_tables, prediction_tables, tables, wheel_tables
 from irtiming.report.combination import combined
 from irtiming.report.evidence import Evidence
 from irtiming.report.page import Section, Verdict
 from irtiming.report.rounding import time_text, uncertainty_text
-from irtiming.report.tables import COVERAGE_FACTOR, METHOD_NAMES, REFERENCE_EVENTS
+from irtiming.report.tables import METHOD_NAMES, REFERENCE_EVENTS
 
 
 def verdict(evidence: Evidence) -> Verdict:
@@ -20,10 +20,11 @@ def verdict(evidence: Evidence) -> Verdict:
     value, u = float(estimate.values[k]), float(estimate.standard_uncertainties[k])
     n = len(evidence.recordings)
     side = "after" if value >= 0 else "before"
+    expanded, factor = budget.expanded_text(u, budget.degrees_of_freedom(evidence.result, name))
     sentence = (
         f"The {REFERENCE_EVENTS[name]} comes {time_text(abs(value), u)} {side} the trigger edge that the camera accepts "
-        f"(standard uncertainty, k = 1; expanded uncertainty U = {uncertainty_text(COVERAGE_FACTOR * u)}, "
-        f"k = {COVERAGE_FACTOR}), by {METHOD_NAMES[evidence.result.method]} from {n} recording{'s' if n > 1 else ''}."
+        f"(standard uncertainty, k = 1; expanded uncertainty U = {expanded}, "
+        f"k = {factor}), by {METHOD_NAMES[evidence.result.method]} from {n} recording{'s' if n > 1 else ''}."
     )
     remarks = [_relative_remark(evidence), _budget_remark(evidence), _split_remark(evidence)]
     return Verdict(
@@ -58,11 +59,11 @@ def _budget_remark(evidence: Evidence) -> str:
 
 
 def _split_remark(evidence: Evidence) -> str:
-    split = tables.falling_minus_rising(evidence.result)
+    split = budget.falling_minus_rising(evidence.result)
     if split is None:
         return ""
-    value, u = split
-    agrees = abs(value) <= COVERAGE_FACTOR * u
+    value, u = split.value_s, split.standard_uncertainty_s
+    agrees = abs(value) <= budget.coverage_factor(split.degrees_of_freedom) * u
     return (
         f"Delays from falling and from rising slopes {'agree' if agrees else 'differ'}: falling − rising = "
         f"{time_text(value, u)}."
@@ -86,10 +87,24 @@ def sections(evidence: Evidence) -> tuple[Section, ...]:
             title="Exposed fraction and fit",
             blocks=(figures.fitted(evidence), figures.averaged(evidence), figures.by_edge(evidence)),
         ),
-        Section(title="Uncertainty", blocks=(figures.budget(evidence), tables.budget(evidence))),
+        Section(
+            title="Joint fit",
+            blocks=(
+                *joint_tables.blocks(evidence),
+                joint_figures.whiteness(evidence),
+                joint_figures.profiles(evidence),
+            ),
+        ),
+        Section(
+            title="Uncertainty",
+            blocks=(figures.budget(evidence), tables.budget(evidence), *prediction_tables.compared(evidence)),
+        ),
         Section(title="Rig and model", blocks=(figures.wheel(evidence), figures.model(evidence))),
         Section(title="What the camera saw", blocks=(figures.mean_frames(evidence), figures.histogram(evidence))),
-        Section(title="What the wheel did", blocks=(figures.speed(evidence), figures.slots(evidence))),
+        Section(
+            title="What the wheel did",
+            blocks=(figures.speed(evidence), figures.slots(evidence), *wheel_tables.blocks(evidence.wheel)),
+        ),
         Section(
             title="Choices, inputs, software",
             blocks=(tables.choices(evidence), tables.inputs(evidence), tables.software()),

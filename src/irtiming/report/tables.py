@@ -10,24 +10,26 @@ import numpy as np
 
 from irtiming.records.estimate import DelayResult
 from irtiming.records.reduced import ReducedRecording
+from irtiming.report import budget as budget_of
 from irtiming.report.combination import PAPER_TABLE_1, combined
 from irtiming.report.evidence import Evidence
-from irtiming.report.rounding import fixed, in_unit, signed, significant, time_text, uncertainty_text
+from irtiming.report.rounding import fixed, in_unit, signed, significant, time_text
 
 MS, US = 1e-3, 1e-6
 _T = TypeVar("_T")
-COVERAGE_FACTOR = 2
-"""k of the expanded uncertainty U = k u: about 95 %."""
-
 REFERENCE_EVENTS = {
     "trigger_delay": "start of integration",
     "exposure_midpoint_delay": "middle of integration",
     "trigger_delay_falling": "start of integration, falling slopes only",
     "trigger_delay_rising": "start of integration, rising slopes only",
+    "integration_time": "length of the integration window",
 }
-"""What happens at the time that a parameter tells; all count from the trigger edge, positive after it."""
+"""What happens at the time that a parameter tells; delays count from the trigger edge, positive after it."""
 
 SIGN = "positive: after the trigger edge that the camera accepts"
+RELATIVE_EVENT = "integration, counted from that of the smallest set delay"
+RELATIVE_SIGN = "positive: later"
+RELATIVE_NOTE = f"Relative delay: {RELATIVE_EVENT}; {RELATIVE_SIGN}."
 METHOD_NAMES = {"pixel-sum": "pixel sums", "published": "as published (Schatz 2023)"}
 
 
@@ -52,21 +54,24 @@ class Table:
 
 def parameters(evidence: Evidence) -> Table:
     """The delays of the chosen method: value, standard uncertainty u and expanded uncertainty U, with event and sign."""
-    rows = [
-        (name, time_text(value, u), uncertainty_text(COVERAGE_FACTOR * u), REFERENCE_EVENTS.get(name, ""))
-        for name, value, u in _entries(evidence.result)
-    ]
-    difference = falling_minus_rising(evidence.result)
-    if difference is not None:
-        value, u = difference
-        rows.append(("falling − rising", time_text(value, u), uncertainty_text(COVERAGE_FACTOR * u), "0 expected"))
+    rows = []
+    for name, value, u in _entries(evidence.result):
+        expanded = budget_of.expanded_text(u, budget_of.degrees_of_freedom(evidence.result, name))
+        rows.append((name, time_text(value, u), *expanded, REFERENCE_EVENTS.get(name, "")))
+    split = budget_of.falling_minus_rising(evidence.result)
+    if split is not None:
+        expanded = budget_of.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
+        rows.append(
+            ("falling − rising", time_text(split.value_s, split.standard_uncertainty_s), *expanded, "0 expected")
+        )
     return Table(
         title="Delays of the camera",
-        columns=("parameter", "value ± u", f"U (k = {COVERAGE_FACTOR})", "event"),
-        align="lrrl",
+        columns=("parameter", "value ± u", "U = k u", "k", "event"),
+        align="lrrrl",
         rows=tuple(rows),
-        note=f"Time from the trigger edge to the event, {SIGN}. The delay set in the trigger generator is taken off. "
-        f"u is the standard uncertainty (k = 1). Method: {METHOD_NAMES[evidence.result.method]}.",
+        note=f"Delays: time from the trigger edge to the event, {SIGN}. The delay set in the trigger generator is taken off. "
+        f"u is the standard uncertainty (k = 1); value ± U holds the true one with {budget_of.COVERAGE_PERCENT} % probability. "
+        f"Method: {METHOD_NAMES[evidence.result.method]}.",
     )
 
 
@@ -74,18 +79,6 @@ def _entries(result: DelayResult) -> Iterable[tuple[str, float, float]]:
     estimate = result.estimate
     for name, value, u in zip(estimate.names, estimate.values, estimate.standard_uncertainties, strict=True):
         yield name, float(value), float(u)
-
-
-def falling_minus_rising(result: DelayResult) -> tuple[float, float] | None:
-    """Split between falling and rising slopes with its uncertainty from the covariance, s."""
-    names = result.estimate.names
-    if not {"trigger_delay_falling", "trigger_delay_rising"} <= set(names):
-        return None
-    weights = np.zeros(len(names))
-    weights[names.index("trigger_delay_falling")] = 1
-    weights[names.index("trigger_delay_rising")] = -1
-    variance = float(weights @ result.estimate.covariance @ weights)
-    return float(weights @ result.estimate.values), float(np.sqrt(max(variance, 0.0)))
 
 
 def relative_delays(evidence: Evidence, result: DelayResult | None = None) -> Table:
@@ -120,7 +113,7 @@ def relative_delays(evidence: Evidence, result: DelayResult | None = None) -> Ta
         rows=tuple(rows),
         note="Ours: this camera. Paper: Schatz 2023, Table 1, IRcam Equus 327k L, 20 runs each. u is the standard "
         "uncertainty of the mean over the runs; noise averages over runs, what they have in common does not. Scatter is "
-        "the standard deviation of single runs.",
+        f"the standard deviation of single runs. {RELATIVE_NOTE}",
     )  # fmt: skip
 
 
@@ -158,6 +151,7 @@ def beside_the_paper(evidence: Evidence) -> Table:
         columns=("nominal (ms)", "the paper's camera", "here, as published", "here, pixel sums"),
         align="rrrr",
         rows=tuple(rows),
+        note=RELATIVE_NOTE,
     )
 
 
@@ -180,33 +174,36 @@ def relative_delays_by_file(evidence: Evidence) -> Table:
         align="lrrrrr",
         rows=tuple(rows),
         note="Deviation is measured minus nominal. The published method averages the runs of one nominal delay, which "
-        "share their value.",
+        f"share their value. {RELATIVE_NOTE}",
     )  # fmt: skip
 
 
 def both_methods(evidence: Evidence) -> Table:
     """The same delays by pixel sums and by the published procedure, side by side."""
     published = {name: (value, u) for name, value, u in _entries(evidence.as_published)}
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, value, u in _entries(evidence.best):
         other, u_other = published.get(name, (float("nan"), 0.0))
         rows.append(
             (
                 name,
                 time_text(value, u),
-                time_text(other, u_other),
-                f"{signed(other - value, u_other or u, unit_s=US)} µs",
+                time_text(other, u_other) if np.isfinite(other) else "–",
+                f"{signed(other - value, u_other or u, unit_s=US)} µs" if np.isfinite(other) else "–",
+                REFERENCE_EVENTS.get(name, ""),
             )
         )
-    splits = [falling_minus_rising(result) for result in (evidence.best, evidence.as_published)]
-    if splits[0] is not None and splits[1] is not None:
-        rows.append(("falling − rising", time_text(*splits[0]), time_text(*splits[1]), ""))
+    splits = [budget_of.falling_minus_rising(result) for result in (evidence.best, evidence.as_published)]
+    texts = [time_text(split.value_s, split.standard_uncertainty_s) for split in splits if split is not None]
+    if len(texts) == len(splits):
+        rows.append(("falling − rising", *texts, "", "0 expected"))
     return Table(
         title="Both methods",
-        columns=("parameter", "pixel sums", "as published", "published − pixel sums"),
-        align="lrrr",
+        columns=("parameter", "pixel sums", "as published", "published − pixel sums", "event"),
+        align="lrrrl",
         rows=tuple(rows),
-        note="As published: threshold counts, equal slots, straight lines; its u holds the scatter of the lines only. The "
+        note=f"Delays: {SIGN}. "
+        "As published: threshold counts, equal slots, straight lines; its u holds the scatter of the lines only. The "
         "paper's camera: falling 567.74 ± 2.06 µs, rising 488.91 ± 2.77 µs, “cause not apparent”; what its slopes "
         "give is the middle of integration.",
     )
@@ -214,31 +211,30 @@ def both_methods(evidence: Evidence) -> Table:
 
 def budget(evidence: Evidence) -> Table:
     """Uncertainty budget of the trigger delay by the chosen method, largest first."""
-    parts = sorted(evidence.result.budget, key=lambda part: -part.standard_uncertainty_s)
-    total = float(np.sqrt(sum(part.standard_uncertainty_s**2 for part in parts)))
+    found = budget_of.of_delay(evidence.result)
     rows = [
         (
-            part.source,
-            part.kind,
-            _micro(part.standard_uncertainty_s),
-            _share((part.standard_uncertainty_s / total) ** 2) if total > 0 else "–",
+            line.part.source,
+            line.part.kind,
+            _micro(line.part.standard_uncertainty_s),
+            budget_of.freedom_text(line.part.degrees_of_freedom),
+            budget_of.share_text(line.share),
         )
-        for part in parts
+        for line in found.lines
     ]
-    rows.append(("all together (root of the sum of squares)", "", _micro(total), "100%" if total > 0 else "–"))
+    total = "100%" if found.standard_uncertainty_s > 0 else "–"
+    freedom = budget_of.freedom_text(found.degrees_of_freedom)
+    rows.append(("all together (root of the sum of squares)", "", _micro(found.standard_uncertainty_s), freedom, total))
     return Table(
         title="Uncertainty budget of the trigger delay",
-        columns=("source", "type", "u (µs)", "share of u²"),
-        align="lcrr",
+        columns=("source", "type", "u (µs)", "ν", "share of u²"),
+        align="lcrrr",
         rows=tuple(rows),
         note="Type A: from the scatter of this measurement; type B: from rig.toml. Angle errors become times by division "
         "through the wheel's angular frequency. Angles common to all recordings of one wheel speed drop out of the "
-        "relative delays.",
+        "relative delays. ν, degrees of freedom: how well u itself is known; all together by Welch and Satterthwaite: "
+        f"k = {budget_of.coverage_factor(found.degrees_of_freedom):.2f}.",
     )
-
-
-def _share(part: float) -> str:
-    return f"{part:.0%}" if part >= 0.005 else "< 1%"
 
 
 def choices(evidence: Evidence) -> Table:
@@ -364,7 +360,7 @@ def software() -> Table:
 def versions() -> dict[str, str]:
     """Versions by name; a package that is not installed is left out."""
     found = {}
-    for name in ("irtiming", "numpy", "scipy", "numba", "h5py", "hdf5plugin", "matplotlib"):
+    for name in ("irtiming", "numpy", "scipy", "numba", "h5py", "hdf5plugin", "matplotlib", "GTC"):
         try:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:

@@ -11,6 +11,7 @@ from scipy.stats import norm
 
 from irtiming.physics.wheel import WheelModel, wheel_model
 from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening
 from irtiming.records.row_timing import SectorFit, SectorShape
 
@@ -39,6 +40,7 @@ class BruteBolometer:
     time_constant_s: float = 6e-3
     row_delay_s: float = 60e-6
     sub: int = 10
+    distortion: float = 0.0
 
     @property
     def omega(self) -> float:
@@ -65,6 +67,9 @@ class BruteBolometer:
             bisector_rad=self.bisector_rad,
             opening_angle_rad=self.opening_rad,
             blur_px=self.blur_px,
+            distortion=self.distortion,
+            image_rows=self.rows,
+            image_columns=self.columns,
         )
 
     @cached_property
@@ -77,7 +82,21 @@ class BruteBolometer:
         across = self.offset[1] + np.outer(radius, np.cos(own)).ravel()
         polar = np.angle(np.exp(1j * (np.arctan2(down, across) - self.bisector_rad)))
         area = np.repeat(radius, n_angle) * np.ptp(self.radii) / n_radius * self.opening_rad / n_angle
-        return self.axle[0] + down, self.axle[1] + across, polar, area
+        row, column, larger = self.through_lens(down, across)
+        return row, column, polar, area * larger
+
+    def through_lens(self, down, across):
+        """Where points beside the axle appear, and how much larger: the axle's own place by fixed-point iteration."""
+        middle, unit = ((self.rows - 1) / 2, (self.columns - 1) / 2), np.hypot(self.rows, self.columns) / 2
+        seen = np.array([self.axle[0] - middle[0], self.axle[1] - middle[1]]) / unit
+        flat = seen
+        for _ in range(100):
+            flat = seen / (1 + self.distortion * (flat @ flat))
+        y, x = flat[0] + down / unit, flat[1] + across / unit
+        bent = 1 + self.distortion * (x * x + y * y)
+        by_y, by_x = 2 * self.distortion * y, 2 * self.distortion * x  # of bent
+        larger = (bent + y * by_y) * (bent + x * by_x) - (y * by_x) * (x * by_y)
+        return middle[0] + unit * y * bent, middle[1] + unit * x * bent, larger
 
     @cached_property
     def light(self):
@@ -134,6 +153,26 @@ class BruteBolometer:
 def brute_bolometer() -> type[BruteBolometer]:
     """Camera that counts."""
     return BruteBolometer
+
+
+@pytest.fixture(scope="session")
+def rig_with() -> Callable[..., Rig]:
+    """The paper's rig with another lens, or with a counterclockwise wheel."""
+
+    def make(*, distortion=None, mirrored=False):
+        optics = CameraOptics() if distortion is None else CameraOptics(distortion=distortion)
+        return Rig(
+            wheel=Wheel(rotation="counterclockwise" if mirrored else "clockwise"),
+            light_gates=LightGates(
+                half_separation_m=Measured(13e-3), height_difference_m=Measured(5.5e-3), whole_slots_between=9
+            ),
+            mask_opening=MaskOpening(
+                opening_angle_rad=Measured(float(np.radians(75))), centre_angle_rad=Measured(-TURN / 4)
+            ),
+            camera=optics,
+        )
+
+    return make
 
 
 @pytest.fixture(scope="session")
@@ -243,7 +282,7 @@ def sector_of() -> Callable[..., SectorFit]:
         )
         values = dict.fromkeys(maps, nothing) | {
             "shape": camera.shape,
-            "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3]) ** 2),
+            "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4]) ** 2),
             "hills": 0.0,
             "gain_scatter": 0.0,
             "border_scatter": 0.0,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import edge_delays
+from irtiming.estimate import pixel_sum_model
 from irtiming.estimate.edge_delays import estimate
 from irtiming.physics.wheel import wheel_model
 
@@ -131,30 +131,24 @@ def test_wild_frames_are_dropped_and_told(recording):
     assert np.sqrt(fit.covariance_s2[0, 0]) < 2e-6
 
 
-def test_analytic_derivatives_are_those_of_the_misfit(recording, monkeypatch):
-    """Oracle: central differences of the misfit in all ten parameters, at a point away from the solution."""
-    seen = {}
-
-    def spy(misfit, initial, *, jac, args, **options):
-        point = initial.copy()
-        point[:4] = DELAY + np.array([1e-5, -2e-5, 3e-5, 0])
-        point[7] = 0.003
-        steps = np.array([1e-8] * 4 + [1e-6, abs(point[6]) * 1e-6, abs(point[6]) * 1e-6, 1e-6, 1e-6, 1e-6])
-        for k, step in enumerate(steps):
-            ahead, behind = point.copy(), point.copy()
-            ahead[k], behind[k] = point[k] + step, point[k] - step
-            seen[k] = (jac(point, *args)[:, k], (misfit(ahead, *args) - misfit(behind, *args)) / (2 * step))
-        raise InterruptedError
-
-    monkeypatch.setattr(edge_delays, "least_squares", spy)
-    with pytest.raises(InterruptedError):
-        estimate(recording(_sums()), _model())
-    for k, (analytic, numeric) in seen.items():
-        size = np.abs(numeric).max()
-        assert size > 0
-        # the opening angle's derivative takes the window's middle for its mean: wrong at the corners only
-        close = np.abs(analytic - numeric) < (1e-3 if k != 4 else 1e-2) * size
-        assert close.all() if k != 4 else close.mean() > 0.98, k
+def test_analytic_derivatives_are_those_of_the_model(recording):
+    """Oracle: central differences of the residual in all fourteen values, at a point away from the solution."""
+    told, covered_dn = pixel_sum_model.pixel_sums(recording(_sums()), _model())
+    told = replace(told, ring_share=np.array([0.4, 0.6]), ring_place=np.array([0.3, -0.2]))
+    point = np.array([
+        DELAY + 1e-5, covered_dn, told.unit_dn, 0.003, 0.01, 0.02, 1e-4, -2e-4, 3e-4, 0.0, GAMMA, 1.3 * WINDOW, 4e-3, -6e-3,
+    ])  # fmt: skip
+    size = abs(told.unit_dn) * 1e-6
+    steps = np.array([1e-8, size, size, 1e-6, 1e-6, 1e-6, 1e-7, 1e-7, 1e-7, 1e-7, 1e-6, 1e-7, 1e-6, 1e-6])
+    analytic = pixel_sum_model.slopes(point, told)
+    for k, step in enumerate(steps):
+        ahead, behind = point.copy(), point.copy()
+        ahead[k], behind[k] = point[k] + step, point[k] - step
+        numeric = -(pixel_sum_model.residual(ahead, told) - pixel_sum_model.residual(behind, told)) / (2 * step)
+        assert np.abs(numeric).max() > 0
+        apart = np.abs(analytic[:, k] - numeric) / np.abs(numeric).max()
+        is_odd = pixel_sum_model.NAMES[k].startswith(("delay", "edge"))  # a skew of 1 % is left out of these
+        assert np.quantile(apart, 0.98) < (2e-2 if is_odd else 1e-4), pixel_sum_model.NAMES[k]
 
 
 def test_pulls_of_200_noisy_repetitions_are_standard(recording):

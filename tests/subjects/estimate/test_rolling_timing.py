@@ -31,7 +31,7 @@ def fits():
         made = []
         for k, six in enumerate(sixes):
             size = u * (1 + 0.2 * k)
-            drawn = np.random.default_rng(k).normal(size=(6, 9))
+            drawn = np.random.default_rng(k).normal(size=(6, 10))
             made.append(
                 RowTimingFit(
                     name=f"run {k}",
@@ -88,7 +88,7 @@ def sector(sector_of, brute_bolometer):
 
 
 def _estimate(fits, geometry, sector, **options):
-    return rolling_timing.estimate(fits, geometry, sector=sector, **({"n_rows": 36} | options))
+    return rolling_timing.estimate(fits, geometry, sectors=[sector] * len(fits), **({"n_rows": 36} | options))
 
 
 def _covariance(fits, geometry, sector):
@@ -315,3 +315,41 @@ def test_a_camera_that_reads_its_last_row_first_is_not_doubted(fits, geometry, s
         six = np.array([delay] * 4 + [6e-3, t_row])
         image = replace(sector, row_delay_s=t_row)
         assert _estimate(fits([six]), geometry(), image).warnings == ("told by the geometry",)
+
+
+def test_each_blackbody_has_a_time_constant_of_its_own(fits, geometry, sector):
+    """Oracle: the numbers that went in: two taus come back as they are, delay and row delay as one, and their mean as tau."""
+    warmer = SIX - np.array([0, 0, 0, 0, 100e-6, 0])
+    made = [
+        replace(fit, blackbody_temperature_k=kelvin)
+        for fit, kelvin in zip(fits([warmer, SIX, SIX]), (318.0, 288.0, 288.1), strict=True)
+    ]
+    found = _estimate(made, geometry(), sector)
+    effective = found.effective
+    assert effective.blackbody_temperature_k == pytest.approx([288.05, 318.0])
+    assert effective.time_constant_s == pytest.approx([SIX[4], warmer[4]], abs=1e-12)
+    values = dict(zip(found.estimate.names, found.estimate.values, strict=True))
+    assert values["trigger_delay"] == pytest.approx(SIX[0], abs=1e-9)
+    assert values["row_delay"] == pytest.approx(SIX[5], abs=1e-11)
+    assert warmer[4] < values["time_constant"] < SIX[4]
+    assert any("is an effective one" in text for text in found.warnings)
+    same = _estimate([replace(fit, blackbody_temperature_k=300.0) for fit in fits([SIX, SIX])], geometry(), sector)
+    assert same.effective.time_constant_s.size == 1
+    assert not any("is an effective one" in text for text in same.warnings)
+
+
+def test_edges_that_part_with_the_blackbody_do_not_move_the_time_constant(fits, geometry, sector):
+    """Oracle: the taus that went in; uncovering edges are 40 us early and covering ones late where it is warm."""
+    warmer = SIX - np.array([-40e-6, 40e-6, -40e-6, 40e-6, 100e-6, 0])
+    made = [
+        replace(fit, blackbody_temperature_k=kelvin)
+        for fit, kelvin in zip(fits([SIX, warmer]), (288.0, 318.0), strict=True)
+    ]
+    found = _estimate(made, geometry(), sector)
+    assert found.effective.time_constant_s == pytest.approx([SIX[4], warmer[4]], abs=1e-12)
+    assert found.estimate.values[0] == pytest.approx(SIX[0], abs=1e-9)
+
+
+def test_unknown_blackbodies_are_one(fits, geometry, sector):
+    """Oracle: no temperature, so nothing by temperature and no other result than before there were any."""
+    assert _estimate(fits([SIX, SIX]), geometry(), sector).effective is None

@@ -165,10 +165,10 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
     fit = row_fit.fit(rows, camera.model, light=light)
     numbers = np.array([getattr(camera.shape, name) for name in SHAPE_NUMBERS])
     u = np.sqrt(np.diag(fit.covariance_s2))
-    for k, step in enumerate([4e-3] * 6 + [1e-4] * 2 + [4e-3]):
+    for k, step in enumerate([4e-3] * 6 + [1e-4] * 2 + [4e-3, 1e-3]):
         moved = []
         for sign in (1, -1):
-            shape = shape_of(numbers + sign * step * (np.arange(9) == k), False)
+            shape = shape_of(numbers + sign * step * (np.arange(10) == k), False, image=(camera.rows, camera.columns))
             harmonics = blurred_sector.row_harmonics(
                 blurred_sector.light_points(shape), light.row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS
             )

@@ -8,6 +8,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_fit
 from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.records.rig import Measured
 
 
 @pytest.fixture(scope="module")
@@ -26,20 +27,20 @@ def _pulls(found, camera):
     return np.array(numbers) / np.sqrt(np.diag(found.covariance))
 
 
-def _twice(rows, camera, lag, *, mirrored=False):
+def _twice(rows, camera, lag, *, rig):
     """First without knowing the lag, then with it and with what the first left over, as the camera's estimate does."""
-    first = sector_fit.fit([rows], camera.model, mirrored=mirrored, lag=(np.zeros(4), 1e-4))
-    return sector_fit.fit([rows], camera.model, mirrored=mirrored, lag=lag, start=first)
+    first = sector_fit.fit([rows], camera.model, rig=rig, lag=(np.zeros(4), 1e-4))
+    return sector_fit.fit([rows], camera.model, rig=rig, lag=lag, start=first)
 
 
 @pytest.fixture(scope="module")
-def plain(camera, lag, brute_rows):
+def plain(camera, lag, brute_rows, rig_with):
     """Fit of even pixels with noise."""
-    return _twice(brute_rows(camera, noise_dn=6.0, seed=3), camera, lag)
+    return _twice(brute_rows(camera, noise_dn=6.0, seed=3), camera, lag, rig=rig_with())
 
 
 def test_the_sector_comes_back(plain, camera):
-    """Oracle: the light that was summed; nine numbers and the row delay within four uncertainties, which are small."""
+    """Oracle: the light that was summed; ten numbers and the row delay within four uncertainties, which are small."""
     assert np.all(np.abs(_pulls(plain, camera)) < 4)
     u = np.sqrt(np.diag(plain.covariance))
     assert u[:2].max() < 0.05
@@ -60,10 +61,10 @@ def test_even_pixels_leave_nothing_over(plain, camera):
     np.testing.assert_allclose(plain.contrast[light > 0.9], light[light > 0.9], atol=0.01)
 
 
-def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute_rows):
+def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute_rows, rig_with):
     """Oracle: gains that were drawn, 3 % apart; the excess is theirs, axle and bisector stay within their uncertainties."""
     gain = 1 + 0.03 * np.random.default_rng(4).standard_normal((36, 64))
-    found = _twice(brute_rows(camera, gain=gain, noise_dn=6.0, seed=5), camera, lag)
+    found = _twice(brute_rows(camera, gain=gain, noise_dn=6.0, seed=5), camera, lag, rig=rig_with())
     light = camera.light[1].sum(axis=0)
     inside = light > 0.99
     assert found.gain_scatter == pytest.approx(0.03, rel=0.2)
@@ -72,9 +73,9 @@ def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute
     assert np.all(np.abs(_pulls(found, camera)) < 4)
 
 
-def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows):
+def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows, rig_with):
     """Oracle: the image read backwards, counterclockwise; columns are counted leftwards, so the axle alone moves."""
-    found = _twice(brute_rows(camera, noise_dn=6.0, seed=3, mirror=True), camera, lag, mirrored=True)
+    found = _twice(brute_rows(camera, noise_dn=6.0, seed=3, mirror=True), camera, lag, rig=rig_with(mirrored=True))
     assert found.shape.mirrored
     other = camera.shape
     assert found.shape.axle_column_px == pytest.approx(63 - other.axle_column_px, abs=0.05)
@@ -85,24 +86,50 @@ def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows):
             ), name
 
 
-def test_phases_of_two_speeds_may_differ(camera, brute_rows):
+def test_phases_of_two_speeds_may_differ(camera, brute_rows, rig_with):
     """Oracle: the axle. Before the lag is known, 2.3 ms and 6 ms turn the second harmonic by another angle at each speed."""
     recordings = [brute_rows(replace(camera, rate_hz=rate), noise_dn=6.0, seed=int(rate)) for rate in (3.0, 7.0)]
-    found = sector_fit.fit(recordings, camera.model, mirrored=False, lag=(np.zeros(4), 1e-4))
+    found = sector_fit.fit(recordings, camera.model, rig=rig_with(), lag=(np.zeros(4), 1e-4))
     assert found.shape.axle_row_px == pytest.approx(camera.axle[0], abs=0.1)
     assert found.shape.axle_column_px == pytest.approx(camera.axle[1], abs=0.1)
     assert found.row_delay_s == pytest.approx(camera.row_delay_s, abs=12e-6)
     assert found.reduced_chi_square < 2
 
 
-def test_a_slit_is_no_sector(brute_bolometer, brute_rows):
+def test_a_slit_is_no_sector(brute_bolometer, brute_rows, rig_with):
     """Oracle: a mask of two pixels' width, of which three at least must be."""
     slit = brute_bolometer(radii=(15.0, 17.0))
     with pytest.raises(
         EstimationError,
         match="counted: the opening does not look like an annular sector about the axle: .* the whole opening must be",
     ):
-        sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, mirrored=False, lag=(np.zeros(4), 1e-4))
+        sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, rig=rig_with(), lag=(np.zeros(4), 1e-4))
+
+
+@pytest.mark.parametrize("known", [None, Measured(-0.08, 0.01)])
+def test_the_lens_is_told_by_an_axle_far_from_the_middle(brute_bolometer, lag, brute_rows, rig_with, known):
+    """Oracle: the lens through which the light was placed; all numbers within four uncertainties, whatever rig.toml says."""
+    bent = brute_bolometer(offset=(0.35, -0.25), distortion=-0.08)
+    rig = rig_with() if known is None else rig_with(distortion=known)
+    found = _twice(brute_rows(bent, noise_dn=6.0, seed=3), bent, lag, rig=rig)
+    assert np.all(np.abs(_pulls(found, bent)) < 4)
+    assert np.sqrt(found.covariance[9, 9]) < 0.01
+    assert found.reduced_chi_square == pytest.approx(1, abs=0.15)
+
+
+def test_a_lens_that_the_image_does_not_tell_is_as_rig_toml_states(brute_bolometer, lag, brute_rows, rig_with):
+    """Oracle: an axle and mask in the middle of the image, round which a lens changes radii alone; the prior stays."""
+    round_it = brute_bolometer(rows=65, columns=65, axle=(32.0, 32.0))
+    rows = brute_rows(round_it, noise_dn=6.0, seed=3)
+    stated = Measured(-0.03, 0.02)
+    found = _twice(rows, round_it, lag, rig=rig_with(distortion=stated))
+    assert found.shape.distortion == pytest.approx(-0.03, abs=0.01)
+    u = np.sqrt(np.diag(found.covariance))
+    assert 0.01 < u[9] < 0.03
+    assert abs(found.shape.outer_radius_px - 29.6) < 4 * u[5]
+    assert abs(found.shape.bisector_rad - round_it.bisector_rad) < 4 * u[6] < 0.01
+    tied = found.covariance[9, 5] / (u[9] * u[5])
+    assert abs(tied) > 0.9  # radii and lens are uncertain together, so that what is seen is certain
 
 
 def test_covariance_holds_for_pixels_that_scatter_more_than_noise():
@@ -119,4 +146,4 @@ def test_covariance_holds_for_pixels_that_scatter_more_than_noise():
     assert np.all(np.diag(expected) > np.diag(white))
     np.testing.assert_allclose(sector_fit._covariance(jacobian, residual, pixels), expected)
     calm = sector_fit._covariance(jacobian, residual / 1e3, pixels)
-    np.testing.assert_allclose(np.diag(calm), np.diag(white))
+    np.testing.assert_allclose(calm, white)

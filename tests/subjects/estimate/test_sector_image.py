@@ -40,6 +40,7 @@ def _view(rows, **fields):
                 "good": good,
                 "summed": rows.opening.summed,
                 "mirrored": False,
+                "image": rows.opening.mask.shape,
                 "field_prior": 0.1,
             }
             | fields
@@ -49,7 +50,7 @@ def _view(rows, **fields):
 
 def _numbers(camera):
     numbers = np.zeros(SCALES.size)
-    numbers[:9] = [getattr(camera.shape, name) for name in SHAPE_NUMBERS]
+    numbers[:10] = [getattr(camera.shape, name) for name in SHAPE_NUMBERS]
     numbers[ROW_DELAY] = camera.row_delay_s
     numbers[[RING_INNER, RING_OUTER]] = camera.radii[0] - 2, camera.radii[1] + 2
     return numbers

@@ -19,12 +19,16 @@ from irtiming.records.estimate import (
     RelativeDelay,
     SlopeLine,
 )
+from irtiming.records.joint_fit import JointFit, Profile
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
+from irtiming.records.prediction import Prediction
 from irtiming.records.reduced import AxleView, Choices, ExposedFraction, Opening, ReducedRecording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
 from irtiming.records.rolling import ContrastImage, ExposedRows, ReducedRows, RollingOpening, ShutterEvent
 from irtiming.records.rolling_result import RollingContribution, RollingResult
 from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape, TimeConstantScan
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
 
 TURN = 2 * np.pi
@@ -50,9 +54,12 @@ class _Analysis:
     equal_geometry: _Geometry
     edge_fits: tuple[EdgeDelayFit, ...]
     published_fits: tuple[PublishedFit, ...]
+    joint: JointFit
     best: DelayResult
     as_published: DelayResult
     warnings: tuple[str, ...]
+    wheel: WheelCalibration | None = None
+    prediction: Prediction | None = None
 
     @property
     def result(self) -> DelayResult:
@@ -83,6 +90,7 @@ def analysis() -> _Analysis:
         equal_geometry=geometry,
         edge_fits=tuple(_edge_fit(name, delay, model, rng) for name, delay in zip(names, set_s, strict=True)),
         published_fits=tuple(_published_fit(set_s[k], names[k : k + 2], model, rng) for k in range(0, 10, 2)),
+        joint=_joint(len(names)),
         best=_result("pixel-sum", names, set_s),
         as_published=_result("published", names, set_s),
         warnings=("camera-0ms-r0: 3 frames lost", "<b>not markup</b> & co"),
@@ -125,6 +133,33 @@ def _edge_fit(name: str, delay_s: float, model: WheelModel, rng: np.random.Gener
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6, covariance_s2=np.eye(4) * 4 * (0.3e-6) ** 2,
         start_delay_s=0.0, wheel_angle_rad=angle, fraction=exposed_fraction(angle, model) + residual, residual=residual,
         opening_angle_rad=model.opening_angle_rad, noise=2e-4, widening=1.0, n_dropped=0,
+        kept=np.ones(1000, bool), values=np.zeros(14),
+    )  # fmt: skip
+
+
+def _joint(n_fit: int) -> JointFit:
+    """Middle at 525 us with u 30 us, 60 us after its start; edges 0.4 mrad early, u 0.1, prior 0.5 mrad, all in common."""
+    u = np.array([30e-6, 0, 0, 0, 0, 1e-5, 10e-6, 2e-3, 2e-3])
+    covariance = np.diag(u**2)
+    covariance[1:5, 1:5] = 1e-8 + 1e-12 * np.eye(4)
+    return JointFit(
+        shared=np.array([525e-6, 4e-4, 4e-4, 4e-4, 4e-4, np.radians(75.01), 240e-6, 1e-3, -1e-3]),
+        covariance=covariance,
+        start=np.array([465e-6, 0, 0, 0, 0, np.radians(75), 300e-6, 1e-3, -1e-3]),
+        prior_covariance_rad2=25e-8 + 1e-12 * np.eye(4), information=np.zeros((n_fit, 9, 9)), pull=np.zeros((n_fit, 9)),
+        reduced_chi_square=0.98, birge=1.23, whiteness=np.append(np.linspace(0.1, 0.9, n_fit - 1), 1e-5), n_steps=4,
+        profiles=tuple(_profile(name, value, u) for name, value, u in (
+            ("trigger_delay", 400e-6, 30e-6), ("exposure_midpoint_delay", 525e-6, 30e-6)
+        )),
+    )  # fmt: skip
+
+
+def _profile(name: str, value: float, u: float) -> Profile:
+    """A parabola: the deviation is the square of the distance in standard uncertainties."""
+    at = np.arange(-2.0, 3.0)
+    return Profile(
+        name=name, unit="s", value=value, standard_uncertainty=u, values=value + at * u, deviation=at**2, lower=value - u,
+        upper=value + u,
     )  # fmt: skip
 
 
@@ -171,7 +206,9 @@ def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
         relative_delays=tuple(relative),
         budget=(
             Contribution(source="mask centre angle phi_M", kind="B", standard_uncertainty_s=24e-6),
-            Contribution(source="noise of the frames", kind="A", standard_uncertainty_s=18e-6),
+            Contribution(
+                source="noise of the frames", kind="A", standard_uncertainty_s=18e-6, degrees_of_freedom=400.0
+            ),
         ),
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         u_edge_delay_s=np.full(4, 0.3e-6),
@@ -192,6 +229,9 @@ class _Rolling:
     best: RollingResult
     as_published: RollingResult
     warnings: tuple[str, ...]
+    wheel: WheelCalibration | None = None
+    prediction: Prediction | None = None
+    two_constants: TwoConstantsResult | None = None
 
     @property
     def result(self) -> RollingResult:
@@ -245,7 +285,7 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
     return RowTimingFit(
         name=name, trigger_delay_time_set_s=delay_s, angular_frequency_rad_per_s=OMEGA,
         edge_delay_s=ROLLING_DELAY_S + np.array([1, -1, 2, -2]) * 1e-6, time_constant_s=TAU_S, row_delay_s=ROW_S,
-        covariance_s2=covariance, shape_effect=np.zeros((6, 9)), start_s=(0.0, 3e-3, 60e-6), n_steps=9, row_px=ROW_PX,
+        covariance_s2=covariance, shape_effect=np.zeros((6, 10)), start_s=(0.0, 3e-3, 60e-6), n_steps=9, row_px=ROW_PX,
         wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
         harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), widening=2.25,
     )  # fmt: skip
@@ -285,7 +325,7 @@ def _sector() -> SectorFit:
             axle_row_px=45.0, axle_column_px=40.0, offset_row_px=0.1, offset_column_px=0.0, inner_radius_px=12.0,
             outer_radius_px=38.0, bisector_rad=-np.pi / 2, opening_angle_rad=np.radians(75), blur_px=0.7,
         ),
-        "covariance": np.eye(9) * 1e-6, "contrast": even, "model_contrast": 0.98 * even, "excess": 0.01 * even,
+        "covariance": np.eye(10) * 1e-6, "contrast": even, "model_contrast": 0.98 * even, "excess": 0.01 * even,
         "excess_angle_rad": angle, "row_delay_s": ROW_S, "u_row_delay_s": 1e-7, "reduced_chi_square": 2.0,
         "roi": (2, 40, 5, 75),
     }  # fmt: skip

@@ -81,7 +81,7 @@ def test_the_verdict_says_event_sign_method_and_k(analysis):
     """Oracle: the sentence by hand."""
     assert certificate.verdict(analysis).sentence == (
         "The start of integration comes 400 ± 30 µs after the trigger edge that the camera accepts (standard uncertainty, "
-        "k = 1; expanded uncertainty U = 60 µs, k = 2), by pixel sums from 10 recordings."
+        "k = 1; expanded uncertainty U = 60 µs, k = 2.00), by pixel sums from 10 recordings."
     )
 
 
@@ -118,7 +118,7 @@ def test_the_result_has_the_form_that_others_read(analysis):
     assert np.shape(matrix) == (4, 4)
     assert np.allclose(np.diag(matrix), 1)
     assert [set(entry) for entry in result["relative_delays"]] == [
-        {"file", "nominal", "value", "standard_uncertainty", "unit"}
+        {"file", "nominal", "value", "standard_uncertainty", "unit", "reference_event", "sign"}
     ] * 10
     assert [entry["nominal"] for entry in result["relative_delays"][::2]] == [0, 0.025, 0.05, 0.075, 0.1]
     assert all(len(entry["sha256"]) == 64 for entry in result["inputs"])
@@ -137,6 +137,7 @@ def test_one_recording_alone_makes_a_page(analysis):
         recordings=analysis.recordings[:1],
         edge_fits=analysis.edge_fits[:1],
         published_fits=analysis.published_fits[:1],
+        joint=replace(analysis.joint, whiteness=analysis.joint.whiteness[:1]),
         best=replace(analysis.best, relative_delays=analysis.best.relative_delays[:1]),
         as_published=replace(analysis.as_published, relative_delays=analysis.as_published.relative_delays[:1]),
         warnings=(),

@@ -91,9 +91,9 @@ def test_the_verdict_says_event_sign_method_and_what_limits_each(rolling):
         "recordings (standard uncertainties, k = 1)."
     )
     assert verdict.remarks[:4] == (
-        "Trigger delay: U = 60 µs (k = 2); the largest part of u is mask centre angle phi_M, 24 µs (type B).",
-        "Time constant: U = 8.0 µs (k = 2); the largest part of u is noise of the frames, 4.0 µs (type A).",
-        "Row delay: U = 0.40 µs (k = 2); the largest part of u is noise of the frames, 0.20 µs (type A).",
+        "Trigger delay: U = 60 µs (k = 2.00); the largest part of u is mask centre angle phi_M, 24 µs (type B).",
+        "Time constant: U = 8.0 µs (k = 2.00); the largest part of u is noise of the frames, 4.0 µs (type A).",
+        "Row delay: U = 0.40 µs (k = 2.00); the largest part of u is noise of the frames, 0.20 µs (type A).",
         "The last row (y = 59) is read 6.360 ± 0.032 ms after the trigger edge; the whole readout takes 2.360 ms.",
     )
 
@@ -135,7 +135,7 @@ def test_the_result_has_the_form_that_others_read(rolling):
     assert "63 %" in parameters["time_constant"]["reference_event"]
     assert np.allclose(np.diag(result["correlation"]["matrix"]), 1)
     assert [set(entry) for entry in result["relative_delays"]] == [
-        {"file", "nominal", "value", "standard_uncertainty", "unit"}
+        {"file", "nominal", "value", "standard_uncertainty", "unit", "reference_event", "sign"}
     ] * 2
     assert result["relative_delays"][1]["file"] == "runs/bolo-10ms.nxs"
     assert result["bounds"] == {}
@@ -175,11 +175,12 @@ def test_both_methods_stand_side_by_side(rolling):
 
 
 def test_the_budget_has_a_column_for_each_parameter(rolling):
-    """Oracle: 24 and 18 us make 30 us, shares 64 and 36 %; the rig's angle does not touch the others."""
+    """Oracle: 24 and 18 us make 30 us, shares 64 and 36 %; the rig's angle does not touch the others; nothing is known by few."""
     rows = rolling_tables.budget(rolling).rows
-    assert rows[0] == ("mask centre angle phi_M", "B", "24 (64%)", "0", "0")
-    assert rows[1] == ("noise of the frames", "A", "18 (36%)", "4.0 (100%)", "0.20 (100%)")
-    assert rows[2][2:] == ("30", "4.0", "0.20")
+    assert rows[0] == ("mask centre angle phi_M", "B", "∞", "24 (64%)", "0", "0")
+    assert rows[1] == ("noise of the frames", "A", "∞", "18 (36%)", "4.0 (100%)", "0.20 (100%)")
+    assert rows[2][3:] == ("30", "4.0", "0.20")
+    assert rows[3][3:] == ("∞", "∞", "∞")
 
 
 def test_a_single_set_delay_has_no_table_of_relative_delays(rolling):

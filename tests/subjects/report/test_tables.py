@@ -14,8 +14,8 @@ from irtiming.report.tables import Table
 def test_each_delay_stands_with_its_event_and_expanded_uncertainty(analysis):
     """Oracle: the hand-made analysis: 400 us, u 30 us, so U = 60 us; sign and method said in the note."""
     table = tables.parameters(analysis)
-    assert table.rows[0] == ("trigger_delay", "400 ± 30 µs", "60 µs", "start of integration")
-    assert table.rows[1][3] == "middle of integration"
+    assert table.rows[0] == ("trigger_delay", "400 ± 30 µs", "60 µs", "2.00", "start of integration")
+    assert table.rows[1][4] == "middle of integration"
     assert "positive: after the trigger edge" in table.note
     assert "pixel sums" in table.note
 
@@ -87,11 +87,11 @@ def test_the_papers_deviations_are_its_measured_minus_nominal():
 
 
 def test_the_budget_adds_in_quadrature(analysis):
-    """Oracle: 24 and 18 us make 30 us; shares 64 and 36 %."""
+    """Oracle: 24 and 18 us make 30 us; shares 64 and 36 %; Welch and Satterthwaite: 30^4 / (18^4 / 400)."""
     rows = tables.budget(analysis).rows
-    assert rows[0][1:] == ("B", "24", "64%")
-    assert rows[1][1:] == ("A", "18", "36%")
-    assert rows[2][2] == "30"
+    assert rows[0][1:] == ("B", "24", "∞", "64%")
+    assert rows[1][1:] == ("A", "18", "400", "36%")
+    assert rows[2][2:] == ("30", f"{30**4 / (18**4 / 400):.0f}", "100%")
 
 
 def test_choices_say_who_made_them(analysis):

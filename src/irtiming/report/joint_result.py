@@ -1,0 +1,73 @@
+"""The joint fit of a photon camera as plain data, for JSON."""
+
+from typing import Any
+
+import numpy as np
+
+from irtiming.records.joint_fit import Profile
+from irtiming.report import joint_tables
+from irtiming.report.evidence import Evidence
+from irtiming.report.joint_tables import LEAST_WHITENESS, Shared
+from irtiming.report.tables import REFERENCE_EVENTS, SIGN
+
+
+def result(evidence: Evidence) -> dict[str, Any]:
+    """Everything that the section of the certificate shows, SI units.
+
+    Returns
+    -------
+    Keys shared, correlation, steps, moved, reduced_chi_square, birge, whiteness, angles and profiles.
+    """
+    joint = evidence.joint
+    u = np.sqrt(np.diag(joint.covariance))
+    way_s, own = joint_tables.moved(evidence)
+    numbers = joint_tables.shared(evidence)
+    return {
+        "shared": {one.name: _number(one) for one in numbers},
+        "correlation": {
+            "names": [one.name for one in numbers],
+            "matrix": (joint.covariance / np.outer(u, u)).tolist(),
+        },
+        "steps": joint.n_steps,
+        "moved": {"value": way_s, "over_standard_uncertainty": own, "unit": "s"},
+        "reduced_chi_square": joint.reduced_chi_square,
+        "birge": joint.birge,
+        "whiteness": [
+            {"file": recording.source or recording.name, "probability": float(probability)}
+            for recording, probability in zip(evidence.recordings, joint.whiteness, strict=True)
+        ],
+        "whiteness_limit": LEAST_WHITENESS,
+        "angles": {one.name: _number(one) for one in joint_tables.angles(evidence)},
+        "angles_measured": joint_tables.has_several_speeds(evidence),
+        "profiles": {profile.name: _profile(profile) for profile in joint.profiles},
+    }
+
+
+def _number(one: Shared) -> dict[str, Any]:
+    return {
+        "value": one.value,
+        "standard_uncertainty": one.standard_uncertainty,
+        "start": one.start,
+        "prior_standard_uncertainty": one.prior_uncertainty,
+        "value_over_prior": one.over_prior,
+        "unit": one.unit,
+        "meaning": one.meaning,
+        "sign": SIGN if one.name == "middle_of_window" else _SIGNS.get(one.name.split("_")[0]),
+    }
+
+
+_SIGNS = {"edge": "positive: early", "common": "positive: early"}
+
+
+def _profile(profile: Profile) -> dict[str, Any]:
+    return {
+        "value": profile.value,
+        "standard_uncertainty": profile.standard_uncertainty,
+        "values": [float(value) for value in profile.values],
+        "deviation": [float(deviation) for deviation in profile.deviation],
+        "lower": profile.lower,
+        "upper": profile.upper,
+        "unit": profile.unit,
+        "reference_event": REFERENCE_EVENTS.get(profile.name, profile.name),
+        "sign": None if profile.name == "integration_time" else SIGN,
+    }

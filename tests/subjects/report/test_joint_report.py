@@ -1,0 +1,117 @@
+"""The joint fit on the page and in the result."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.report import certificate, joint_figures, joint_result, joint_tables, result
+
+
+@pytest.fixture(scope="module")
+def two_speeds(analysis):
+    """The same, half of the recordings at 8 Hz."""
+    fast = tuple(replace(one, rotation_speed_hz=8.0 if k % 2 else 3.0) for k, one in enumerate(analysis.recordings))
+    return replace(analysis, recordings=fast)
+
+
+def test_shared_numbers_stand_in_their_units(analysis):
+    """Oracle: the hand-made fit: 0.4 mrad with u 0.1, prior 0.5 mrad; 75.01 degrees; 240 us."""
+    rows = {row[0]: row[1:] for row in joint_tables.numbers(analysis).rows}
+    assert len(rows) == 9
+    assert rows["middle of the integration window after the trigger edge (µs)"] == ("465", "525", "30", "–", "–")
+    assert rows["wheel edge 0: angle by which it comes earlier than rig.toml says (mrad)"] == (
+        "0.00", "0.40", "0.10", "0.50", "0.80",
+    )  # fmt: skip
+    assert rows["opening angle of the mask (°)"][:3] == ("75.00000", "75.01000", "0.00057")
+    assert rows["length of the integration window (µs)"][:3] == ("300", "240", "10")
+    assert rows["mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius (mrad)"][:3] == (
+        "−1.0", "−1.0", "2.0",
+    )  # fmt: skip
+
+
+def test_the_search_tells_how_far_it_went(analysis):
+    """Oracle: 525 us - 465 us = 60 us are two of its 30 us; one of ten recordings is not white."""
+    rows = {row[0]: row[1] for row in joint_tables.search(analysis).rows}
+    assert rows["steps taken"] == "4"
+    assert rows["distance of the window's middle from its start"] == "60.0 µs = 2.00 u"
+    assert rows["reduced chi-square of the frames"] == "0.98"
+    assert rows["Birge ratio of the recordings' delays"] == "1.23"
+    assert rows["recordings below that"] == "1 of 10"
+
+
+def test_only_several_speeds_tell_of_rig_toml(analysis, two_speeds):
+    """Oracle: at one speed an angle is a delay; the common angle by hand: 0.4 mrad, u 0.1, of 0.5 mrad allowed."""
+    assert [block.title for block in joint_tables.blocks(analysis)] == ["What all recordings share", "How the fit went"]
+    assert "What the wheel speeds say of rig.toml" not in certificate.page(analysis)
+    assert "What the wheel speeds say of rig.toml" in certificate.page(two_speeds)
+    common, first, *_ = joint_tables.by_speeds(two_speeds).rows
+    assert common[1:] == ("0.40 ± 0.10", "0.50", "0.80", "[mask] centre_angle_deg, [beams]")
+    assert first[0] == "edge 0, beyond what all have in common"
+
+
+def test_an_edge_alone_is_free_of_what_all_share(two_speeds):
+    """Oracle: independent parts of 1e-6 rad: sqrt(3/4) of it is left after the mean of four is taken off."""
+    alone = joint_tables.angles(two_speeds)[1]
+    assert alone.value == pytest.approx(0, abs=1e-18)
+    assert alone.standard_uncertainty == pytest.approx(np.sqrt(0.75) * 1e-6, rel=1e-6)
+
+
+def test_the_result_gives_back_the_joint_fit(analysis):
+    """Oracle: the record itself, after a way through JSON without not-a-number."""
+    told = json.loads(json.dumps(result.result(analysis), allow_nan=False))["joint_fit"]
+    joint = analysis.joint
+    assert [one["value"] for one in told["shared"].values()] == joint.shared.tolist()
+    assert [one["start"] for one in told["shared"].values()] == joint.start.tolist()
+    assert [one["standard_uncertainty"] for one in told["shared"].values()] == np.sqrt(
+        np.diag(joint.covariance)
+    ).tolist()
+    assert told["shared"]["edge_angle_2"]["value_over_prior"] == pytest.approx(0.8, rel=1e-5)
+    assert told["shared"]["opening_angle"]["prior_standard_uncertainty"] is None
+    assert (told["steps"], told["birge"]) == (4, 1.23)
+    assert [one["probability"] for one in told["whiteness"]] == joint.whiteness.tolist()
+    assert told["whiteness"][0]["file"] == "runs/camera-0ms-r0.nxs"
+    assert told["moved"]["over_standard_uncertainty"] == pytest.approx(2)
+    assert told["angles"]["common_angle"]["value"] == pytest.approx(4e-4)
+    assert told["angles_measured"] is False
+    delay = told["profiles"]["trigger_delay"]
+    assert delay["deviation"] == [4, 1, 0, 1, 4]
+    assert (delay["lower"], delay["upper"]) == pytest.approx((370e-6, 430e-6))
+    assert delay["reference_event"] == "start of integration"
+
+
+def test_an_open_end_of_a_profile_is_null(analysis):
+    """Oracle: a window cannot be shorter than nothing: the deviation never reaches 1 there."""
+    open_below = replace(analysis.joint.profiles[0], lower=None)
+    told = joint_result.result(replace(analysis, joint=replace(analysis.joint, profiles=(open_below,))))
+    assert json.loads(json.dumps(told))["profiles"]["trigger_delay"]["lower"] is None
+    joint_figures.draw_profiles((open_below,)).draw_without_rendering()
+
+
+def test_profiles_are_drawn_over_their_parabola(analysis):
+    """Oracle: points that are a parabola lie on the grey line, x squared; marks at -1 and +1."""
+    drawn = joint_figures.draw_profiles(analysis.joint.profiles)
+    assert len(drawn.axes) == 2
+    lines = drawn.axes[0].get_lines()
+    expected, between, points = (line.get_xydata() for line in lines[:3])
+    for curve in (expected, between, points):
+        np.testing.assert_allclose(curve[:, 1], curve[:, 0] ** 2, atol=1e-9)
+    marks = [float(line.get_xdata()[0]) for line in lines[4:]]
+    assert marks == pytest.approx([-1, 1])
+
+
+def test_recordings_that_are_not_white_are_red(analysis):
+    """Oracle: nine probabilities above the limit, one of 1e-5 below."""
+    lines = joint_figures.draw_whiteness(analysis.joint.whiteness).axes[0].get_lines()
+    assert [len(line.get_xdata()) for line in lines[:3]] == [9, 1, 0]
+    assert lines[3].get_ydata()[0] == 1e-4
+
+
+def test_the_section_stands_between_fit_and_uncertainty(analysis):
+    """Oracle: the order of the argument; residuals stand under the fit before it."""
+    page = certificate.page(analysis)
+    places = [page.index(f"<h2>{title}</h2>") for title in ("Exposed fraction and fit", "Joint fit", "Uncertainty")]
+    assert places == sorted(places)
+    assert "Profile likelihoods" in page
+    assert "Are the residuals white?" in page
