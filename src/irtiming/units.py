@@ -8,6 +8,9 @@ _FACTORS = {
     "": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9,
     "min": 60.0, "h": 3600.0,
 }  # fmt: skip
+_ZERO_CELSIUS_K = 273.15
+_COLDEST_K, _HOTTEST_K = 150.0, 1000.0
+_TEMPERATURE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(K|C|°C|degC)\s*")
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ]*)\s*")
 
 
@@ -25,6 +28,25 @@ def seconds(text: str) -> float:
     if not match[2] and float(match[1]) != 0:
         raise UnitError(f"'{text}' has no unit; write s, ms, us, ns, min or h behind it, such as '{match[1]} ms'")
     return float(match[1]) * _FACTORS[match[2]]
+
+
+def kelvin(text: str) -> float:
+    """Kelvin from text such as ``"303 K"`` or ``"30 °C"`` (or C, degC).
+
+    Raises
+    ------
+    UnitError
+        If the text is no number followed by K or C, or no temperature from 150 K to 1000 K.
+    """
+    match = _TEMPERATURE.fullmatch(text)
+    if match is None:
+        raise UnitError(f"'{text}' is not a temperature; write a number and K or C, such as '303 K' or '30 C'")
+    value = float(match[1]) + (0.0 if match[2] == "K" else _ZERO_CELSIUS_K)
+    if not _COLDEST_K <= value <= _HOTTEST_K:
+        raise UnitError(
+            f"'{text}' is {value:g} K, must lie between {_COLDEST_K:g} K and {_HOTTEST_K:g} K; check the unit"
+        )
+    return value
 
 
 def ticks_to_seconds(ticks: int, clock_frequency_hz: float) -> float:

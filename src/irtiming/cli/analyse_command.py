@@ -8,6 +8,7 @@ import typer
 
 from irtiming.errors import EstimationError, UnitError
 from irtiming.records.reduced import Choices, Method, ReferenceEdge
+from irtiming.units import kelvin
 
 if TYPE_CHECKING:
     from irtiming.records.recording import Recording
@@ -53,6 +54,23 @@ def analyse(
         ReferenceEdge,
         typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
     ] = "automatic",
+    substrate_temperature: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KELVIN",
+            help="Of a microbolometer's detector substrate, such as '303 K': separates the constants of substrate and scene.",
+        ),
+    ] = None,
+    wheel_temperature: Annotated[
+        str | None,
+        typer.Option(metavar="KELVIN", help="What the solid wheel looks like, for the same. Else from the contrast."),
+    ] = None,
+    wheel_calibration: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Slots of the same wheel, from irtiming calibrate-wheel, taken together with these."
+        ),
+    ] = None,
 ) -> None:
     """Timing of a camera from its recordings, with uncertainties.
 
@@ -62,6 +80,7 @@ def analyse(
     from rich.console import Console
 
     from irtiming.archive import reader, result_file, rig_file
+    from irtiming.archive.wheel_calibration_file import read_wheel_calibration
     from irtiming.cli.progress import shown
     from irtiming.cli.result_table import print_result
     from irtiming.measurement import analyse as run_analysis
@@ -76,15 +95,27 @@ def analyse(
         plateau_margin=_between(plateau_margin, 0.0, 0.45, "--plateau-margin"),
         slope_limits=_limits(slope_limits),
         reference_edge=reference_edge,
+        substrate_temperature_k=None if substrate_temperature is None else kelvin(substrate_temperature),
+        wheel_temperature_k=None if wheel_temperature is None else kelvin(wheel_temperature),
     )
+    if wheel_temperature is not None and substrate_temperature is None:
+        raise UnitError(
+            "--wheel-temperature is of use with --substrate-temperature only; give that too, or leave it out"
+        )
+    inputs = [*recording, rig, *([wheel_calibration] if wheel_calibration else [])]
     if json is not None:
-        result_file.require_place(json, besides=[*recording, rig])
+        result_file.require_place(json, besides=inputs)
     if report is not None:
-        result_file.require_place(report, besides=[*recording, rig, *([json] if json else [])])
+        result_file.require_place(report, besides=[*inputs, *([json] if json else [])])
     owner = rig_file.read_rig(rig)
+    wheel = None if wheel_calibration is None else read_wheel_calibration(wheel_calibration)
     with shown("frames") as told:
         analysis = run_analysis(
-            _of_use((reader.read(path) for path in recording), choices), owner, choices=choices, progress=told
+            _of_use((reader.read(path) for path in recording), choices),
+            owner,
+            choices=choices,
+            progress=told,
+            wheel_calibration=wheel,
         )
     found = certificate.report(analysis)
     if json is not None:
@@ -109,6 +140,11 @@ def _of_use(recordings: "Iterator[Recording]", choices: Choices) -> "Iterator[Re
     for recording in recordings:
         if given and recording.camera_type == "microbolometer":
             raise _foreign(given, recording.name)
+        if choices.substrate_temperature_k is not None and recording.camera_type != "microbolometer":
+            raise EstimationError(
+                f"--substrate-temperature with {recording.name}, the recording of a photon camera, which has no time constants; "
+                "leave it out"
+            )
         yield recording
 
 

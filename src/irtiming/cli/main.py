@@ -10,6 +10,7 @@ from typing import NoReturn
 import typer
 
 from irtiming.cli.analyse_command import analyse
+from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.demo_command import demo
 from irtiming.cli.plan_command import plan
 from irtiming.cli.simulate_command import simulate
@@ -24,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for command in (plan, simulate, verify, analyse, demo):
+for command in (plan, simulate, verify, calibrate_wheel, analyse, demo):
     app.command()(command)
 
 

@@ -8,7 +8,8 @@ from rich.markup import escape
 from rich.table import Table as RichTable
 
 from irtiming.measurement import Analysis, RollingAnalysis
-from irtiming.report import certificate, rolling_tables, tables
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.report import certificate, rolling_tables, tables, two_constant_tables
 from irtiming.report.tables import Table
 
 _ALIGN = {"l": "left", "c": "center", "r": "right"}
@@ -20,10 +21,13 @@ def print_result(analysis: Analysis | RollingAnalysis, console: Console) -> None
     for text in analysis.warnings:
         console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
     if isinstance(analysis, RollingAnalysis):
-        shown = (_short(rolling_tables.parameters(analysis)), rolling_tables.relative_delays(analysis))
+        separate = _separate(analysis.two_constants)
+        shown: tuple[Table, ...] = (
+            _short(rolling_tables.parameters(analysis)), *separate, rolling_tables.relative_delays(analysis),
+        )  # fmt: skip
         budget = rolling_tables.budget(analysis)
     else:
-        shown = (tables.parameters(analysis), _ours(tables.relative_delays(analysis)))
+        shown = (_without(tables.parameters(analysis), "k"), _ours(tables.relative_delays(analysis)))
         budget = tables.budget(analysis)
     for table in (*shown, budget):
         if table.rows:
@@ -33,7 +37,11 @@ def print_result(analysis: Analysis | RollingAnalysis, console: Console) -> None
 def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
     """Our deviations by both methods beside the paper's Table 1, and the absolute delay beside the truth."""
     print_table(tables.beside_the_paper(analysis), console)
-    console.print(f"true trigger delay of the simulated camera: {1e6 * truth_s:.2f} µs", highlight=False)
+    console.print(
+        f"true trigger delay of the simulated camera ({tables.REFERENCE_EVENTS['trigger_delay']}; {tables.SIGN}): "
+        f"{1e6 * truth_s:.2f} µs",
+        highlight=False,
+    )
     for words, result in (("pixel sums", analysis.best), ("as published", analysis.as_published)):
         k = result.estimate.names.index("trigger_delay")
         value, u = result.estimate.values[k], result.estimate.standard_uncertainties[k]
@@ -49,16 +57,37 @@ def print_rolling_demo(analysis: RollingAnalysis, truth_s: dict[str, float], *, 
     print_table(rolling_tables.beside_the_truth(analysis, truth_s), console)
 
 
+def _separate(found: TwoConstantsResult | None) -> tuple[Table, ...]:
+    """Constants of substrate and scene, where somebody asked for them; without the columns that a terminal has no room for."""
+    if found is None:
+        return ()
+    table = two_constant_tables.constants(found)
+    rows = tuple(row[:3] for row in table.rows)
+    return (replace(table, columns=table.columns[:3], align=table.align[:3], rows=rows),)
+
+
 def _short(table: Table) -> Table:
-    """Without the column of signs, which a terminal has no room for."""
-    rows = tuple(row[:4] for row in table.rows)
-    return replace(table, columns=table.columns[:4], align=table.align[:4], rows=rows)
+    """With the signs in the note: a terminal has no room for their column."""
+    rows = tuple(row[:-1] for row in table.rows)
+    signs = " ".join(f"{row[0]}: {row[-1]}." for row in table.rows)
+    return replace(
+        table, columns=table.columns[:-1], align=table.align[:-1], rows=rows, note=f"{table.note} Signs: {signs}"
+    )
+
+
+def _without(table: Table, column: str) -> Table:
+    """Without a column that a terminal has no room for."""
+    keep = [k for k, name in enumerate(table.columns) if name != column]
+    rows = tuple(tuple(row[k] for k in keep) for row in table.rows)
+    return replace(
+        table, columns=tuple(table.columns[k] for k in keep), align="".join(table.align[k] for k in keep), rows=rows
+    )
 
 
 def _ours(table: Table) -> Table:
     """Table 1 without the paper's columns, which a terminal has no room for, and its delays that were not measured."""
     rows = tuple(row[:5] for row in table.rows if row[1] != "–")
-    return replace(table, columns=table.columns[:5], align=table.align[:5], rows=rows, note="")
+    return replace(table, columns=table.columns[:5], align=table.align[:5], rows=rows, note=tables.RELATIVE_NOTE)
 
 
 def print_table(table: Table, console: Console) -> None:

@@ -8,7 +8,7 @@ import typer
 
 from irtiming.cli.progress import Told, shown
 from irtiming.errors import ArchiveError, PlanError
-from irtiming.units import readable_time, seconds
+from irtiming.units import kelvin, readable_time, seconds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -41,6 +41,20 @@ TriggerDelay = Annotated[
 TimeConstant = Annotated[
     str | None, typer.Option("--time-constant", help="Lag of a microbolometer, such as '6 ms'; else drawn at random.")
 ]
+SceneTimeConstant = Annotated[
+    str | None,
+    typer.Option(
+        help="Makes the pixels of a microbolometer exchange heat with the scene by Planck's law, with this constant at 300 K; "
+        "--time-constant is then that of the substrate alone."
+    ),
+]
+SubstrateTemperature = Annotated[
+    str | None, typer.Option(help="Of the detector's substrate, for --scene-time-constant; 303.15 K if not given.")
+]
+BlackbodyTemperatures = Annotated[
+    list[str] | None,
+    typer.Option("--blackbody-temperature", help="Of a microbolometer's scene, such as '313 K'; repeatable."),
+]
 RowDelay = Annotated[
     str | None,
     typer.Option(
@@ -71,6 +85,7 @@ class _Series:
 
     delays_s: list[float]
     wheel_rates_hz: list[float]
+    blackbodies_k: list[float]
     frame_hz: float
     frames: int
     runs: int
@@ -86,6 +101,9 @@ class _Asked:
     integration_time: str | None
     trigger_delay: str | None
     time_constant: str | None
+    scene_time_constant: str | None
+    substrate_temperature: str | None
+    blackbody_temperature: tuple[str, ...]
     row_delay: str | None
     nuc_at: tuple[str, ...]
     drift_dn_per_s: float | None
@@ -96,6 +114,9 @@ class _Asked:
         if self.camera == "photon":
             foreign = {
                 "--time-constant": self.time_constant,
+                "--scene-time-constant": self.scene_time_constant,
+                "--substrate-temperature": self.substrate_temperature,
+                "--blackbody-temperature": self.blackbody_temperature or None,
                 "--row-delay": self.row_delay,
                 "--nuc-at": self.nuc_at or None,
                 "--drift-dn-per-s": self.drift_dn_per_s,
@@ -121,6 +142,9 @@ def simulate(
     integration_time: Integration = None,
     trigger_delay: TriggerDelay = None,
     time_constant: TimeConstant = None,
+    scene_time_constant: SceneTimeConstant = None,
+    substrate_temperature: SubstrateTemperature = None,
+    blackbody_temperature: BlackbodyTemperatures = None,
     row_delay: RowDelay = None,
     nuc_at: NucAt = None,
     drift_dn_per_s: DriftRate = None,
@@ -145,6 +169,9 @@ def simulate(
         integration_time=integration_time,
         trigger_delay=trigger_delay,
         time_constant=time_constant,
+        scene_time_constant=scene_time_constant,
+        substrate_temperature=substrate_temperature,
+        blackbody_temperature=tuple(blackbody_temperature or ()),
         row_delay=row_delay,
         nuc_at=tuple(nuc_at or ()),
         drift_dn_per_s=drift_dn_per_s,
@@ -167,6 +194,7 @@ def simulate(
     wanted = _Series(
         delays_s=[seconds(text) for text in delay or ["0 ms"]],
         wheel_rates_hz=wheel_hz or [3.0],
+        blackbodies_k=[kelvin(text) for text in blackbody_temperature or ()],
         frame_hz=frame_hz,
         frames=frames,
         runs=runs,
@@ -199,7 +227,7 @@ def _nominal(asked: _Asked, rows: int | None, columns: int) -> "Scene":
 
 def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
     """The camera's timing, with what was asked for in place of what was drawn."""
-    from irtiming.twin.scene import CameraTiming
+    from irtiming.twin.scene import CameraTiming, RadiativeExchange
 
     if asked.trigger_delay is not None:
         delay_s = _between(asked.trigger_delay, "a trigger delay", lowest_s=0.0)
@@ -210,6 +238,14 @@ def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
     if asked.time_constant is not None:
         lag_s = _between(asked.time_constant, "a time constant", lowest_s=_SHORTEST_S)
         drawn = replace(drawn, time_constant_s=lag_s)
+    if asked.scene_time_constant is not None:
+        scene_s = _between(asked.scene_time_constant, "a scene time constant", lowest_s=_SHORTEST_S)
+        substrate_k = kelvin(asked.substrate_temperature or "303.15 K")
+        drawn = replace(drawn, radiative=RadiativeExchange(scene_time_constant_s=scene_s, substrate_k=substrate_k))
+    elif asked.substrate_temperature is not None:
+        raise PlanError(
+            "--substrate-temperature is of use with --scene-time-constant only; give that too, or leave it out"
+        )
     if asked.row_delay is not None:
         drawn = replace(drawn, row_delay_s=_between(asked.row_delay, "a row delay", lowest_s=-1.0))
     return drawn
@@ -283,12 +319,16 @@ def _share_of(told: Told, name: str, *, before: int, total: int) -> "Callable[[i
 
 
 def _scenes(scene: "Scene", wanted: _Series) -> "list[Scene]":
-    """The same rig at each wheel rate."""
+    """The same rig at each wheel rate, before each blackbody."""
     from irtiming.twin.scene import with_wheel_speed
 
     return [
-        with_wheel_speed(scene, rate_hz, frame_hz=wanted.frame_hz, samples=wanted.frames)
+        replace(
+            with_wheel_speed(scene, rate_hz, frame_hz=wanted.frame_hz, samples=wanted.frames),
+            radiance=replace(scene.radiance, blackbody_k=blackbody_k),
+        )
         for rate_hz in wanted.wheel_rates_hz
+        for blackbody_k in wanted.blackbodies_k or [scene.radiance.blackbody_k]
     ]
 
 
@@ -297,4 +337,6 @@ def _recordings(scenes: "list[Scene]", wanted: _Series) -> "Iterator[Recording]"
     from irtiming.twin.rig import series
 
     for index, scene in enumerate(scenes):
-        yield from series(scene, wanted.delays_s, repeats=wanted.runs, seed=wanted.seed + 1_000_003 * index)
+        for run in series(scene, wanted.delays_s, repeats=wanted.runs, seed=wanted.seed + 1_000_003 * index):
+            blackbody = f"-{scene.radiance.blackbody_k:g}K" if len(wanted.blackbodies_k) > 1 else ""
+            yield replace(run, name=f"{run.name}{blackbody}")

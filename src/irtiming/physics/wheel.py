@@ -188,6 +188,50 @@ def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: flo
     return np.stack(crossing)
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PointAverage:
+    """Single points of the opening while the wheel sweeps past them; shapes (n,), ``passed`` (4, n).
+
+    ``arc_rad`` is the open arc up to the point, averaged over the window; ``ends_rad`` the same averaged over the window's two
+    ends only; ``passed`` how often each edge has passed, averaged over the window. All up to constants of the wheel.
+    """
+
+    arc_rad: Array
+    ends_rad: Array
+    passed: Array
+
+    @property
+    def openness(self) -> Array:
+        """How open the point is on average, within [0, 1]."""
+        return np.asarray(1 + sum(s * n for s, n in zip(EDGE_SIGNS, self.passed, strict=True)))
+
+
+def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> PointAverage:
+    """What the sums over any opening are made of: two points are the ends of an arc of the opening.
+
+    Parameters
+    ----------
+    coordinate_rad
+        Wheel coordinates alpha of the points at the *start* of the window, shape (n,), within some turns of 0, rad.
+    edges
+        alpha_0 .. alpha_3.
+    sweep_rad
+        Positive; angle by which the wheel turns during the window, rad.
+
+    Notes
+    -----
+    Between two points, ``arc_rad`` grows by the open part of the arc. Its derivative to the place of the point is the openness;
+    to the angle by which edge i comes earlier, EDGE_SIGNS[i] times ``passed[i]``; to the sweep, with the window's middle kept,
+    ``ends_rad`` less ``arc_rad`` over the sweep.
+    """
+    end = coordinate_rad + sweep_rad
+    ends = _open_arc(coordinate_rad, edges) + _open_arc(end, edges)
+    arc = _open_arc_integral(end, edges) - _open_arc_integral(coordinate_rad, edges)
+    passed = [_passages(end, edge) - _passages(coordinate_rad, edge) for edge in edges]
+    return PointAverage(arc_rad=arc / sweep_rad, ends_rad=ends / 2, passed=np.stack(passed) / sweep_rad)
+
+
 def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
     """What an opening adds to the exposed fraction that is brighter towards one end, its mean angle kept.
 

@@ -61,8 +61,7 @@ def reduce(
     """
     _check(recording)
     correct = nonuniformity.correction(recording)
-    learned = wheel_angles.track(recording, rig, reference_edge=choices.reference_edge)
-    equal = wheel_angles.track(recording, rig, slots="equal", reference_edge=choices.reference_edge)
+    learned, equal = wheel_angles.both_tracks(recording, rig, reference_edge=choices.reference_edge)
     triggers = wheel_angles.frame_trigger_ticks(recording)
     angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
     found = opening.find(recording, correct, choices=choices, before=before)
@@ -74,7 +73,7 @@ def reduce(
         _without_mean(tally, found, correct),
         settled,
         pixel_gain=correct.gain[found.roi[0] : found.roi[1], found.roi[2] : found.roi[3]],
-        turns_clockwise=rig.wheel.rotation == "clockwise",
+        rig=rig,
     )
     return ReducedRecording(
         name=recording.name,

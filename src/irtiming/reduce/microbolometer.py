@@ -44,7 +44,7 @@ def reduce(
         If the recording cannot be reduced; the message says why.
     """
     _check(recording)
-    learned = wheel_angles.track(recording, rig, reference_edge=choices.reference_edge)
+    learned, equal = wheel_angles.both_tracks(recording, rig, reference_edge=choices.reference_edge)
     triggers = wheel_angles.frame_trigger_ticks(recording)
     angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
     sighting = rolling_opening.find(recording, angle, choices=choices, before=before)
@@ -69,7 +69,7 @@ def reduce(
         drift_dn=drift_dn,
         samples_per_turn=nominal_angles.samples_per_turn(recording),
         track=learned,
-        equal_track=wheel_angles.track(recording, rig, slots="equal", reference_edge=choices.reference_edge),
+        equal_track=equal,
         opening=sighting.opening,
         contrast=_contrast(harvest, sighting, angle[kept], drift_dn),
         shutter_events=events,
@@ -78,6 +78,7 @@ def reduce(
         edge_frame_dn=recording.frames.pick([int(np.flatnonzero(kept)[_edge_frame(mask_row_sum)])])[0],
         edge_frame=_edge_frame(mask_row_sum),
         warnings=(*recording.warnings, *(f"{recording.name}: {text}" for text in (*learned.findings, *remarks))),
+        blackbody_temperature_k=recording.blackbody_temperature_k,
     )
 
 
