@@ -30,6 +30,7 @@ _CLUSTER_PX = 3.0
 _FAINTEST = 0.7  # of the light, to be evened out
 _U_EVENED = 0.3  # of what evening out turns the bisector by: the plate beside the opening mirrors the camera too
 _DEGREE = 4  # of the polynomial that evens the light out
+_WAVE_PX = 6
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 
 
@@ -276,10 +277,24 @@ def _ends(contrast: Array, view: _View, *, corner: tuple[int, int], middle: floa
         reach = side * np.trapezoid(light, fan, axis=1)
         found[k], *_ = np.linalg.lstsq(design, reach, rcond=None)
         spread = reach - design @ found[k]
-        variances[k] = spread @ spread / (n_rings - 2) * np.diag(np.linalg.inv(design.T @ design))
+        variances[k] = np.diag(_line_covariance(design, spread))
     return _Ends(
         direction_rad=found[:, 0],
         u_direction_rad=np.sqrt(variances[:, 0]),
         miss_px=found[:, 1],
         u_miss_px=np.sqrt(variances[:, 1]),
     )
+
+
+def _line_covariance(design: Array, spread: Array) -> Array:
+    """Covariance of a straight line whose residuals wave as an oblique edge crosses the pixels: waves cancel.
+
+    Newey and West's estimator (1987) with a triangle over neighbouring radii.
+    """
+    white = np.linalg.inv(design.T @ design)
+    scores = design * spread[:, None]
+    middle = scores.T @ scores
+    for lag in range(1, _WAVE_PX + 1):
+        beside = scores[lag:].T @ scores[:-lag]
+        middle += (1 - lag / (_WAVE_PX + 1)) * (beside + beside.T)
+    return np.asarray(white @ middle @ white * spread.size / max(spread.size - 2, 1))
