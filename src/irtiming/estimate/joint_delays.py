@@ -29,12 +29,11 @@ _FALLING, _RISING = (0, 2), (1, 3)
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AnglePart:
-    """One reason for which edges may not be where rig.toml says: its covariance (4, 4), rad^2, and degrees of freedom."""
+    """One reason for which edges may not be where rig.toml says, and its covariance (4, 4), rad^2."""
 
     source: str
     kind: str
     covariance_rad2: Array
-    degrees_of_freedom: float = float("inf")
 
 
 @final
@@ -165,8 +164,7 @@ def budget(told: Told, *, degrees_of_freedom: float) -> tuple[Contribution, ...]
     frames = seen.information.sum(axis=0) + seen.image
     parts = [("noise of the frames", "A", float(noise @ frames @ noise), degrees_of_freedom)]
     parts += [
-        (part.source, part.kind, float(angle @ part.covariance_rad2 @ angle), part.degrees_of_freedom)
-        for part in told.angles
+        (part.source, part.kind, float(angle @ part.covariance_rad2 @ angle), float("inf")) for part in told.angles
     ]
     return tuple(
         Contribution(

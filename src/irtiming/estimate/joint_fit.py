@@ -204,7 +204,7 @@ def solve(given: Problem, start: Array, *, fixed: Sequence[int] = ()) -> Solutio
         if shared[WINDOW] + move[WINDOW] < 0:
             move[WINDOW] = -shared[WINDOW] / 2
         is_settled = bool(np.all(np.abs(move[free]) < enough[free] * size))
-        tried, tried_own = shared + move, np.hstack([at.levels, own[:, 5:] + at.own_moves(move)[:, 5:]])
+        tried, tried_own = shared + move, np.hstack([at.levels, own[:, 5:] + at.shift_moves(move)])
         then = _linearise(given, tried, tried_own)
         gained = _total(given, at, shared) - _total(given, then, tried)
         n_level = n_level + 1 if abs(gained) < _LEVEL else 0
@@ -250,7 +250,7 @@ def normal_matrix(information: Array, *, image: Array, prior_weight: Array) -> A
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Linear:
-    """Normal matrix and gradient of each recording, its own numbers eliminated, and what these follow by.
+    """Normal matrix and gradient of each recording, its own numbers eliminated, and what the shifts of its edges follow by.
 
     ``levels`` (n_fit, 5) are covered level, step, drift, skew and plate at their best.
     """
@@ -259,19 +259,19 @@ class _Linear:
     pull: Array
     deviance: float
     levels: Array
-    own_step: Array
-    own_slope: Array
+    shift_step: Array
+    shift_slope: Array
 
-    def own_moves(self, shared_move: Array) -> Array:
-        """Best change of each recording's own numbers, shape (n_fit, 5 + k), as the shared ones move."""
-        return np.asarray(self.own_step - self.own_slope @ shared_move)
+    def shift_moves(self, shared_move: Array) -> Array:
+        """Best change of the shifts of each recording's own edges, shape (n_fit, k), as the shared numbers move."""
+        return np.asarray(self.shift_step - self.shift_slope @ shared_move)
 
 
 def _linearise(given: Problem, shared: Array, own: Array) -> _Linear:
     n = len(given.parts)
     information, pull = np.zeros((n, 9, 9)), np.zeros((n, 9))
     ours_are = [*_OWN, *(6 + edge for edge in given.own_edges)]
-    own_step, own_slope = np.zeros((n, len(ours_are))), np.zeros((n, len(ours_are), 9))
+    shift_step, shift_slope = np.zeros((n, len(given.own_edges))), np.zeros((n, len(given.own_edges), 9))
     deviance, levels = 0.0, np.zeros((n, 5))
     for k, (part, noise) in enumerate(zip(given.parts, given.noise, strict=True)):
         values = model_of.at_best_levels(given.values(shared, own[k]), part)
@@ -286,11 +286,13 @@ def _linearise(given: Problem, shared: Array, own: Array) -> _Linear:
         through = np.linalg.solve(square, np.column_stack([mixed, own_gradient]))
         information[k] = theirs.T @ theirs - mixed.T @ through[:, :9]
         pull[k] = theirs.T @ misfit - mixed.T @ through[:, 9]
-        own_slope[k], own_step[k] = through[:, :9] / scale[:, None], through[:, 9] / scale
+        shifts = through[len(_OWN) :] / scale[len(_OWN) :, None]
+        shift_slope[k], shift_step[k] = shifts[:, :9], shifts[:, 9]
         deviance += float(misfit @ misfit)
     return _Linear(
-        information=information, pull=pull, deviance=deviance, levels=levels, own_step=own_step, own_slope=own_slope
-    )
+        information=information, pull=pull, deviance=deviance, levels=levels, shift_step=shift_step,
+        shift_slope=shift_slope,
+    )  # fmt: skip
 
 
 def _with_prior(given: Problem, at: _Linear, shared: Array) -> tuple[Array, Array]:

@@ -33,6 +33,7 @@ _UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no
 _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
 _SUSPICIOUS = 2.0
 _DISAGREE = 4.0  # standard uncertainties
+_NOISE = "noise of the frames"
 _PARAMETERS_OF_A_ROW = 6  # fitted to each row of all frames
 _BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
 
@@ -73,12 +74,11 @@ def estimate(
     weights = _one_time_constant(each, each @ told.total @ each.T) @ each
     values, covariance = weights @ told.values, weights @ told.total @ weights.T
     frames = float(sum(fit.wheel_angle_rad.size - _PARAMETERS_OF_A_ROW for fit in fits))
-    freedom = {("noise of the frames", "A"): frames}
     budget = tuple(
         RollingContribution(
             source=source,
             kind=kind,
-            degrees_of_freedom=freedom.get((source, kind), np.inf),
+            degrees_of_freedom=frames if source == _NOISE else np.inf,
             **_three(np.sqrt(np.maximum(np.diag(weights @ part @ weights.T), 0))),
         )
         for source, kind, part in told.parts
@@ -196,7 +196,7 @@ def _parts(
     same_edge = np.equal.outer(np.arange(n) % 6, np.arange(n) % 6)
     edges = u_edge_rad**2 * np.outer(per_rad, per_rad) * same_edge
     parts: list[tuple[str, str, Array]] = [
-        ("noise of the frames", "A", noise),
+        (_NOISE, "A", noise),
         ("axle, mask and blur in the image", "A", shape),
         ("cutout edges", "A" if geometry.u_edge_rad is None else "B", edges),
     ]

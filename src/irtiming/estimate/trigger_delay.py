@@ -77,7 +77,6 @@ def estimate(
         angles=angles, angular_frequency_rad_per_s=np.array([fit.angular_frequency_rad_per_s for fit in fits]),
     )  # fmt: skip
     result = combine(fits, geometry, told=told, integration_time_s=integration_time_s)
-    white = np.array([whiteness.probability(fit.residual) for fit in fits])
     joint = JointFit(
         shared=found.shared,
         covariance=joint_fit.covariance(given, found),
@@ -87,13 +86,11 @@ def estimate(
         pull=found.pull,
         reduced_chi_square=found.deviance / max(1, sum(fit.residual.size - 6 for fit in fits)),
         birge=_disagreement(told),
-        whiteness=white,
+        whiteness=np.array([whiteness.probability(fit.residual) for fit in fits]),
         n_steps=found.n_steps,
         profiles=joint_profile.profiles(given, found, estimate=result.estimate, integration_time_s=integration_time_s),
     )
-    return SnapshotTiming(
-        result=replace(result, warnings=result.warnings + _doubts_about_the_fit(joint, white)), joint=joint
-    )
+    return SnapshotTiming(result=replace(result, warnings=result.warnings + _doubts_about_the_fit(joint)), joint=joint)
 
 
 def combine(
@@ -198,14 +195,13 @@ def angle_parts(fits: Sequence[EdgeDelayFit], geometry: WheelGeometry) -> tuple[
     share = np.array([own[0, 0] / fit.covariance_s2[0, 0] for own, fit in zip(split.noise_s2, fits, strict=True)])
     share = np.maximum(share, _LEAST_SHARE)  # a recording given twice has no noise of its own
     u_edge = rig_wide.edge_uncertainty(fits, geometry)
-    is_scatter = geometry.u_edge_rad is None
     parts = [
         AnglePart(
             source="structure of the residuals common to all recordings", kind="A", covariance_rad2=split.shared_rad2
         ),
         AnglePart(
             source="cutout edges",
-            kind="A" if is_scatter else "B",
+            kind="A" if geometry.u_edge_rad is None else "B",
             covariance_rad2=u_edge**2 * np.eye(4),
         ),
     ]
@@ -259,8 +255,8 @@ def _angle_doubts(shared: linear.SharedDelays, prior_rad2: Array) -> tuple[str, 
     )
 
 
-def _doubts_about_the_fit(joint: JointFit, white: Array) -> tuple[str, ...]:
-    doubts = []
+def _doubts_about_the_fit(joint: JointFit) -> tuple[str, ...]:
+    doubts, white = [], joint.whiteness
     moved = abs(joint.shared[joint_fit.T_MIDDLE] - joint.start[joint_fit.T_MIDDLE])
     if joint.n_steps < 2 and moved == 0:
         doubts.append("the joint fit did not leave its start value: nothing in the recordings moved it")
