@@ -70,7 +70,8 @@ class Analysis:
     def warnings(self) -> tuple[str, ...]:
         """All warnings, each once, in order."""
         texts = [text for recording in self.recordings for text in recording.warnings]
-        return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings]))
+        without = () if self.published_fits else self.as_published.warnings
+        return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings, *without]))
 
 
 @final
@@ -163,16 +164,14 @@ def analyse_snapshot(
     geometry = wheel_geometry.geometry(reduced, rig, slots="learned", off_axle_mask=True)
     equal = wheel_geometry.geometry(reduced, rig, slots="equal", off_axle_mask=False)
     edge_fits = [edge_delays.estimate(recording, geometry.model) for recording in reduced]
-    groups = _by_delay(reduced)
-    published_fits = [
-        slopes.fit(
-            average_runs.average(runs, plateau_margin=choices.plateau_margin),
-            equal.model,
-            angular_frequency_rad_per_s=float(np.mean([r.equal_track.angular_frequency_rad_per_s for r in runs])),
-            limits=choices.slope_limits,
-        )
-        for runs in groups
-    ]
+    published_fits: tuple[PublishedFit, ...] = ()
+    try:
+        published_fits = _as_published(reduced, equal, choices)
+        as_published = published.estimate(list(published_fits), equal.model, integration_time_s=integration_s)
+    except IrTimingError as error:
+        if choices.method == "published":
+            raise
+        as_published = published.without(str(error))
     timing = trigger_delay.estimate(reduced, edge_fits, geometry=geometry, integration_time_s=integration_s)
     structure = SHARED_SHAPE if integration_s is None else KNOWN_WINDOW
     return Analysis(
@@ -182,10 +181,10 @@ def analyse_snapshot(
         geometry=geometry,
         equal_geometry=equal,
         edge_fits=tuple(edge_fits),
-        published_fits=tuple(published_fits),
+        published_fits=published_fits,
         joint=timing.joint,
         best=timing.result,
-        as_published=published.estimate(published_fits, equal.model, integration_time_s=integration_s),
+        as_published=as_published,
         wheel=wheel,
         prediction=hindsight.photon(
             reduced, edge_fits, model=geometry.model, angles=_angle_errors(edge_fits, geometry), structure=structure
@@ -260,6 +259,21 @@ def _angle_errors(fits: Sequence[rig_wide.EdgeDelays], geometry: WheelGeometry) 
     return AngleErrors(
         common=tuple((source, u) for source, _, u in geometry.angle_budget),
         edge_rad=rig_wide.edge_uncertainty(fits, geometry),
+    )
+
+
+def _as_published(
+    recordings: Sequence[ReducedRecording], geometry: WheelGeometry, choices: Choices
+) -> tuple[PublishedFit, ...]:
+    """The procedure of the paper for each nominal delay."""
+    return tuple(
+        slopes.fit(
+            average_runs.average(runs, plateau_margin=choices.plateau_margin),
+            geometry.model,
+            angular_frequency_rad_per_s=float(np.mean([r.equal_track.angular_frequency_rad_per_s for r in runs])),
+            limits=choices.slope_limits,
+        )
+        for runs in _by_delay(recordings)
     )
 
 

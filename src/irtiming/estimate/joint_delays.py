@@ -19,7 +19,8 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate.joint_fit import EDGES, T_MIDDLE, WINDOW, inverse, normal_matrix
+from irtiming.estimate.joint_fit import EDGES, T_MIDDLE, WINDOW, normal_matrix
+from irtiming.physics.covariance import inverse
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.estimate import Contribution
 

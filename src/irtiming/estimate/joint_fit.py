@@ -24,6 +24,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sum_model as model_of
 from irtiming.estimate.pixel_sum_model import PixelSums
 from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.physics.covariance import inverse
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
@@ -88,7 +89,7 @@ class Solution:
     """Minimum of the deviance.
 
     Shapes: ``shared`` (9,), ``own`` (n_fit, 5 + k), ``information`` (n_fit, 9, 9) and ``pull`` (n_fit, 9) as in
-    `records.joint_fit.JointFit`, ``start`` (9,).
+    `records.joint_fit.JointFit`, ``start`` (9,). ``is_shape_held`` says that window and leans stayed where the search began.
     """
 
     shared: Array
@@ -98,6 +99,7 @@ class Solution:
     deviance: float
     start: Array
     n_steps: int
+    is_shape_held: bool = False
 
 
 def problem(
@@ -161,7 +163,7 @@ def search(given: Problem, start: Array) -> Solution:
     try:
         best = solve(given, start)
     except EstimationError:  # the shape of the corners hardly touches the delay: leave it as the image shows it
-        return solve(given, start, fixed=(WINDOW, *LEANS))
+        return replace(solve(given, start, fixed=(WINDOW, *LEANS)), is_shape_held=True)
     for place in LEANS:
         mirrored = best.shared.copy()
         mirrored[place] = -mirrored[place]
@@ -233,12 +235,6 @@ def covariance(given: Problem, found: Solution) -> Array:
     """Inverse of the normal matrix, shape (9, 9)."""
     image, _ = given.image(found.shared)
     return inverse(normal_matrix(found.information, image=image, prior_weight=inverse(given.prior_rad2)))
-
-
-def inverse(symmetric: Array) -> Array:
-    """Inverse of a positive matrix whose rows have different units: scaled to a diagonal of ones first."""
-    scale = np.sqrt(np.diag(symmetric))
-    return np.asarray(np.linalg.inv(symmetric / np.outer(scale, scale)) / np.outer(scale, scale), dtype=float)
 
 
 def normal_matrix(information: Array, *, image: Array, prior_weight: Array) -> Array:

@@ -110,3 +110,16 @@ def _centres(fit: PublishedFit) -> Array:
 
 def _u_centres(fit: PublishedFit) -> Array:
     return np.array([line.u_centre_rad for line in fit.lines])
+
+
+def without(reason: str) -> DelayResult:
+    """No result, because the procedure could not be run; it must not take the default method with it."""
+    return DelayResult(
+        method="published",
+        estimate=Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
+        relative_delays=(),
+        budget=(),
+        edge_delay_s=np.full(4, np.nan),
+        u_edge_delay_s=np.full(4, np.nan),
+        warnings=(f"the published procedure could not be run: {reason}",),
+    )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from irtiming.physics.covariance import of_correlated_scores
 from irtiming.records.arrays import Array
 
 _CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may hang together
@@ -24,12 +25,9 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
 
     Notes
     -----
-    Newey and West's estimator with a triangle of 8 neighbours on the circle of the wheel angle.
+    `physics.covariance.of_correlated_scores` with 8 neighbours on the circle of the wheel angle.
     """
-    middle = scores.T @ scores
-    for lag in range(1, _CORRELATED_FRAMES + 1):
-        beside = scores.T @ np.roll(scores, -lag, axis=0)
-        middle += (1 - lag / (_CORRELATED_FRAMES + 1)) * (beside + beside.T)
+    middle = of_correlated_scores(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=True)
     white = np.linalg.inv(normal)
     found = white @ middle @ white
     ratio = np.diag(found) / np.diag(white)

@@ -76,7 +76,9 @@ def estimate(
         shared=found.shared, information=found.information, pull=found.pull, image=image, image_pull=image_pull,
         angles=angles, angular_frequency_rad_per_s=np.array([fit.angular_frequency_rad_per_s for fit in fits]),
     )  # fmt: skip
-    result = combine(fits, geometry, told=told, integration_time_s=integration_time_s)
+    result = combine(
+        fits, geometry, told=told, integration_time_s=integration_time_s, is_window_told=not found.is_shape_held
+    )
     joint = JointFit(
         shared=found.shared,
         covariance=joint_fit.covariance(given, found),
@@ -94,7 +96,12 @@ def estimate(
 
 
 def combine(
-    fits: Sequence[EdgeDelayFit], geometry: WheelGeometry, *, told: Told, integration_time_s: float | None
+    fits: Sequence[EdgeDelayFit],
+    geometry: WheelGeometry,
+    *,
+    told: Told,
+    integration_time_s: float | None,
+    is_window_told: bool = True,
 ) -> DelayResult:
     """The result by linear algebra at the minimum.
 
@@ -106,6 +113,8 @@ def combine(
         What the joint fit says.
     integration_time_s
         As stated by the recordings; None where they do not.
+    is_window_told
+        False where the length of the window was held in the fit.
     """
     shared = linear.shared_delays(told)
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
@@ -113,7 +122,7 @@ def combine(
         length_s=float(shared.values[3]),
         u_s=_u_window_s(shared, fastest),
         stated_s=integration_time_s,
-        is_told=fastest > _SPEED_RATIO * slowest,
+        is_told=is_window_told and fastest > _SPEED_RATIO * slowest,
     )
     estimate, in_window = _measurands(shared, window)
     each, each_covariance = linear.each_delay(told, setting=_settings(fits))

@@ -18,6 +18,7 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import PlanError
+from irtiming.physics.covariance import inverse
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
 
@@ -67,12 +68,12 @@ def apart(delayed: Information, reference: Information) -> Information:
 
 def covariance(one: Information) -> Array:
     """Covariance of parameters and errors, shape (n, n)."""
-    known = _known(one)
-    inverse = one.matrix + np.diag(known)
-    scale = np.sqrt(np.diag(inverse))
-    if not np.all(scale > 0):
-        raise PlanError(f"nothing is told of {one.names[int(np.argmin(scale))]}; plan another measurement for it")
-    return np.asarray(np.linalg.inv(inverse / np.outer(scale, scale)) / np.outer(scale, scale))
+    told = one.matrix + np.diag(_known(one))
+    if not np.all(np.diag(told) > 0):
+        raise PlanError(
+            f"nothing is told of {one.names[int(np.argmin(np.diag(told)))]}; plan another measurement for it"
+        )
+    return inverse(told)
 
 
 def uncertainties(one: Information, weights: Weights) -> tuple[PredictedUncertainty, ...]:

@@ -17,6 +17,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import least_squares
 
+from irtiming.physics.covariance import of_correlated_scores
 from irtiming.physics.lens import HIGHEST, LOWEST, Lens
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.reduced import AxleView, Opening
@@ -68,8 +69,9 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     seen = _centre(phase[inside], places, image=image, distortion=rig.camera.distortion)
     summed = opening.weight > 0
     light = np.where(summed | (~good & ndimage.binary_dilation(summed)), contrast, 0.0)
-    told = _mask(seen, light, corner=(row0, column0), inside=inside)
-    u_view = _by_view(seen, told, lambda other: _mask(other, light, corner=(row0, column0), inside=inside))
+    region = _Region(light=light, evened=_even(light, inside), inside=inside, corner=(row0, column0))
+    told = _mask(seen, region)
+    u_view = _by_view(seen, told, lambda other: _mask(other, region))
     u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
     return AxleView(
         row_px=float(seen.place[0]),
@@ -215,17 +217,32 @@ class _Mask:
     ends: _Ends
 
 
-def _mask(view: _View, light: Array, *, corner: tuple[int, int], inside: Mask) -> _Mask:
-    """The mask about the axle; ``light`` (roi rows, roi columns) is the contrast of the region that begins at ``corner``."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Region:
+    """Contrast of the region that begins at ``corner``, the same evened out, and the pixels well inside the opening.
+
+    Shapes (roi rows, roi columns).
+    """
+
+    light: Array
+    evened: Array
+    inside: Mask
+    corner: tuple[int, int]
+
+
+def _mask(view: _View, region: _Region) -> _Mask:
+    """The mask about the axle."""
+    light = region.light
     rows, columns = np.mgrid[: light.shape[0], : light.shape[1]].astype(float)
-    down, across = view.from_axle(rows + corner[0], columns + corner[1])
-    polar, radius = np.arctan2(down, across), np.hypot(down, across)[inside]
+    down, across = view.from_axle(rows + region.corner[0], columns + region.corner[1])
+    polar, radius = np.arctan2(down, across), np.hypot(down, across)[region.inside]
     low, high = np.quantile(radius, [0.02, 0.98])
     span = (float(low + _EDGE_SPAN[0] * (high - low)), float(low + _EDGE_SPAN[1] * (high - low)))
     middle = float(np.angle(np.sum(light * np.exp(1j * polar))))
     offset = np.mod(polar - middle + np.pi, 2 * np.pi) - np.pi
-    ends = _ends(_even(light, inside), view, corner=corner, middle=middle, radii=span)
-    uneven = _ends(light, view, corner=corner, middle=middle, radii=span)
+    ends = _ends(region.evened, view, corner=region.corner, middle=middle, radii=span)
+    uneven = _ends(light, view, corner=region.corner, middle=middle, radii=span)
     return _Mask(
         bisector_rad=float(middle + ends.direction_rad.mean()),
         evened_rad=float(np.mean(ends.direction_rad - uneven.direction_rad)),
@@ -287,14 +304,7 @@ def _ends(contrast: Array, view: _View, *, corner: tuple[int, int], middle: floa
 
 
 def _line_covariance(design: Array, spread: Array) -> Array:
-    """Covariance of a straight line whose residuals wave as an oblique edge crosses the pixels: waves cancel.
-
-    Newey and West's estimator (1987) with a triangle over neighbouring radii.
-    """
+    """Covariance of a straight line whose residuals wave as an oblique edge crosses the pixels: waves cancel."""
     white = np.linalg.inv(design.T @ design)
-    scores = design * spread[:, None]
-    middle = scores.T @ scores
-    for lag in range(1, _WAVE_PX + 1):
-        beside = scores[lag:].T @ scores[:-lag]
-        middle += (1 - lag / (_WAVE_PX + 1)) * (beside + beside.T)
+    middle = of_correlated_scores(design * spread[:, None], n_neighbours=_WAVE_PX, is_circular=False)
     return np.asarray(white @ middle @ white * spread.size / max(spread.size - 2, 1))

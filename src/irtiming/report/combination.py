@@ -36,7 +36,7 @@ class CombinedDelay:
 
 
 def combined(evidence: Evidence, result: DelayResult) -> list[CombinedDelay]:
-    """One entry per nominal delay and wheel speed, without the reference itself, sorted.
+    """One entry per nominal delay and wheel speed, without the reference itself, sorted; none where there is no result.
 
     Parameters
     ----------
@@ -52,6 +52,8 @@ def combined(evidence: Evidence, result: DelayResult) -> list[CombinedDelay]:
     which all entries share. Whatever else stands in a run's uncertainty (angle errors between wheel speeds) counts as
     common to its group and does not average. Published values of one nominal delay are already means over its runs.
     """
+    if not result.relative_delays:
+        return []
     noise = np.array([float(fit.covariance_s2.mean()) for fit in evidence.edge_fits])
     groups: dict[tuple[float, float], list[int]] = {}
     for k, (recording, delay) in enumerate(zip(evidence.recordings, result.relative_delays, strict=True)):

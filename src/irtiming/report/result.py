@@ -71,13 +71,20 @@ def _core(evidence: Evidence, chosen: DelayResult) -> dict[str, Any]:
             }
             for line in budget.of_delay(chosen).lines
         ],
-        "edge_delays": {
-            "value": [float(v) for v in chosen.edge_delay_s],
-            "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
-            "unit": "s",
-            "reference_event": _edge_event(chosen),
-            "sign": SIGN,
-        },
+        "edge_delays": _edge_delays(chosen),
+    }
+
+
+def _edge_delays(chosen: DelayResult) -> dict[str, Any] | None:
+    """Delay by wheel edge; None where the published procedure could not be run."""
+    if not np.isfinite(chosen.edge_delay_s).all():
+        return None
+    return {
+        "value": [float(v) for v in chosen.edge_delay_s],
+        "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
+        "unit": "s",
+        "reference_event": _edge_event(chosen),
+        "sign": SIGN,
     }
 
 
@@ -102,6 +109,8 @@ def _edge_event(chosen: DelayResult) -> str:
 
 
 def _relative_delays(evidence: Evidence, chosen: DelayResult) -> list[dict[str, Any]]:
+    if not chosen.relative_delays:
+        return []
     return [
         {
             "file": recording.source or delay.file,

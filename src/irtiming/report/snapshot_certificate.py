@@ -78,14 +78,22 @@ def sections(evidence: Evidence) -> tuple[Section, ...]:
             title="Relative delays",
             blocks=(
                 tables.relative_delays(evidence, evidence.best),
-                replace(tables.relative_delays(evidence, evidence.as_published), note=""),
+                *(
+                    (replace(tables.relative_delays(evidence, evidence.as_published), note=""),)
+                    if evidence.published_fits
+                    else ()
+                ),
                 figures.relative(evidence),
                 tables.relative_delays_by_file(evidence),
             ),
         ),
         Section(
             title="Exposed fraction and fit",
-            blocks=(figures.fitted(evidence), figures.averaged(evidence), figures.by_edge(evidence)),
+            blocks=(
+                figures.fitted(evidence),
+                *((figures.averaged(evidence),) if evidence.published_fits else ()),
+                figures.by_edge(evidence),
+            ),
         ),
         Section(
             title="Joint fit",

@@ -4,6 +4,7 @@ import platform
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import metadata
+from itertools import zip_longest
 from typing import TypeVar, final
 
 import numpy as np
@@ -136,14 +137,14 @@ def beside_the_paper(evidence: Evidence) -> Table:
     """Table 1 in short: deviation from the nominal delay, the paper's, and ours by both methods."""
     paper = {round(nominal, 9): (u, deviation) for nominal, _, u, deviation in PAPER_TABLE_1}
     rows = []
-    for best, published in zip(
-        combined(evidence, evidence.best), combined(evidence, evidence.as_published), strict=True
-    ):
+    both = combined(evidence, evidence.best), combined(evidence, evidence.as_published)
+    for best, published in zip_longest(*both):
         u_paper, deviation = paper.get(best.nominal_s, (None, None))
         cells = [
-            f"{signed(row.deviation_s, row.standard_uncertainty_s, unit_s=US)} ± {_micro(row.standard_uncertainty_s)}"
+            "–" if row is None
+            else f"{signed(row.deviation_s, row.standard_uncertainty_s, unit_s=US)} ± {_micro(row.standard_uncertainty_s)}"
             for row in (published, best)
-        ]
+        ]  # fmt: skip
         printed = "–" if u_paper is None or deviation is None else f"{deviation / US:+.3f} ± {u_paper / US:.3f}"
         rows.append((f"{best.nominal_s / MS:g}", printed.replace("-", "−"), *cells))
     return Table(
@@ -158,9 +159,12 @@ def beside_the_paper(evidence: Evidence) -> Table:
 def relative_delays_by_file(evidence: Evidence) -> Table:
     """Relative delay of every recording by both methods, µs from nominal."""
     rows = []
-    for best, published in zip(evidence.best.relative_delays, evidence.as_published.relative_delays, strict=True):
+    for best, published in zip_longest(evidence.best.relative_delays, evidence.as_published.relative_delays):
         cells = []
         for delay in (best, published):
+            if delay is None:
+                cells += ["–", "–"]
+                continue
             u = delay.standard_uncertainty_s
             deviation = delay.value_s - delay.nominal_s
             cells += [signed(deviation, u, unit_s=US) if u > 0 else "reference", _micro(u)]

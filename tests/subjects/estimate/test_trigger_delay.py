@@ -75,7 +75,7 @@ def geometry():
     return make
 
 
-def _combined(fits, geometry, *, integration_time_s):
+def _combined(fits, geometry, *, integration_time_s, u_window_s=1.0, is_window_told=True):
     """The result of recordings that say nothing but their four edge delays, d_i = t + a_i / omega."""
     angles, factor = trigger_delay.angle_parts(fits, geometry)
     half_s = (integration_time_s or 0.0) / 2
@@ -87,12 +87,14 @@ def _combined(fits, geometry, *, integration_time_s):
         weighed = slopes.T @ np.linalg.inv(fit.covariance_s2 * f)
         information.append(weighed @ slopes)
         pull.append(weighed @ (fit.edge_delay_s + half_s - shared[0]))
-    image = np.diag([0.0] * 5 + [1e6, 1.0, 1e6, 1e6])
+    image = np.diag([0.0] * 5 + [1e6, u_window_s**-2, 1e6, 1e6])
     told = Told(
         shared=shared, information=np.array(information), pull=np.array(pull), image=image, image_pull=np.zeros(9),
         angles=angles, angular_frequency_rad_per_s=np.array([fit.angular_frequency_rad_per_s for fit in fits]),
     )  # fmt: skip
-    return trigger_delay.combine(fits, geometry, told=told, integration_time_s=integration_time_s)
+    return trigger_delay.combine(
+        fits, geometry, told=told, integration_time_s=integration_time_s, is_window_told=is_window_told
+    )
 
 
 def _covariance(fits, geometry):
@@ -168,6 +170,14 @@ def test_unknown_integration_time_reports_the_middle_only(fits, geometry):
     result = _combined(fits([4e-4]), geometry(), integration_time_s=None)
     assert result.estimate.names == ("exposure_midpoint_delay",)
     assert result.estimate.values.tolist() == pytest.approx([4e-4])
+
+
+def test_a_window_that_was_held_is_not_reported(fits, geometry):
+    """Oracle: a number that the fit did not move says nothing; at two speeds a window found to 10 us is told."""
+    made = fits([4e-4] * 2, omegas=(OMEGA, 3 * OMEGA))
+    given = {"integration_time_s": 250e-6, "u_window_s": 10e-6}
+    told, held = (_combined(made, geometry(), **given, is_window_told=flag).estimate.names for flag in (True, False))
+    assert told == (*held, "integration_time")
 
 
 def test_budget_adds_in_quadrature(fits, geometry):

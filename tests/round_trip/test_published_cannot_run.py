@@ -1,0 +1,51 @@
+"""The published procedure may fail where the default method does not; then it must not take it along."""
+
+import json
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.measurement import Analysis, analyse
+from irtiming.records.reduced import Choices
+from irtiming.report import certificate
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import paper_scene
+
+NARROW = (0.5, 0.502)  # too few points of a slope for a line
+
+
+@pytest.fixture(scope="module")
+def analysis() -> Analysis:
+    rig = twin.draw(paper_scene(100, 120), seed=3)
+    found = analyse(
+        twin.series(rig.scene, [0.0, 0.025], repeats=1, seed=3), rig.measured, choices=Choices(slope_limits=NARROW)
+    )
+    assert isinstance(found, Analysis)
+    return found
+
+
+def test_the_default_method_goes_on_and_says_so(analysis):
+    """Oracle: limits that leave no points on the slopes; the default method does not use them."""
+    assert analysis.published_fits == ()
+    assert np.isfinite(analysis.best.estimate.values).all()
+    assert any(
+        "published procedure could not be run" in text and "points between 0.5" in text for text in analysis.warnings
+    )
+
+
+def test_who_asks_for_the_published_method_gets_its_error():
+    """Oracle: the same limits; without a fallback there is no result to give."""
+    rig = twin.draw(paper_scene(100, 120), seed=3)
+    with pytest.raises(EstimationError, match="points between 0.5"):
+        analyse(
+            [twin.simulate(rig.scene, seed=3)], rig.measured, choices=Choices(slope_limits=NARROW, method="published")
+        )
+
+
+def test_page_and_result_stand_without_it(analysis):
+    """Oracle: JSON has no NaN, and a page with one method's figures less is still a page."""
+    made = certificate.report(analysis)
+    assert json.loads(json.dumps(made.result, allow_nan=False))["other_method"]["parameters"] == {}
+    assert made.page.rstrip().endswith("</html>")
+    assert "published procedure could not be run" in made.page
