@@ -30,6 +30,7 @@ check: .venv/ready-for-tests
 docs-figures: .venv/ready
 	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
 	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
+	$(BIN)/python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg
 
 clean:
 	rm -rf .venv build demo

@@ -5,16 +5,19 @@ jitter, its clock ticks at 49.152 MHz. For each case several wheels are drawn an
 against the truth; the rms error is printed as a time at 3 Hz, with the rms stated uncertainty behind it.
 
     python benchmarks/slot_table.py --rigs 6
+    python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg     # the explanation page's figure
 """
 
 import argparse
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from irtiming.physics import slot_orders
 from irtiming.records.recording import Recording
 from irtiming.reduce import wheel_calibration
+from irtiming.report import sheet, wheel_figures
 from irtiming.twin.rig import SimulatedRig, Tolerances, draw, simulate
 from irtiming.twin.scene import Ripple, SpeedWander, paper_scene, with_wheel_speed
 
@@ -84,10 +87,23 @@ def rms(values: list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
+def draw_figure(path: Path) -> None:
+    """One wheel from two runs at 3 Hz and two at 6 Hz, with a ripple of the speed."""
+    case = Case(name="drawn", turns=99, speeds_hz=(3.0, 6.0), runs=2, wander=1e-4, ripple=True)
+    rig = drawn(case, 3.0, 1)
+    wheel = wheel_calibration.from_recordings(recordings(case, 1), rig.measured)
+    path.write_text(sheet.svg(wheel_figures.calibration(wheel), title="Deviation of the control slots, and its orders"))
+
+
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--rigs", type=int, default=6)
+    arguments.add_argument("--figure", type=Path, help="draw the figure of the explanation page into this file")
     options = arguments.parse_args()
+    if options.figure is not None:
+        draw_figure(options.figure)
+    if not options.rigs:
+        return
     print(f"{options.rigs} wheels for each case; rms error of a slot in us at 3 Hz\n")
     print("| case | equal slots | learned | stated u |")
     print("| --- | ---: | ---: | ---: |")
