@@ -34,7 +34,7 @@ from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
-from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import average_runs, cooled, microbolometer, pooled_slots, row_averages
@@ -86,6 +86,7 @@ class RollingAnalysis:
     sector: SectorFit
     row_fits: tuple[RowTimingFit, ...]
     scan: TimeConstantScan
+    likelihood: RowLikelihood
     published_fits: tuple[PublishedLagFit, ...]
     best: RollingResult
     as_published: RollingResult
@@ -227,6 +228,7 @@ def analyse_rolling(
         sector=best.sector,
         row_fits=best.fits,
         scan=best.scan,
+        likelihood=best.likelihood,
         published_fits=published_fits,
         best=best.result,
         as_published=as_published,

@@ -6,13 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import joint_fit
+from irtiming.estimate import joint_fit, profile_of
 from irtiming.estimate.joint_fit import T_MIDDLE, WINDOW, Problem, Solution
-from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.records.joint_fit import Profile
 
-_POINTS = (-2.0, -1.0, 1.0, 2.0)  # standard uncertainties
 _FORGOTTEN = {"trigger_delay_falling": (1, 3), "trigger_delay_rising": (0, 2)}
 
 
@@ -43,7 +41,15 @@ def profiles(
         place = WINDOW if name == "integration_time" else T_MIDDLE
         shift = stated_half_s if name.startswith("trigger_delay") else 0.0
         at = _without(given, found, _FORGOTTEN.get(name, ()))
-        made.append(_profile(name, (float(value), float(u)), _lost(*at, place=place, shift=shift)))
+        made.append(
+            profile_of.profile(
+                name,
+                value=float(value),
+                u=float(u),
+                lost=_lost(*at, place=place, shift=shift),
+                is_positive=name == "integration_time",
+            )
+        )
     return tuple(made)
 
 
@@ -73,27 +79,3 @@ def _deviance(given: Problem, found: Solution, *, place: int, value: float) -> f
         return joint_fit.solve(given, start, fixed=(place,)).deviance - found.deviance
     except EstimationError:  # so far away that no fit settles
         return float("nan")
-
-
-def _profile(name: str, told: tuple[float, float], lost: Callable[[float], float]) -> Profile:
-    value, u = told
-    tried = np.array([value + k * u for k in _POINTS])
-    if name == "integration_time":
-        tried = tried[tried > 0]
-    deviation = np.array([lost(float(t)) for t in tried])
-    tried, deviation = tried[np.isfinite(deviation)], np.maximum(deviation[np.isfinite(deviation)], 0.0)
-    order = np.argsort(np.append(tried, value))
-    values, deviation = np.append(tried, value)[order], np.append(deviation, 0.0)[order]
-    lower, upper = _crossings(values, deviation, value)
-    return Profile(
-        name=name, unit="s", value=value, standard_uncertainty=u, values=values, deviation=deviation, lower=lower,
-        upper=upper,
-    )  # fmt: skip
-
-
-def _crossings(values: Array, deviation: Array, value: float) -> tuple[float | None, float | None]:
-    """Where the deviation is 1: its square root, with a sign, is nearly a straight line."""
-    signed = np.sign(values - value) * np.sqrt(deviation)
-    low = float(np.interp(-1.0, signed, values)) if signed[0] <= -1 else None
-    high = float(np.interp(1.0, signed, values)) if signed[-1] >= 1 else None
-    return low, high

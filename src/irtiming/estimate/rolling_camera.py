@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, rolling_timing, row_fit, row_light, sector_fit, wheel_geometry
+from irtiming.estimate import (
+    by_blackbody,
+    rolling_timing,
+    row_fit,
+    row_light,
+    row_likelihood,
+    sector_fit,
+    wheel_geometry,
+)
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics import blurred_sector
@@ -15,7 +23,7 @@ from irtiming.records.reduced import AxleView
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
-from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 
 if TYPE_CHECKING:
     from irtiming.records.arrays import Array
@@ -35,6 +43,7 @@ class RollingFit:
     sector: SectorFit
     fits: tuple[RowTimingFit, ...]
     scan: TimeConstantScan
+    likelihood: RowLikelihood
     result: RollingResult
 
 
@@ -101,15 +110,19 @@ def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
         )
     seen = tuple(replace(one, axle=_axle(sectors[g])) for one, g in zip(recordings, group_of, strict=True))
     geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
+    own_sectors = [sectors[g] for g in group_of]
+    result = rolling_timing.estimate(fits, geometry, sectors=own_sectors, n_rows=recordings[0].opening.mask.shape[0])
+    likelihoods = [
+        row_fit.likelihood(one, bare.model, light=lights[g]) for one, g in zip(recordings, group_of, strict=True)
+    ]
     return RollingFit(
         recordings=seen,
         geometry=geometry,
         sector=sectors[group_of[0]],
         fits=fits,
         scan=row_fit.scan(recordings[0], bare.model, light=lights[group_of[0]], found=fits[0]),
-        result=rolling_timing.estimate(
-            fits, geometry, sectors=[sectors[g] for g in group_of], n_rows=recordings[0].opening.mask.shape[0]
-        ),
+        likelihood=row_likelihood.estimate(likelihoods, fits, geometry, sectors=own_sectors, told=result.estimate),
+        result=result,
     )
 
 

@@ -70,8 +70,8 @@ def estimate(
     u_edge = rig_wide.edge_uncertainty(fits, geometry)
     told = _parts(fits, geometry, sectors=sectors, u_edge_rad=u_edge)
     groups = _by_blackbody(fits)
-    each = _weights(told.total, _design(groups, own_delays=False))[: 2 + len(groups)]
-    weights = _one_time_constant(each, each @ told.total @ each.T) @ each
+    each, mix = _each_and_mix(told, groups)
+    weights = mix @ each
     values, covariance = weights @ told.values, weights @ told.total @ weights.T
     frames = float(sum(fit.wheel_angle_rad.size - _PARAMETERS_OF_A_ROW for fit in fits))
     budget = tuple(
@@ -100,6 +100,40 @@ def estimate(
         + _remarks(fits, sectors[0]) + _mixture(effective),
         effective=effective,
     )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Structure:
+    """What the six numbers of each fit are made of, were nothing in error.
+
+    ``design`` (n_fit, 6, k) makes them from delay, row delay, and what each blackbody has of its own; ``mix`` (3, k) makes
+    trigger delay, mean time constant and row delay from the same. ``factor`` (n_fit,) is by how much the variances of each
+    fit are larger than those of its own white residuals, on the mean.
+    """
+
+    design: Array
+    mix: Array
+    factor: Array
+
+
+def structure(fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sectors: Sequence[SectorFit]) -> Structure:
+    """The same recordings and sectors as for `estimate`."""
+    groups = _by_blackbody(fits)
+    told = _parts(fits, geometry, sectors=sectors, u_edge_rad=rig_wide.edge_uncertainty(fits, geometry))
+    _, mix = _each_and_mix(told, groups)
+    design = _design(groups, own_delays=False).reshape(len(fits), 6, -1)
+    return Structure(
+        design=design,
+        mix=np.hstack([mix, np.zeros((3, design.shape[2] - mix.shape[1]))]),
+        factor=np.array([fit.widening for fit in fits]) * _run_to_run(fits),
+    )
+
+
+def _each_and_mix(told: _Parts, groups: list[list[int]]) -> tuple[Array, Array]:
+    """Weights (2 + k, 6 n) of delay, row delay and the tau of each of k groups; and what makes the three numbers of them."""
+    each = _weights(told.total, _design(groups, own_delays=False))[: 2 + len(groups)]
+    return each, _one_time_constant(each, each @ told.total @ each.T)
 
 
 _PARAMETER_OF = np.array([[1, 0, 0]] * 4 + [[0, 1, 0], [0, 0, 1]], float)

@@ -1,5 +1,6 @@
 """The exact model fitted to one recording: from row sums to delays, time constant, row delay and their covariance."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -10,7 +11,7 @@ from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.estimate.row_residuals import robust_covariance
-from irtiming.estimate.row_timing import HARMONICS, RowModel, Solution
+from irtiming.estimate.row_timing import HARMONICS, Parabola, RowModel, Solution
 from irtiming.physics import first_order_lag
 from irtiming.physics.wheel import TURN, WheelModel
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -90,6 +91,12 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
         widening=widening,
         blackbody_temperature_k=rows.blackbody_temperature_k,
     )
+
+
+def likelihood(rows: ReducedRows, wheel: WheelModel, *, light: RowLight) -> Callable[[Array], Parabola]:
+    """How well any six numbers (four edge delays, tau, t_row; s) fit one recording; parameters as for `fit`."""
+    task = _task(rows, wheel, light)
+    return lambda values: row_timing.parabola(task.data, task.model, values)
 
 
 def scan(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, found: RowTimingFit) -> TimeConstantScan:

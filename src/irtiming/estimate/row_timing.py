@@ -120,6 +120,22 @@ def profile(data: list[HarmonicData], model: RowModel, *, values: Array, time_co
     return at.deviance
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Parabola:
+    """Deviance at some six numbers, half its gradient there with the sign turned, (6,), and half its curvature, (6, 6)."""
+
+    deviance: float
+    gradient: Array
+    normal: Array
+
+
+def parabola(data: list[HarmonicData], model: RowModel, values: Array) -> Parabola:
+    """How well six numbers fit, and which would fit better; parameters as for `solve`, ``values`` of shape (6,), s."""
+    at = _linearise(data, model, values)
+    return Parabola(deviance=at.deviance, gradient=at.gradient, normal=at.normal)
+
+
 def row_functions(model: RowModel, values: Array) -> tuple[ComplexArray, ComplexArray]:
     """Harmonics of each row, and their derivatives to d_0..d_3, tau, t_row.
 

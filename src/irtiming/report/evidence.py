@@ -13,7 +13,7 @@ from irtiming.records.reduced import Choices, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
-from irtiming.records.row_timing import RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
@@ -210,6 +210,11 @@ class RollingEvidence(Protocol):
     @property
     def scan(self) -> TimeConstantScan:
         """How much worse other time constants fit."""
+        ...
+
+    @property
+    def likelihood(self) -> RowLikelihood:
+        """Of all recordings together."""
         ...
 
     @property

@@ -39,7 +39,14 @@ def result(evidence: Evidence) -> dict[str, Any]:
         "whiteness_limit": LEAST_WHITENESS,
         "angles": {one.name: _number(one) for one in joint_tables.angles(evidence)},
         "angles_measured": joint_tables.has_several_speeds(evidence),
-        "profiles": {profile.name: _profile(profile) for profile in joint.profiles},
+        "profiles": {
+            one.name: profile(
+                one,
+                event=REFERENCE_EVENTS.get(one.name, one.name),
+                sign=None if one.name == "integration_time" else SIGN,
+            )
+            for one in joint.profiles
+        },
     }
 
 
@@ -59,15 +66,16 @@ def _number(one: Shared) -> dict[str, Any]:
 _SIGNS = {"edge": "positive: early", "common": "positive: early"}
 
 
-def _profile(profile: Profile) -> dict[str, Any]:
+def profile(one: Profile, *, event: str, sign: str | None) -> dict[str, Any]:
+    """One profile likelihood as plain data, with what its parameter is counted from and its sign."""
     return {
-        "value": profile.value,
-        "standard_uncertainty": profile.standard_uncertainty,
-        "values": [float(value) for value in profile.values],
-        "deviation": [float(deviation) for deviation in profile.deviation],
-        "lower": profile.lower,
-        "upper": profile.upper,
-        "unit": profile.unit,
-        "reference_event": REFERENCE_EVENTS.get(profile.name, profile.name),
-        "sign": None if profile.name == "integration_time" else SIGN,
+        "value": one.value,
+        "standard_uncertainty": one.standard_uncertainty,
+        "values": [float(value) for value in one.values],
+        "deviation": [float(deviation) for deviation in one.deviation],
+        "lower": one.lower,
+        "upper": one.upper,
+        "unit": one.unit,
+        "reference_event": event,
+        "sign": sign,
     }

@@ -6,6 +6,7 @@ from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.report import (
     budget,
     figures,
+    likelihood_figures,
     prediction_tables,
     rolling_figures,
     rolling_inputs,
@@ -152,7 +153,13 @@ def sections(evidence: RollingEvidence) -> tuple[Section, ...]:
             ),
         ),
         Section(
-            title="How well the fits went", blocks=(rolling_tables.fits(evidence), rolling_tables.searches(evidence))
+            title="How well the fits went",
+            blocks=(
+                rolling_tables.fits(evidence),
+                rolling_tables.searches(evidence),
+                likelihood_figures.profiles(evidence.likelihood.profiles),
+                likelihood_figures.whiteness(evidence.likelihood.whiteness),
+            ),
         ),
         Section(
             title="What the camera saw",

@@ -8,7 +8,7 @@ import numpy as np
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowTimingFit
-from irtiming.report import budget, rolling_noise, two_constant_tables, wheel_result
+from irtiming.report import budget, joint_result, rolling_noise, two_constant_tables, wheel_result
 from irtiming.report.evidence import RollingEvidence
 from irtiming.report.prediction_result import predicted
 from irtiming.report.rolling_tables import EVENTS, NAMES, RELATIVE_EVENT, SIGNS, entries
@@ -42,6 +42,7 @@ def result(evidence: RollingEvidence) -> dict[str, Any]:
         "wheel": wheel_result.result(evidence.wheel),
         "opening": _opening(evidence),
         "fits": [_fit(fit) for fit in evidence.row_fits],
+        "likelihood": _likelihood(evidence),
         "published_fits": _published(evidence),
         "choices": _choices(evidence),
         "inputs": [_input(recording) for recording in evidence.recordings],
@@ -133,6 +134,23 @@ def _edge_delays(chosen: RollingResult) -> dict[str, Any] | None:
         "unit": "s",
         "reference_event": "reading of image row 0, as seen from wheel edges 0 to 3",
         "sign": SIGN,
+    }
+
+
+def _likelihood(evidence: RollingEvidence) -> dict[str, Any]:
+    found = evidence.likelihood
+    return {
+        "values": dict(zip(NAMES, (float(value) for value in found.values), strict=True)),
+        "start": dict(zip(NAMES, (float(value) for value in found.start), strict=True)),
+        "unit": "s",
+        "steps": found.n_steps,
+        "whiteness": [
+            {"file": recording.source or recording.name, "probability": float(probability)}
+            for recording, probability in zip(evidence.recordings, found.whiteness, strict=True)
+        ],
+        "profiles": {
+            one.name: joint_result.profile(one, event=EVENTS[one.name], sign=SIGNS[one.name]) for one in found.profiles
+        },
     }
 
 

@@ -283,6 +283,9 @@ def searches(evidence: RollingEvidence) -> Table:
         ends = float(fit.edge_delay_s.mean()), fit.time_constant_s, fit.row_delay_s
         moves = [f"{time_text(start)} → {time_text(end)}" for start, end in zip(fit.start_s, ends, strict=True)]
         rows.append((f"row sums, {fit.name}", *moves, f"{fit.n_steps} steps"))
+    joint = evidence.likelihood
+    moves = [f"{time_text(start)} → {time_text(end)}" for start, end in zip(joint.start, joint.values, strict=True)]
+    rows.append(("row sums, one likelihood", *(str(move) for move in moves), f"{joint.n_steps} steps"))
     for published in evidence.published_fits:
         begun, found = published.initial_timing, published.timing
         pairs = (
@@ -298,7 +301,8 @@ def searches(evidence: RollingEvidence) -> Table:
         columns=("fit", "trigger delay", "time constant", "row delay", "work"),
         align="lrrrr",
         rows=tuple(rows),
-        note="Row sums and contrast image are fitted in rounds: a later round begins where the one before ended. Trigger delay: "
+        note="Row sums and contrast image are fitted in rounds: a later round begins where the one before ended. One likelihood: "
+        "of all recordings together, begun at the numbers of one of them; the result is its parabola. Trigger delay: "
         f"reading of image row 0; {SIGN}.",
     )
 

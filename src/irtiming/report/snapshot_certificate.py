@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.report import budget, figures, joint_figures, joint_tables, prediction_tables, tables, wheel_tables
+from irtiming.report import budget, figures, joint_tables, likelihood_figures, prediction_tables, tables, wheel_tables
 from irtiming.report.combination import combined
 from irtiming.report.evidence import Evidence
 from irtiming.report.page import Section, Verdict
@@ -99,8 +99,8 @@ def sections(evidence: Evidence) -> tuple[Section, ...]:
             title="Joint fit",
             blocks=(
                 *joint_tables.blocks(evidence),
-                joint_figures.whiteness(evidence),
-                joint_figures.profiles(evidence),
+                likelihood_figures.whiteness(evidence.joint.whiteness),
+                likelihood_figures.profiles(evidence.joint.profiles),
             ),
         ),
         Section(

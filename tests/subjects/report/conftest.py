@@ -26,7 +26,7 @@ from irtiming.records.reduced import AxleView, Choices, ExposedFraction, Opening
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
 from irtiming.records.rolling import ContrastImage, ExposedRows, ReducedRows, RollingOpening, ShutterEvent
 from irtiming.records.rolling_result import RollingContribution, RollingResult
-from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape, TimeConstantScan
+from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, SectorShape, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
@@ -225,6 +225,7 @@ class _Rolling:
     sector: SectorFit
     row_fits: tuple[RowTimingFit, ...]
     scan: TimeConstantScan
+    likelihood: RowLikelihood
     published_fits: tuple[PublishedLagFit, ...]
     best: RollingResult
     as_published: RollingResult
@@ -258,6 +259,17 @@ def rolling(analysis: _Analysis) -> _Rolling:
         sector=_sector(),
         row_fits=fits,
         scan=TimeConstantScan(time_constant_s=tau, deviation=((tau - TAU_S) / 4e-6) ** 2),
+        likelihood=RowLikelihood(
+            values=np.array([ROLLING_DELAY_S, TAU_S, ROW_S]),
+            start=np.array([3.9e-3, 5.1e-3, 41e-6]),
+            n_steps=4,
+            whiteness=np.array([0.4, 0.02]),
+            profiles=(
+                _profile("trigger_delay", ROLLING_DELAY_S, 30e-6),
+                _profile("time_constant", TAU_S, 4e-6),
+                _profile("row_delay", ROW_S, 0.2e-6),
+            ),
+        ),
         published_fits=tuple(_published_lag(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
         best=_rolling_result("row-sum", names),
         as_published=_rolling_result("published", names),

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from irtiming.report import delay_figures, fraction_figures, image_figures, joint_figures, sheet, wheel_figures
+from irtiming.report import delay_figures, fraction_figures, image_figures, likelihood_figures, sheet, wheel_figures
 
 FIGURES = [
     fraction_figures.model,
@@ -18,8 +18,8 @@ FIGURES = [
     delay_figures.by_edge,
     delay_figures.budget,
     delay_figures.relative,
-    lambda analysis: joint_figures.draw_profiles(analysis.joint.profiles),
-    lambda analysis: joint_figures.draw_whiteness(analysis.joint.whiteness),
+    lambda analysis: likelihood_figures.draw_profiles(analysis.joint.profiles),
+    lambda analysis: likelihood_figures.draw_whiteness(analysis.joint.whiteness),
 ]
 
 

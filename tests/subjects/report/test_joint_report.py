@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.report import certificate, joint_figures, joint_result, joint_tables, result
+from irtiming.report import certificate, joint_result, joint_tables, likelihood_figures, result
 
 
 @pytest.fixture(scope="module")
@@ -86,12 +86,12 @@ def test_an_open_end_of_a_profile_is_null(analysis):
     open_below = replace(analysis.joint.profiles[0], lower=None)
     told = joint_result.result(replace(analysis, joint=replace(analysis.joint, profiles=(open_below,))))
     assert json.loads(json.dumps(told))["profiles"]["trigger_delay"]["lower"] is None
-    joint_figures.draw_profiles((open_below,)).draw_without_rendering()
+    likelihood_figures.draw_profiles((open_below,)).draw_without_rendering()
 
 
 def test_profiles_are_drawn_over_their_parabola(analysis):
     """Oracle: points that are a parabola lie on the grey line, x squared; marks at -1 and +1."""
-    drawn = joint_figures.draw_profiles(analysis.joint.profiles)
+    drawn = likelihood_figures.draw_profiles(analysis.joint.profiles)
     assert len(drawn.axes) == 2
     lines = drawn.axes[0].get_lines()
     expected, between, points = (line.get_xydata() for line in lines[:3])
@@ -103,7 +103,7 @@ def test_profiles_are_drawn_over_their_parabola(analysis):
 
 def test_recordings_that_are_not_white_are_red(analysis):
     """Oracle: nine probabilities above the limit, one of 1e-5 below."""
-    lines = joint_figures.draw_whiteness(analysis.joint.whiteness).axes[0].get_lines()
+    lines = likelihood_figures.draw_whiteness(analysis.joint.whiteness).axes[0].get_lines()
     assert [len(line.get_xdata()) for line in lines[:3]] == [9, 1, 0]
     assert lines[3].get_ydata()[0] == 1e-4
 

@@ -209,7 +209,19 @@ def test_fits_tell_where_they_began_and_how_well_they_ended(rolling):
     assert fit[5] == "1.50"
     search = rolling_tables.searches(rolling).rows
     assert search[0][2] == "3 ms → 5 ms"
-    assert search[2][4] == "92 simulations"
+    assert search[2][4] == "4 steps"  # one likelihood
+    assert search[3][4] == "92 simulations"
+
+
+def test_the_likelihood_of_all_recordings_is_told(rolling, page):
+    """Oracle: the fixture; parabolas reach 1 at one standard uncertainty, and each profile says what it is counted from."""
+    found = rolling_result.result(rolling)["likelihood"]
+    assert found["steps"] == 4
+    assert found["profiles"]["time_constant"]["lower"] == pytest.approx(5e-3 - 4e-6, rel=1e-6)
+    assert "row" in found["profiles"]["row_delay"]["reference_event"]
+    assert [one["probability"] for one in found["whiteness"]] == [0.4, 0.02]
+    assert "Profile likelihoods" in page
+    assert "Are the residuals white?" in page
 
 
 def test_shutter_events_are_told_with_their_time(rolling):

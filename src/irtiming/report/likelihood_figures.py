@@ -1,4 +1,4 @@
-"""The joint fit of a photon camera as figures: profile likelihoods beside their parabolas, and whiteness of the residuals."""
+"""One likelihood over all recordings as figures: profiles beside their parabolas, and whiteness of the residuals."""
 
 import textwrap
 
@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 from irtiming.records.arrays import Array
 from irtiming.records.joint_fit import Profile
 from irtiming.report import sheet
-from irtiming.report.evidence import Evidence
 from irtiming.report.figures import Panel
 from irtiming.report.joint_tables import LEAST_WHITENESS
 
@@ -19,7 +18,7 @@ _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
 
 
-def profiles(evidence: Evidence) -> Panel:
+def profiles(found: tuple[Profile, ...]) -> Panel:
     """How far the covariance can be trusted."""
     return Panel(
         title="Profile likelihoods",
@@ -28,7 +27,7 @@ def profiles(evidence: Evidence) -> Panel:
         "deviation reaches 1, the ends of the interval of one standard uncertainty; they belong at −1 and +1. A curve "
         "narrower than the parabola: the stated u holds more than the frames' noise; wider or lopsided: value ± u is not the "
         "whole truth.",
-        svg=sheet.svg(draw_profiles(evidence.joint.profiles), title="Profile likelihood of each parameter"),
+        svg=sheet.svg(draw_profiles(found), title="Profile likelihood of each parameter"),
     )
 
 
@@ -74,14 +73,14 @@ def _between(scaled: Array, deviation: Array, at: Array) -> Array:
     return np.asarray(np.interp(at, scaled, np.sign(scaled) * np.sqrt(deviation)) ** 2)
 
 
-def whiteness(evidence: Evidence) -> Panel:
+def whiteness(probability: Array) -> Panel:
     """Whether residuals hang together along the wheel angle."""
     return Panel(
         title="Are the residuals white?",
         caption="Probability of residuals at least as correlated along the wheel angle (20 lags, Ljung and Box), were they "
         "white; one point per recording, in the order of the inputs. White residuals scatter evenly over 0 to 1. "
         "Below the red line (a triangle: below 10⁻⁸) the model misses something of the rig; the uncertainty is widened for it.",
-        svg=sheet.svg(draw_whiteness(evidence.joint.whiteness), title="Whiteness of the residuals by recording"),
+        svg=sheet.svg(draw_whiteness(probability), title="Whiteness of the residuals by recording"),
     )
 
 
