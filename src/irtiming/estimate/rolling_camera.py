@@ -121,7 +121,9 @@ def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
         sector=sectors[group_of[0]],
         fits=fits,
         scan=row_fit.scan(recordings[0], bare.model, light=lights[group_of[0]], found=fits[0]),
-        likelihood=row_likelihood.estimate(likelihoods, fits, geometry, sectors=own_sectors, told=result.estimate),
+        likelihood=row_likelihood.estimate(
+            likelihoods, fits, geometry=geometry, sectors=own_sectors, told=result.estimate
+        ),
         result=result,
     )
 

@@ -96,7 +96,7 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
 def likelihood(rows: ReducedRows, wheel: WheelModel, *, light: RowLight) -> Callable[[Array], Parabola]:
     """How well any six numbers (four edge delays, tau, t_row; s) fit one recording; parameters as for `fit`."""
     task = _task(rows, wheel, light)
-    return lambda values: row_timing.parabola(task.data, task.model, values)
+    return lambda values: row_timing.parabola(task.data, task.model, values=values)
 
 
 def scan(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, found: RowTimingFit) -> TimeConstantScan:

@@ -68,7 +68,7 @@ class Minimum:
 
 
 def estimate(
-    likelihoods: Sequence[Likelihood], fits: Sequence[RowTimingFit], geometry: WheelGeometry, *,
+    likelihoods: Sequence[Likelihood], fits: Sequence[RowTimingFit], *, geometry: WheelGeometry,
     sectors: Sequence[SectorFit], told: Estimate,
 ) -> RowLikelihood:  # fmt: skip
     """Minimum and profiles.
@@ -87,7 +87,7 @@ def estimate(
     EstimationError
         If no minimum is reached.
     """
-    given = problem(likelihoods, fits, geometry, sectors=sectors)
+    given = problem(likelihoods, fits, geometry=geometry, sectors=sectors)
     start = begin(given, fits)
     found = minimum(given, start)
     rows = {name: given.mix[k] for k, name in enumerate(NAMES)}
@@ -104,7 +104,7 @@ def estimate(
 
 
 def problem(
-    likelihoods: Sequence[Likelihood], fits: Sequence[RowTimingFit], geometry: WheelGeometry, *,
+    likelihoods: Sequence[Likelihood], fits: Sequence[RowTimingFit], *, geometry: WheelGeometry,
     sectors: Sequence[SectorFit],
 ) -> Problem:  # fmt: skip
     """The shared numbers and what each recording makes of them; parameters as for `estimate`."""

@@ -130,7 +130,7 @@ class Parabola:
     normal: Array
 
 
-def parabola(data: list[HarmonicData], model: RowModel, values: Array) -> Parabola:
+def parabola(data: list[HarmonicData], model: RowModel, *, values: Array) -> Parabola:
     """How well six numbers fit, and which would fit better; parameters as for `solve`, ``values`` of shape (6,), s."""
     at = _linearise(data, model, values)
     return Parabola(deviance=at.deviance, gradient=at.gradient, normal=at.normal)

@@ -47,7 +47,7 @@ def three(camera, brute_rows, sector_of):
 @pytest.fixture(scope="module")
 def given(three, geometry):
     fits, likelihoods, sectors = three
-    return row_likelihood.problem(likelihoods, fits, geometry, sectors=sectors)
+    return row_likelihood.problem(likelihoods, fits, geometry=geometry, sectors=sectors)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_the_minimum_does_not_remember_its_start(given, three):
 def test_profiles_are_the_parabola_of_the_stated_uncertainty(three, geometry, told):
     """Oracle: a deviance of 1 and 4 at one and two standard uncertainties; the frames' noise is white here."""
     fits, likelihoods, sectors = three
-    found = row_likelihood.estimate(likelihoods, fits, geometry, sectors=sectors, told=told)
+    found = row_likelihood.estimate(likelihoods, fits, geometry=geometry, sectors=sectors, told=told)
     assert [one.name for one in found.profiles] == list(told.names)
     for one in found.profiles:
         np.testing.assert_allclose(one.deviation[[0, 1, 2, 3, 4]], [4, 1, 0, 1, 4], atol=1.0)
