@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
-.PHONY: demo test check docs-figures clean
+.PHONY: demo test check proofs boards docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -18,6 +18,12 @@ check: .venv/ready-for-tests
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+proofs: .venv/ready-for-gateware
+	$(BIN)/python scripts/prove
+
+boards: .venv/ready-for-gateware
+	$(BIN)/python scripts/board-reference docs/reference/trigger-generator-boards.md
+
 .venv/ready: $(PROJECT)
 	scripts/make-venv $(PYTHON)
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
@@ -27,7 +33,12 @@ check: .venv/ready-for-tests
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test]'
 	touch $@
 
+.venv/ready-for-gateware: .venv/ready
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[gateware]'
+	touch $@
+
 docs-figures: .venv/ready
+	$(BIN)/python scripts/wiring-drawing docs/explanation/trigger-generator-wiring.svg
 	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
 	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
 	$(BIN)/python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg

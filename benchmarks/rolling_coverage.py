@@ -1,7 +1,8 @@
 """Errors and pulls of trigger delay, time constant and row delay over random simulated rigs, by both methods.
 
-Every rig has its own wheel, gates, mask, optics, roll, wheel centre, rate, time constant (3 to 15 ms), row delay (either
-sign), drift, shutter event, dead pixels, and one in four turns counterclockwise; rig.toml is off by its stated uncertainties.
+Every rig has its own wheel, gates, mask, optics, lens distortion (-0.08 to 0.02, stated to 0.02), roll, wheel centre, rate,
+time constant (3 to 15 ms), row delay (either sign), drift, shutter event, dead pixels, and one in four turns counterclockwise;
+rig.toml is off by its stated uncertainties.
 
     .venv/bin/python benchmarks/rolling_coverage.py --rigs 60
 """
@@ -14,6 +15,7 @@ import numpy as np
 
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse_rolling
+from irtiming.records.rig import CameraOptics, Measured
 from irtiming.records.rolling_result import RollingResult
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig
@@ -24,6 +26,7 @@ NAMES = ("trigger_delay", "time_constant", "row_delay")
 RATES_HZ = (1.5, 2.0, 3.0, 4.0, 5.0)
 WANTED_US = (np.inf, 10.0, 0.3)
 ROWS, COLUMNS = 120, 160
+DISTORTIONS, U_DISTORTION = (-0.08, 0.02), 0.02
 
 
 def nominal(seed: int) -> Scene:
@@ -39,6 +42,7 @@ def nominal(seed: int) -> Scene:
         wheel_centre_row_px=scene.optics.wheel_centre_row_px + random.uniform(-2, 2),
         wheel_centre_column_px=scene.optics.wheel_centre_column_px + random.uniform(-8, 8),
         blur_px=random.uniform(0.5, 1.0),
+        distortion=np.random.default_rng([seed, 5]).uniform(*DISTORTIONS),
     )
     delay_s = random.uniform(0, 8e-3) + (-row_delay_s * ROWS if upwards else 0)
     return replace(
@@ -58,7 +62,10 @@ def draw(seed: int) -> SimulatedRig:
     """The rig; its timing is as nominal, which is random already."""
     scene = nominal(seed)
     tolerances = replace(twin.Tolerances(), bolometer_delay_s=0.0, time_constant_s=0.0, row_delay_s=0.0)
-    return twin.draw(scene, seed=seed, tolerances=tolerances)
+    rig = twin.draw(scene, seed=seed, tolerances=tolerances)
+    told = np.random.default_rng([seed, 6]).normal(rig.scene.optics.distortion, U_DISTORTION)
+    lens = CameraOptics(distortion=Measured(float(told), U_DISTORTION))
+    return replace(rig, measured=replace(rig.measured, camera=lens))
 
 
 def one_rig(seed: int) -> tuple[int, np.ndarray | str]:

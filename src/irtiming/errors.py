@@ -4,6 +4,10 @@ IrTimingError
     UnitError            a number or unit that cannot be read
     PlanError            no trigger scheme meets the wishes
     GeometryError        a rig whose numbers cannot be
+    InstrumentError      a device that cannot be used
+        InstrumentSilent     it does not answer, or its line is gone
+        InstrumentRefused    it answers, but will not or must not do what is asked
+    GatewareError        a circuit that cannot be described, translated or simulated
     ArchiveError         a file that cannot be read or written
     ReductionError       a recording that cannot be reduced
     EstimationError      reduced data that do not determine the measurand
@@ -26,6 +30,22 @@ class PlanError(IrTimingError):
 
 class GeometryError(IrTimingError):
     """A rig whose numbers cannot be."""
+
+
+class InstrumentError(IrTimingError):
+    """A device that cannot be used."""
+
+
+class InstrumentSilent(InstrumentError):  # noqa: N818 - says what the instrument did
+    """A device that does not answer, or whose line is gone."""
+
+
+class InstrumentRefused(InstrumentError):  # noqa: N818 - says what the instrument did
+    """A device that answers, but will not or must not do what is asked of it."""
+
+
+class GatewareError(IrTimingError):
+    """A circuit that cannot be described, translated or simulated."""
 
 
 class ArchiveError(IrTimingError):

@@ -18,9 +18,25 @@ HOMES = {
     "matplotlib": "report",
     "jinja2": "report",
     "rich": "cli",
+    "serial": "instruments",
     "typer": "cli",
+    "vcd": "archive",
 }
-COMMANDS = ("plan", "simulate", "verify", "calibrate_wheel", "analyse", "demo")
+COMMANDS = (
+    "plan",
+    "simulate",
+    "verify",
+    "calibrate_wheel",
+    "analyse",
+    "import_capture",
+    "export_vcd",
+    "demo",
+    "build",
+    "firmware",
+    "identify",
+    "record",
+    "combine",
+)
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 5, 2
 
 

@@ -48,6 +48,12 @@ def test_the_page_of_the_command_line_is_what_the_commands_say():
     assert (DOCS / "reference" / "command-line.md").read_text() == _python("scripts/command-line-reference")
 
 
+def test_the_page_of_the_registers_is_what_the_register_map_says():
+    """Oracle: the map; if this fails, run scripts/register-map-reference > docs/reference/trigger-generator-registers.md."""
+    page = DOCS / "reference" / "trigger-generator-registers.md"
+    assert page.read_text() == _python("scripts/register-map-reference")
+
+
 def test_the_drawing_of_the_definitions_is_what_its_program_draws(tmp_path):
     """Oracle: the program on the page; if this fails, run it in docs/explanation."""
     _python("-c", _block("explanation/definitions.md", "python"), cwd=tmp_path)
@@ -77,6 +83,15 @@ def test_every_message_in_the_table_of_troubles_is_one_of_the_program():
     quoted = re.findall(r"^\| [^|]+ \| `([^`]+)` \|", page, flags=re.MULTILINE)
     texts = _messages()
     assert len(quoted) > 20
+    assert [message for message in quoted if not any(message in text for text in texts)] == []
+
+
+def test_every_complaint_of_the_trigger_generator_is_one_of_the_program():
+    """Oracle: the texts in the source, values left out."""
+    page = (DOCS / "how-to" / "use-the-trigger-generator.md").read_text().split("## What each complaint means")[1]
+    quoted = re.findall(r"^\| `([^`]+)` \|", page, flags=re.MULTILINE)
+    texts = _messages()
+    assert len(quoted) > 15
     assert [message for message in quoted if not any(message in text for text in texts)] == []
 
 

@@ -161,6 +161,13 @@ APPLICATION_EDGES = Field(
     fewest=2,
     meaning="all four cutout edges passing the application gate",
 )
+LOST_AFTER = Field(
+    path=f"{TRIGGER_GENERATOR}/lost_after",
+    kind="ticks",
+    unit="ticks",
+    fewest=0,
+    meaning="last known time before each loss of timestamps; empty: none was lost, absent: not known",
+)
 CAMERA_PERIOD = Field(
     path=f"{TRIGGER_GENERATOR}/camera_period",
     kind="integer",
@@ -199,7 +206,7 @@ FIELDS = (
     TITLE, START_TIME,
     FRAMES, CAMERA_TYPE, READOUT_MODE, INTEGRATION_TIME, TRIGGER_DELAY_TIME_SET, BIT_DEPTH, FRAME_NUMBER,
     ROTATION_SPEED,
-    CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES,
+    CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES, LOST_AFTER,
     CAMERA_PERIOD, WHEEL_PERIOD,
     BLACKBODY_TEMPERATURE,
     REFERENCE_LOW, REFERENCE_HIGH,

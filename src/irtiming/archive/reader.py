@@ -180,6 +180,7 @@ def _recording(
         control_slot_ticks=_value(layout.CONTROL_SLOT),
         application_slot_ticks=_value(layout.APPLICATION_SLOT),
         application_edge_ticks=_value(layout.APPLICATION_EDGES),
+        lost_after_ticks=_value(layout.LOST_AFTER),
         rotation_speed_hz=_value(layout.ROTATION_SPEED),
         integration_time_s=_value(layout.INTEGRATION_TIME),
         trigger_delay_time_set_s=_value(layout.TRIGGER_DELAY_TIME_SET) or 0.0,

@@ -22,6 +22,7 @@ def check_ticks(contents: "Contents") -> list[Finding]:
     """Warnings and errors about triggers, slots and edges; fields that are None or go back are left out."""
     contents = {field: None if _goes_back(field, value) else value for field, value in contents.items()}
     return [
+        *_lost_timestamps(contents),
         *_triggers_within(contents),
         *_trigger_intervals(contents),
         *_rotation_speed(contents),
@@ -35,6 +36,21 @@ def check_ticks(contents: "Contents") -> list[Finding]:
 
 def _goes_back(field: "Field", value: object) -> bool:
     return field.kind in ("ticks", "index") and value is not None and bool(np.any(np.diff(np.asarray(value)) < 0))
+
+
+def _lost_timestamps(contents: "Contents") -> Iterator[Finding]:
+    lost: Ticks | None = contents.get(layout.LOST_AFTER)
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    clock = contents.get(layout.CLOCK_FREQUENCY)
+    if lost is None or lost.size == 0 or triggers is None or clock is None:
+        return
+    after_s = float(lost[0] - triggers[0]) / clock
+    yield Finding(
+        severity="error",
+        where=layout.LOST_AFTER.path,
+        what=f"tells of {lost.size} losses of timestamps, the first {after_s:.6f} s after the first trigger",
+        cure="record again; check the line to the trigger generator, and what else the computer did",
+    )
 
 
 def _triggers_within(contents: "Contents") -> Iterator[Finding]:

@@ -250,6 +250,7 @@ def _values(recording: Recording) -> dict[Field, Any]:
         layout.CONTROL_SLOT: recording.control_slot_ticks,
         layout.APPLICATION_SLOT: recording.application_slot_ticks,
         layout.APPLICATION_EDGES: recording.application_edge_ticks,
+        layout.LOST_AFTER: recording.lost_after_ticks,
         layout.CAMERA_PERIOD: recording.camera_period_ticks,
         layout.WHEEL_PERIOD: recording.wheel_period_ticks,
         layout.BLACKBODY_TEMPERATURE: recording.blackbody_temperature_k,

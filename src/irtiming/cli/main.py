@@ -12,6 +12,9 @@ import typer
 from irtiming.cli.analyse_command import analyse
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.demo_command import demo
+from irtiming.cli.export_vcd_command import export_vcd
+from irtiming.cli.gateware_command import app as gateware
+from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.plan_command import plan
 from irtiming.cli.simulate_command import simulate
 from irtiming.cli.verify_command import verify
@@ -25,8 +28,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for command in (plan, simulate, verify, calibrate_wheel, analyse, demo):
+for command in (plan, simulate, verify, calibrate_wheel, analyse, import_capture, export_vcd, demo):
     app.command()(command)
+app.add_typer(gateware)
 
 
 def run() -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from irtiming.records.trigger_plan import TriggerPlan, TriggerScheme
+from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
 
 
 def plan_as_json(plan: TriggerPlan) -> dict[str, Any]:
@@ -16,6 +16,7 @@ def plan_as_json(plan: TriggerPlan) -> dict[str, Any]:
         {
             "turn_period_ticks": run.scheme.turn_period_ticks,
             "camera_period_ticks": run.scheme.camera_period_ticks,
+            "control_slots": run.scheme.control_slots,
             "trigger_delay_ticks": run.trigger_delay_ticks,
             "trigger_delay_s": run.trigger_delay_ticks / clock,
             "repeats": run.repeats,
@@ -55,6 +56,49 @@ def scheme_as_json(scheme: TriggerScheme, clock_frequency_hz: int) -> dict[str, 
         "run_duration_s": float(duration),
         "run_duration_s_exact": str(duration),
     }
+
+
+def read_plan(path: Path) -> TriggerPlan:
+    """The plan in a file that `irtiming plan --json` wrote.
+
+    Raises
+    ------
+    PlanError
+        If the file cannot be read, or holds no plan.
+    """
+    from json import loads
+
+    from irtiming.errors import PlanError
+
+    cure = "name a file that irtiming plan --json wrote"
+    try:
+        content = loads(path.read_text(encoding="utf-8"))
+        runs = tuple(_run(run) for run in content["plan"]["runs"])
+        clock = content["clock_frequency_hz"]
+    except OSError as error:
+        raise PlanError(f"{path} cannot be read ({error.strerror}); {cure}") from error
+    except KeyError as error:
+        raise PlanError(f"{path} holds no plan: {error} is missing; {cure}") from error
+    except (ValueError, TypeError) as error:
+        raise PlanError(f"{path} holds no plan; {cure}") from error
+    if not isinstance(clock, int) or not runs:
+        raise PlanError(f"{path} holds {len(runs)} runs for a clock of {clock!r} Hz; {cure}")
+    return TriggerPlan(clock_frequency_hz=clock, schemes=tuple(dict.fromkeys(run.scheme for run in runs)), runs=runs)
+
+
+def _run(run: dict[str, Any]) -> PlannedRun:
+    turn, camera, slots, delay, repeats = (
+        run[name]
+        for name in ("turn_period_ticks", "camera_period_ticks", "control_slots", "trigger_delay_ticks", "repeats")
+    )
+    if not all(type(number) is int for number in (turn, camera, slots, delay, repeats)):
+        raise TypeError("a run is made of whole numbers")
+    return PlannedRun(
+        scheme=TriggerScheme(turn_period_ticks=turn, camera_period_ticks=camera, control_slots=slots),
+        trigger_delay_ticks=delay,
+        repeats=repeats,
+        is_after_correction=bool(run["is_after_correction"]),
+    )
 
 
 def write(path: Path, content: str | dict[str, Any]) -> None:

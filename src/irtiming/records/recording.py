@@ -57,6 +57,7 @@ class Recording:
 
     ``frame_number[i]`` is the index in ``camera_trigger_ticks`` of the trigger that made frame i: a gap is a lost frame.
     ``camera_trigger_ticks`` are nominal triggers, before ``trigger_delay_time_set_s`` is added.
+    ``lost_after_ticks`` has the last known time before each loss of timestamps; empty: none was lost, None: not known.
     ``start_time`` is text in ISO 8601, empty where unknown. Shapes: frame_number (n_frame,), each ticks array (n_edge,).
     """
 
@@ -70,6 +71,7 @@ class Recording:
     control_slot_ticks: Ticks
     application_slot_ticks: Ticks
     application_edge_ticks: Ticks | None = None
+    lost_after_ticks: Ticks | None = None
     rotation_speed_hz: float
     integration_time_s: float | None = None
     trigger_delay_time_set_s: float = 0.0

@@ -102,6 +102,7 @@ def _check(recording: Recording) -> None:
             f"{recording.name}: a {recording.readout_mode} {recording.camera_type} camera; this analysis is for a snapshot "
             "photon camera"
         )
+    wheel_angles.refuse_lost_timestamps(recording)
     if recording.frames.shape[0] < _FEWEST_FRAMES:
         raise ReductionError(
             f"{recording.name}: {recording.frames.shape[0]} frames, at least {_FEWEST_FRAMES} are needed; record a whole "

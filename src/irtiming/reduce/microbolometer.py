@@ -94,6 +94,7 @@ def _check(recording: Recording) -> None:
             f"{recording.name}: says camera type {recording.camera_type}, readout {recording.readout_mode}; this analysis is "
             "for a rolling microbolometer camera"
         )
+    wheel_angles.refuse_lost_timestamps(recording)
     if recording.frames.shape[0] < _FEWEST_FRAMES:
         raise ReductionError(
             f"{recording.name}: {recording.frames.shape[0]} frames, at least {_FEWEST_FRAMES} are needed; record a whole "

@@ -78,6 +78,7 @@ def both_tracks(
 
 
 def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Gates:
+    refuse_lost_timestamps(recording)
     n_slots = rig.wheel.control_slots
     turn_ticks = recording.clock_frequency_hz / recording.rotation_speed_hz
     control = number_edges(recording.control_slot_ticks, period_ticks=turn_ticks / n_slots, name="control_slot")
@@ -87,6 +88,25 @@ def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Ga
     reference = _reference_edges(application, reference_edge)
     first = _first_slot_after(reference, control, n_slots)
     return _Gates(control=control, application=application, reference_ticks=reference, first=first)
+
+
+def refuse_lost_timestamps(recording: Recording) -> None:
+    """Nothing, if every timestamp of the recording arrived as far as is known.
+
+    Raises
+    ------
+    ReductionError
+        If not, with the time of the first loss in seconds from the first trigger.
+    """
+    lost, triggers = recording.lost_after_ticks, recording.camera_trigger_ticks
+    if lost is None or lost.size == 0:
+        return
+    after_s = float(lost[0] - triggers[0]) / recording.clock_frequency_hz
+    more = f" and {lost.size - 1} times more" if lost.size > 1 else ""
+    raise ReductionError(
+        f"timestamps were lost {after_s:.6f} s after the first trigger{more}: records of the trigger generator never arrived, "
+        "so the wheel's angles have a hole there; record again"
+    )
 
 
 def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> WheelTrack:

@@ -13,7 +13,7 @@ from irtiming.records.arrays import Ticks
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.twin.bolometer import bolometer_shots
-from irtiming.twin.clockwork import Motion, spin, tick_streams
+from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
 from irtiming.twin.frames import SimulatedFrames, WheelShots, nonuniformity_reference
 from irtiming.twin.noise import FixedPattern, fixed_pattern, generator
 from irtiming.twin.pixels import Picture, picture
@@ -166,7 +166,25 @@ def simulate(scene: Scene, *, seed: int, name: str = "twin") -> Recording:
         Title of the recording.
     """
     motion = spin(scene, seed=seed)
-    ticks = tick_streams(scene, motion, seed=seed)
+    return recorded(scene, motion, ticks=tick_streams(scene, motion, seed=seed), seed=seed, name=name)
+
+
+def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, name: str = "twin") -> Recording:
+    """One run of the scene with a wheel that turned so and timestamps that were taken so.
+
+    Parameters
+    ----------
+    scene
+        The rig as it truly is, and the run's trigger settings.
+    motion
+        Of the wheel, from before the first trigger, which is at time zero, to the end of the last frame.
+    ticks
+        Timestamps, of the twin's own clock or of a trigger generator.
+    seed
+        Fixes noise, jitter and lost frames.
+    name
+        Title of the recording.
+    """
     kept = _kept_frames(scene, seed)
     trigger, timing = scene.trigger, scene.timing
     photon = isinstance(timing, CameraTiming)

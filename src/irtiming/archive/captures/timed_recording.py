@@ -1,0 +1,251 @@
+"""Frames and the tick streams of a capture together: a recording that is ready for the analysis."""
+
+import shutil
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, final
+
+import h5py
+import numpy as np
+
+from irtiming.archive import consistency, layout
+from irtiming.archive.captures.streams import STREAMS, CapturedTicks
+from irtiming.archive.fields import read_field
+from irtiming.archive.finding import Complaint, Finding, archive_error
+from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.layout import Field
+from irtiming.archive.reader import check_version, reduce_reference
+from irtiming.archive.result_file import unwritable
+from irtiming.archive.tick_checks import check_ticks
+from irtiming.archive.writer import write
+from irtiming.errors import ArchiveError
+from irtiming.records.recording import CameraType, NonuniformityReference, Recording
+
+if TYPE_CHECKING:
+    from irtiming.archive.consistency import Contents
+
+_REPLACED = (layout.CLOCK_FREQUENCY, layout.CAMERA_PERIOD, layout.WHEEL_PERIOD, layout.LOST_AFTER, *STREAMS)
+_ARRAYS = ("frames", "low", "high", "frame_number")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CameraFacts:
+    """What plain arrays do not tell of the camera that made them."""
+
+    camera_type: CameraType
+    rotation_speed_hz: float
+    integration_time_s: float | None = None
+    trigger_delay_time_set_s: float = 0.0
+    bit_depth: int = 16
+
+
+def write_timed(
+    frames: str | Path,
+    out: str | Path,
+    *,
+    ticks: CapturedTicks,
+    facts: CameraFacts | None = None,
+    is_delayed: bool = False,
+) -> list[Finding]:
+    """Write a recording that has its frames from one file and its timestamps from a capture.
+
+    Parameters
+    ----------
+    frames
+        A recording, with timestamps or without: everything else in it is kept. Or arrays: ``.npy`` with uint16 (frame, row,
+        column), or ``.npz`` with ``frames`` and, where there are, ``low``, ``high`` and ``frame_number``.
+    out
+        The recording to make; the file of the frames is left as it is.
+    ticks
+        From the capture.
+    facts
+        Needed with arrays, refused with a recording.
+    is_delayed
+        The captured trigger is the delayed one, which the camera gets: the recording's trigger_delay_time_set is taken off.
+
+    Returns
+    -------
+    Oddities that do not stop an analysis.
+
+    Raises
+    ------
+    ArchiveError
+        If a file cannot be read or written, or frames and timestamps contradict each other.
+    """
+    source, target = Path(frames), Path(out)
+    if target.exists():
+        raise ArchiveError(f"{target}: exists already; choose another name")
+    is_arrays = source.suffix.lower() in (".npy", ".npz")
+    if is_arrays and facts is None:
+        raise ArchiveError(f"{source}: arrays do not tell their camera; give --camera and --wheel-hz")
+    if not is_arrays and facts is not None:
+        raise ArchiveError(f"{source}: a recording tells its camera itself; leave out --camera and what goes with it")
+    if facts is not None:
+        recording = _from_arrays(source, _nominal(ticks, facts.trigger_delay_time_set_s, is_delayed), facts)
+        findings = _oddities(_contents(recording), called=target)
+        write(recording, target)
+        return findings
+    part = target.with_name(f"{target.name}.part")
+    try:
+        _replace_ticks(source, part, ticks, is_delayed=is_delayed)
+        findings = _oddities(_read_back(part, called=target), called=target)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+    return findings
+
+
+def _replace_ticks(source: Path, part: Path, ticks: CapturedTicks, *, is_delayed: bool) -> None:
+    """Copy a recording and put the captured timestamps in the place of its own."""
+    try:
+        with opened(source) as file:
+            check_version(file)
+            kept = {field: read_field(file, field) for field in layout.FIELDS if field not in _REPLACED}
+            periods = _periods(file, ticks)
+    except Complaint as complaint:
+        raise complaint.as_error(source) from complaint
+    nominal = _nominal(ticks, kept[layout.TRIGGER_DELAY_TIME_SET] or 0.0, is_delayed)
+    try:
+        shutil.copyfile(source, part)
+    except OSError as error:
+        raise unwritable(part, error) from error
+    values: dict[Field, Any] = {**nominal.streams, **periods, layout.CLOCK_FREQUENCY: float(ticks.clock_frequency_hz)}
+    try:
+        with h5py.File(part, "r+") as file:
+            group = file.require_group(layout.TRIGGER_GENERATOR)
+            for field in _REPLACED:
+                if field.name in group:
+                    del group[field.name]
+                if field in values:
+                    dataset = group.create_dataset(field.name, data=values[field])
+                    dataset.attrs["units"] = field.unit
+            group.attrs["NX_class"] = layout.GROUPS[layout.TRIGGER_GENERATOR]
+    except H5_ERRORS as error:
+        raise ArchiveError(f"{part}: cannot be written ({reason_of(error)}); is the disk full?") from error
+
+
+def _periods(file: h5py.File, ticks: CapturedTicks) -> dict[Field, int]:
+    """C and T of the trigger scheme in ticks of the capture's clock; nothing where they are no whole numbers of them."""
+    fields = (layout.CAMERA_PERIOD, layout.WHEEL_PERIOD)
+    try:
+        old_hz, *old = (read_field(file, field) for field in (layout.CLOCK_FREQUENCY, *fields))
+    except Complaint:
+        return {}
+    if old_hz is None or None in old:
+        return {}
+    new = [Fraction(one) * ticks.clock_frequency_hz / Fraction(old_hz) for one in old]
+    return dict(zip(fields, map(int, new), strict=True)) if all(one.denominator == 1 for one in new) else {}
+
+
+def _nominal(ticks: CapturedTicks, delay_s: float, is_delayed: bool) -> CapturedTicks:
+    """The same streams with the nominal trigger, before the delay that is set."""
+    if not is_delayed:
+        return ticks
+    late = round(Fraction(delay_s) * ticks.clock_frequency_hz)
+    triggers = ticks.streams[layout.CAMERA_TRIGGER] - late
+    return CapturedTicks(
+        clock_frequency_hz=ticks.clock_frequency_hz, streams={**ticks.streams, layout.CAMERA_TRIGGER: triggers}
+    )
+
+
+def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Recording:
+    """Recording of plain arrays."""
+    arrays = _arrays(source)
+    for name in ("frames", "low", "high"):
+        if name in arrays and (arrays[name].dtype != np.uint16 or arrays[name].ndim != 3):
+            found = f"{arrays[name].dtype} {arrays[name].shape}"
+            raise ArchiveError(f"{source}: '{name}' is {found}; it must be uint16 (frame, row, column)")
+    if ("low" in arrays) != ("high" in arrays):
+        raise ArchiveError(f"{source}: holds one of 'low' and 'high'; give both reference stacks or none")
+    numbers = arrays.get("frame_number", np.arange(len(arrays["frames"])))
+    if numbers.dtype.kind not in "iu" or numbers.shape != (len(arrays["frames"]),):
+        raise ArchiveError(f"{source}: 'frame_number' must be one integer for each of {len(arrays['frames'])} frames")
+    return Recording(
+        name=source.stem,
+        camera_type=facts.camera_type,
+        readout_mode="snapshot" if facts.camera_type == "photon" else "rolling",
+        frames=ArrayFrames(arrays["frames"]),
+        frame_number=numbers.astype(np.int64),
+        clock_frequency_hz=float(ticks.clock_frequency_hz),
+        camera_trigger_ticks=ticks.streams[layout.CAMERA_TRIGGER],
+        control_slot_ticks=ticks.streams[layout.CONTROL_SLOT],
+        application_slot_ticks=ticks.streams[layout.APPLICATION_SLOT],
+        application_edge_ticks=ticks.streams.get(layout.APPLICATION_EDGES),
+        lost_after_ticks=ticks.streams.get(layout.LOST_AFTER),
+        rotation_speed_hz=facts.rotation_speed_hz,
+        integration_time_s=facts.integration_time_s,
+        trigger_delay_time_set_s=facts.trigger_delay_time_set_s,
+        bit_depth=facts.bit_depth,
+        nonuniformity=_reference(arrays) if "low" in arrays else None,
+    )
+
+
+def _arrays(source: Path) -> dict[str, Any]:
+    """Arrays of a file; those of an ``.npy`` stay in it until they are asked for."""
+    try:
+        if source.suffix.lower() == ".npy":
+            return {"frames": np.lib.format.open_memmap(source, mode="r")}
+        with source.open("rb") as file, np.load(file) as archive:
+            arrays = {name: archive[name] for name in _ARRAYS if name in archive}
+    except FileNotFoundError as error:
+        raise ArchiveError(f"{source}: does not exist; check the name") from error
+    except Exception as error:  # of many kinds: numpy, zipfile and zlib each raise their own
+        raise ArchiveError(f"{source}: cannot be read as arrays ({error}); save them again with numpy.save") from error
+    if "frames" not in arrays:
+        raise ArchiveError(f"{source}: holds no array 'frames'; save it with numpy.savez(file, frames=...)")
+    return arrays
+
+
+def _reference(arrays: dict[str, Any]) -> NonuniformityReference:
+    low, high = ArrayFrames(arrays["low"]), ArrayFrames(arrays["high"])
+    low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low, high)
+    return NonuniformityReference(
+        low_dn=low_dn,
+        high_dn=high_dn,
+        low_noise_dn=low_noise_dn,
+        high_noise_dn=high_noise_dn,
+        n_frames=min(low.shape[0], high.shape[0]),
+        low_frames=low,
+        high_frames=high,
+    )
+
+
+def _contents(recording: Recording) -> "Contents":
+    """What the checks look at, of a recording that is not yet written."""
+    reference = recording.nonuniformity
+    low, high = (None, None) if reference is None else (reference.low_frames, reference.high_frames)
+    return {
+        layout.FRAMES: recording.frames.shape,
+        layout.FRAME_NUMBER: recording.frame_number,
+        layout.ROTATION_SPEED: recording.rotation_speed_hz,
+        layout.CLOCK_FREQUENCY: recording.clock_frequency_hz,
+        layout.CAMERA_TRIGGER: recording.camera_trigger_ticks,
+        layout.CONTROL_SLOT: recording.control_slot_ticks,
+        layout.APPLICATION_SLOT: recording.application_slot_ticks,
+        layout.APPLICATION_EDGES: recording.application_edge_ticks,
+        layout.LOST_AFTER: recording.lost_after_ticks,
+        layout.REFERENCE_LOW: None if low is None else low.shape,
+        layout.REFERENCE_HIGH: None if high is None else high.shape,
+    }
+
+
+def _read_back(part: Path, *, called: Path) -> "Contents":
+    try:
+        with opened(part) as file:
+            return {field: read_field(file, field) for field in layout.FIELDS}
+    except Complaint as complaint:
+        raise complaint.as_error(called) from complaint
+
+
+def _oddities(contents: "Contents", *, called: Path) -> list[Finding]:
+    """What is odd about a recording; what makes it unusable is raised."""
+    findings = [*consistency.check(contents), *check_ticks(contents)]
+    for finding in findings:
+        if (
+            finding.severity == "error" and finding.where != layout.LOST_AFTER.path
+        ):  # written, so that nobody overlooks it
+            raise archive_error(called, finding)
+    return findings

@@ -1,0 +1,118 @@
+"""Timestamps of one run in a file of their own, until the camera's frames join them: a recording that has no frames yet."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, final
+
+import h5py
+import numpy as np
+
+from irtiming.archive import layout
+from irtiming.archive.fields import read_field
+from irtiming.archive.finding import Complaint, refuse
+from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.layout import Field
+from irtiming.archive.reader import check_version
+from irtiming.archive.result_file import unwritable
+from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Ticks
+from irtiming.records.timestamps import Timestamps
+from irtiming.records.trigger_plan import PlannedRun
+
+STREAMS: tuple[Field, ...] = (
+    layout.CAMERA_TRIGGER, layout.CONTROL_SLOT, layout.APPLICATION_SLOT, layout.APPLICATION_EDGES, layout.LOST_AFTER,
+)  # fmt: skip
+"""Tick streams that a recording takes over; others stand beside them for whoever wants to look."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimedRun:
+    """What such a file says: tick streams by their field, and the run's nominal wheel rate and delay that was set."""
+
+    clock_frequency_hz: int
+    streams: dict[Field, Ticks]
+    rotation_speed_hz: float
+    trigger_delay_time_set_s: float
+
+
+def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRun) -> None:
+    """Write the timestamps of a run where a recording has them; a file of that name is replaced when the new one is whole.
+
+    Parameters
+    ----------
+    timestamps
+        From a trigger generator; they may have holes.
+    path
+        Its suffix should be ``.nxs``.
+    run
+        That was loaded.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(f"{target.name}.part")
+    clock = timestamps.clock_frequency_hz
+    values: dict[Field, Any] = {
+        layout.CLOCK_FREQUENCY: float(clock),
+        layout.ROTATION_SPEED: clock / run.scheme.turn_period_ticks,
+        layout.TRIGGER_DELAY_TIME_SET: run.trigger_delay_ticks / clock,
+        layout.CAMERA_PERIOD: run.scheme.camera_period_ticks,
+        layout.WHEEL_PERIOD: run.scheme.turn_period_ticks,
+        layout.CAMERA_TRIGGER: timestamps.camera_trigger_ticks,
+        layout.CONTROL_SLOT: timestamps.control_slot_ticks,
+        layout.APPLICATION_SLOT: timestamps.application_slot_ticks,
+        layout.APPLICATION_EDGES: timestamps.application_edge_ticks,
+        layout.LOST_AFTER: timestamps.lost_after_ticks,
+    }
+    beside = {
+        "camera_trigger_delayed": timestamps.camera_trigger_delayed_ticks,
+        "camera_input": timestamps.camera_input_ticks,
+        "spare": timestamps.spare_ticks,
+    }
+    try:
+        with h5py.File(part, "w", libver=layout.HDF5_FORMAT) as file:
+            for field, value in values.items():
+                file.create_dataset(field.path, data=value).attrs["units"] = field.unit
+            for name, ticks in beside.items():
+                if ticks.size:
+                    file.create_dataset(f"{layout.TRIGGER_GENERATOR}/{name}", data=ticks).attrs["units"] = "ticks"
+            for group, kind in layout.GROUPS.items():
+                if group in file:
+                    file[group].attrs["NX_class"] = kind
+            file[layout.ENTRY].attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
+        part.replace(target)
+    except OSError as error:
+        raise unwritable(target, error) from error
+    except H5_ERRORS as error:
+        raise ArchiveError(f"{target}: cannot be written ({reason_of(error)}); is the disk full?") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def read_timestamps(path: str | Path) -> TimedRun:
+    """Timestamps that `write_timestamps` wrote, or those in any recording.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or a stream is missing or too short.
+    """
+    try:
+        with opened(path) as file:
+            check_version(file)
+            streams = {field: read_field(file, field) for field in STREAMS}
+            clock_hz = read_field(file, layout.CLOCK_FREQUENCY)
+            if clock_hz % 1:
+                raise refuse(layout.CLOCK_FREQUENCY.path, f"= {clock_hz} Hz", cure="it must be whole hertz")
+            return TimedRun(
+                clock_frequency_hz=int(clock_hz),
+                streams={field: ticks for field, ticks in streams.items() if isinstance(ticks, np.ndarray)},
+                rotation_speed_hz=read_field(file, layout.ROTATION_SPEED),
+                trigger_delay_time_set_s=read_field(file, layout.TRIGGER_DELAY_TIME_SET) or 0.0,
+            )
+    except Complaint as complaint:
+        raise complaint.as_error(path) from complaint

@@ -1,0 +1,34 @@
+"""`irtiming export-vcd`: timestamps of a recording for a waveform viewer."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def export_vcd(
+    recording: Annotated[Path, typer.Argument(help="Recording whose timestamps are written.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            ..., "--out", "-o", metavar="OUT", help="File to write; if not given, the recording's name with .vcd."
+        ),
+    ] = None,
+) -> None:
+    """Write the timestamps of a recording as a value change dump (VCD), which any waveform viewer shows.
+
+    Times are in ns, and rounded so that each tick comes back exactly when the file is read with import-capture.
+    """
+    from rich.console import Console
+
+    from irtiming.archive import reader
+    from irtiming.archive.result_file import require_place
+    from irtiming.archive.vcd_export import write_vcd
+
+    target = recording.with_suffix(".vcd") if out is None else out
+    require_place(target, besides=[recording])
+    found = reader.read(recording)
+    write_vcd(found, target)
+    Console().print(
+        f"{target}: ticks of {found.clock_frequency_hz:.15g} Hz as times", markup=False, highlight=False, soft_wrap=True
+    )

