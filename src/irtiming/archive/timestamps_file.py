@@ -30,10 +30,31 @@ STREAMS: tuple[Field, ...] = (
 class TimedRun:
     """What such a file says: tick streams by their field, and the run's nominal wheel rate and delay that was set."""
 
+    name: str
     clock_frequency_hz: int
     streams: dict[Field, Ticks]
     rotation_speed_hz: float
     trigger_delay_time_set_s: float
+
+    @property
+    def camera_trigger_ticks(self) -> Ticks:
+        """Shape (n_trigger,)."""
+        return self.streams[layout.CAMERA_TRIGGER]
+
+    @property
+    def control_slot_ticks(self) -> Ticks:
+        """Shape (n_edge,)."""
+        return self.streams[layout.CONTROL_SLOT]
+
+    @property
+    def application_slot_ticks(self) -> Ticks:
+        """Shape (n_edge,); edges 0 and 2."""
+        return self.streams[layout.APPLICATION_SLOT]
+
+    @property
+    def application_edge_ticks(self) -> Ticks | None:
+        """Shape (n_edge,); all four edges, None where they were not stamped."""
+        return self.streams.get(layout.APPLICATION_EDGES)
 
 
 def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRun) -> None:
@@ -109,6 +130,7 @@ def read_timestamps(path: str | Path) -> TimedRun:
             if clock_hz % 1:
                 raise refuse(layout.CLOCK_FREQUENCY.path, f"= {clock_hz} Hz", cure="it must be whole hertz")
             return TimedRun(
+                name=Path(path).stem,
                 clock_frequency_hz=int(clock_hz),
                 streams={field: ticks for field, ticks in streams.items() if isinstance(ticks, np.ndarray)},
                 rotation_speed_hz=read_field(file, layout.ROTATION_SPEED),

@@ -4,6 +4,7 @@ import io
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from vcd.writer import VCDWriter
@@ -12,12 +13,45 @@ from irtiming.archive import layout
 from irtiming.archive.result_file import write_atomically
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
-from irtiming.records.recording import Recording
 
 _LONGEST = 2**63 - 1
 
 
-def write_vcd(recording: Recording, path: str | Path) -> None:
+class TickStreams(Protocol):
+    """What a recording, or the timestamps of a run without its frames, says of its edges."""
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    @property
+    def clock_frequency_hz(self) -> float:
+        """Of the counter."""
+        ...
+
+    @property
+    def camera_trigger_ticks(self) -> Ticks:
+        """Shape (n_trigger,)."""
+        ...
+
+    @property
+    def control_slot_ticks(self) -> Ticks:
+        """Shape (n_edge,)."""
+        ...
+
+    @property
+    def application_slot_ticks(self) -> Ticks:
+        """Shape (n_edge,); edges 0 and 2."""
+        ...
+
+    @property
+    def application_edge_ticks(self) -> Ticks | None:
+        """Shape (n_edge,); all four edges, None where they were not stamped."""
+        ...
+
+
+def write_vcd(recording: TickStreams, path: str | Path) -> None:
     """Write every tick stream as a line that rises at its ticks.
 
     A line falls half way to its next tick; ``application_edges`` changes at each of its ticks. Times are in nanoseconds,

@@ -7,7 +7,7 @@ import typer
 
 
 def export_vcd(
-    recording: Annotated[Path, typer.Argument(help="Recording whose timestamps are written.")],
+    recording: Annotated[Path, typer.Argument(help="Recording, or timestamps of gateware record.")],
     out: Annotated[
         Path | None,
         typer.Option(
@@ -23,11 +23,20 @@ def export_vcd(
 
     from irtiming.archive import reader
     from irtiming.archive.result_file import require_place
-    from irtiming.archive.vcd_export import write_vcd
+    from irtiming.archive.timestamps_file import read_timestamps
+    from irtiming.archive.vcd_export import TickStreams, write_vcd
+    from irtiming.errors import ArchiveError
 
     target = recording.with_suffix(".vcd") if out is None else out
     require_place(target, besides=[recording])
-    found = reader.read(recording)
+    found: TickStreams
+    try:
+        found = reader.read(recording)
+    except ArchiveError as error:
+        try:
+            found = read_timestamps(recording)  # a run that waits for its frames
+        except ArchiveError:
+            raise error from None
     write_vcd(found, target)
     Console().print(
         f"{target}: ticks of {found.clock_frequency_hz:.15g} Hz as times", markup=False, highlight=False, soft_wrap=True

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from irtiming.archive import reader, writer
+from irtiming.archive.captures.streams import captured_ticks, line_map
 from irtiming.archive.timestamps_file import read_timestamps, write_timestamps
 from irtiming.archive.verify import verify
+from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.errors import ArchiveError, ReductionError
 from irtiming.measurement import analyse
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
@@ -137,3 +139,19 @@ def test_a_place_that_cannot_be_written_is_told(tmp_path):
     """Oracle: the words."""
     with pytest.raises(ArchiveError, match="no folder|cannot be written|No such"):
         write_timestamps(_timestamps(), tmp_path / "no" / "stamps.nxs", run=RUN)
+
+
+def test_timestamps_without_frames_can_be_looked_at(tmp_path):
+    """Oracle: the ticks that were written; a waveform viewer needs no frames."""
+    path, dump = tmp_path / "stamps.nxs", tmp_path / "stamps.vcd"
+    written = replace(
+        _timestamps(), control_slot_ticks=_timestamps().control_slot_ticks + 1
+    )  # a dump begins before tick 1
+    write_timestamps(written, path, run=RUN)
+    export_vcd(path, dump)
+    names = ("camera_trigger", "control_slot", "application_slot")
+    found = captured_ticks(dump, line_map(",".join(f"{name}={name}" for name in names)))
+    assert found.clock_frequency_hz == written.clock_frequency_hz
+    given = {field.name: ticks.tolist() for field, ticks in found.streams.items()}
+    assert given["camera_trigger"] == written.camera_trigger_ticks.tolist()
+    assert given["control_slot"] == written.control_slot_ticks.tolist()
