@@ -11,6 +11,7 @@ import pytest
 from irtiming.cli import gateware_build_command
 from irtiming.errors import GatewareError
 from irtiming.gateware import build as build_module
+from irtiming.gateware import tools
 from irtiming.gateware.boards import BOARDS, INPUTS, OUTPUTS, find_board
 from irtiming.gateware.build import MARGIN, BuildReport
 
@@ -188,7 +189,7 @@ def test_a_circuit_that_is_too_slow_fails_the_build():
 def test_missing_tools_are_named_with_the_cure(monkeypatch):
     """Oracle: the extra of pyproject.toml; one line with the command."""
     monkeypatch.setattr(build_module.verilog, "require_tools", lambda: None)
-    monkeypatch.setattr(build_module, "find_spec", lambda name: None)
+    monkeypatch.setattr(tools, "find_spec", lambda name: None)
     with pytest.raises(GatewareError, match=r"^amaranth_boards is not installed.*pip install 'irtiming\[gateware\]'$"):
         build_module.build(find_board("ulx3s"), Path("nowhere"))
 

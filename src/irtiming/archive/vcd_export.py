@@ -4,54 +4,23 @@ import io
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 from vcd.writer import VCDWriter
 
 from irtiming.archive import layout
+from irtiming.archive.captures.streams import STREAMS
 from irtiming.archive.result_file import write_atomically
+from irtiming.archive.timestamps_file import TimedRun
+from irtiming.archive.writer import values_of
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
+from irtiming.records.recording import Recording
 
 _LONGEST = 2**63 - 1
 
 
-class TickStreams(Protocol):
-    """What a recording, or the timestamps of a run without its frames, says of its edges."""
-
-    @property
-    def name(self) -> str:
-        """For messages."""
-        ...
-
-    @property
-    def clock_frequency_hz(self) -> float:
-        """Of the counter."""
-        ...
-
-    @property
-    def camera_trigger_ticks(self) -> Ticks:
-        """Shape (n_trigger,)."""
-        ...
-
-    @property
-    def control_slot_ticks(self) -> Ticks:
-        """Shape (n_edge,)."""
-        ...
-
-    @property
-    def application_slot_ticks(self) -> Ticks:
-        """Shape (n_edge,); edges 0 and 2."""
-        ...
-
-    @property
-    def application_edge_ticks(self) -> Ticks | None:
-        """Shape (n_edge,); all four edges, None where they were not stamped."""
-        ...
-
-
-def write_vcd(recording: TickStreams, path: str | Path) -> None:
+def write_vcd(recording: Recording | TimedRun, path: str | Path) -> None:
     """Write every tick stream as a line that rises at its ticks.
 
     A line falls half way to its next tick; ``application_edges`` changes at each of its ticks. Times are in nanoseconds,
@@ -60,7 +29,7 @@ def write_vcd(recording: TickStreams, path: str | Path) -> None:
     Parameters
     ----------
     recording
-        Its ticks must not be negative.
+        Or the timestamps of a run that waits for its frames; ticks must not be negative.
     path
         A file of that name is replaced.
 
@@ -77,21 +46,17 @@ def write_vcd(recording: TickStreams, path: str | Path) -> None:
         raise ArchiveError(
             f"{recording.name}: its clock of {float(clock):g} Hz is above 1 THz; a dump has no finer times"
         )
-    streams = {
-        layout.CAMERA_TRIGGER: recording.camera_trigger_ticks,
-        layout.CONTROL_SLOT: recording.control_slot_ticks,
-        layout.APPLICATION_SLOT: recording.application_slot_ticks,
-        layout.APPLICATION_EDGES: recording.application_edge_ticks,
-    }
+    streams = recording.streams if isinstance(recording, TimedRun) else values_of(recording)
     changes: list[tuple[int, int, str, int]] = []
     initial: dict[str, int] = {}
-    for field, ticks in streams.items():
+    for field in STREAMS:
+        ticks = streams.get(field)
         if ticks is None:
             continue
         times = _times(ticks, units_per_tick, name=f"{recording.name}: {field.name}")
         initial[field.name] = 0
         if field is layout.APPLICATION_EDGES:
-            initial[field.name] = _level_before(ticks, recording.application_slot_ticks)
+            initial[field.name] = _level_before(ticks, streams[layout.APPLICATION_SLOT])
             pulses = _toggles(times, initial[field.name])
         else:
             pulses = _pulses(times)

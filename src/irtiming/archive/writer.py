@@ -157,7 +157,7 @@ class RecordingWriter:
         """
         file = self._opened()
         self._described = True
-        for field, value in _values(recording).items():
+        for field, value in values_of(recording).items():
             if value is not None:
                 dataset = _group(file, field.group).create_dataset(field.name, data=value)
                 _set_units(dataset, field.unit)
@@ -234,7 +234,8 @@ class RecordingWriter:
         return ArchiveError(f"{self._path}: {field.path} {what}")
 
 
-def _values(recording: Recording) -> dict[Field, Any]:
+def values_of(recording: Recording) -> dict[Field, Any]:
+    """What a recording says, by field of the file; frames and reference stacks are written apart."""
     return {
         layout.TITLE: recording.name,
         layout.START_TIME: recording.start_time or None,

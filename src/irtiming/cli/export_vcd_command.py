@@ -1,9 +1,13 @@
 """`irtiming export-vcd`: timestamps of a recording for a waveform viewer."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from irtiming.archive.timestamps_file import TimedRun
+    from irtiming.records.recording import Recording
 
 
 def export_vcd(
@@ -24,12 +28,12 @@ def export_vcd(
     from irtiming.archive import reader
     from irtiming.archive.result_file import require_place
     from irtiming.archive.timestamps_file import read_timestamps
-    from irtiming.archive.vcd_export import TickStreams, write_vcd
+    from irtiming.archive.vcd_export import write_vcd
     from irtiming.errors import ArchiveError
 
     target = recording.with_suffix(".vcd") if out is None else out
     require_place(target, besides=[recording])
-    found: TickStreams
+    found: Recording | TimedRun
     try:
         found = reader.read(recording)
     except ArchiveError as error:

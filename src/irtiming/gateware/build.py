@@ -8,14 +8,13 @@ import json
 import subprocess
 from dataclasses import dataclass
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, final
 
 from irtiming.errors import GatewareError
 from irtiming.gateware import verilog
 from irtiming.gateware.boards import Board, Family
-from irtiming.gateware.tools import program
+from irtiming.gateware.tools import program, require
 
 MARGIN = 1.2
 """A build fails unless the circuit would run at this many times the board's clock: models of delays are models."""
@@ -108,7 +107,7 @@ def circuit_sha256(board: Board) -> str:
     GatewareError
         If Amaranth is missing.
     """
-    _require("amaranth", "amaranth_boards")
+    require("amaranth", "amaranth_boards", needed_by="the build")
     from irtiming.gateware.board_top import make_platform  # needs Amaranth
 
     return _sha256("".join(_sources(board, make_platform(board)).values()).encode())
@@ -128,13 +127,7 @@ def _sha256(data: bytes) -> str:
 
 def _require_tools(family: Family) -> None:
     verilog.require_tools()
-    _require("amaranth_boards", _PLACE_AND_ROUTE[family].replace("-", "_"))
-
-
-def _require(*packages: str) -> None:
-    for package in packages:
-        if find_spec(package) is None:
-            raise GatewareError(f"{package} is not installed, the build needs it: pip install 'irtiming[gateware]'")
+    require("amaranth_boards", _PLACE_AND_ROUTE[family].replace("-", "_"), needed_by="the build")
 
 
 def _synthesis(board: Board, platform: Any) -> str:

@@ -22,6 +22,7 @@ import numpy as np
 
 from irtiming.errors import GatewareError
 from irtiming.gateware.event_model import INPUT_PINS, PinChanges
+from irtiming.gateware.messages import BITS_PER_BYTE
 from irtiming.gateware.register_map import BAUD, QUEUE_DEPTH, Channel
 from irtiming.gateware.verilog import TOP, require_tools, rtlil, run_yosys, verilog
 from irtiming.records.arrays import Ticks
@@ -29,7 +30,6 @@ from irtiming.records.arrays import Ticks
 _SHIM = Path(__file__).with_name("compiled_shim.cpp")
 _COMPILER = "g++"
 _FLAGS = ("-std=c++17", "-O1", "-shared", "-fPIC")  # -O2 and -O3 make it slower
-_BYTE_BITS = 10
 
 Commands: TypeAlias = Sequence[tuple[int, bytes]]
 """Cycle in which the first start bit begins, and bytes that follow each other without a gap; in order of time."""
@@ -68,7 +68,7 @@ class CompiledCircuit:
         self.bit_cycles = round(clock_frequency_hz / BAUD)
         self._levels = dict.fromkeys(INPUT_PINS, 0)
         self._outputs = 0
-        self._last_byte = -_BYTE_BITS * self.bit_cycles
+        self._last_byte = -BITS_PER_BYTE * self.bit_cycles
         self._library = _load(_built(clock_frequency_hz=clock_frequency_hz, queue_depth=queue_depth))
         self._bench: ctypes.c_void_p | None = self._library.bench_new(self.bit_cycles)
 
@@ -147,7 +147,7 @@ class CompiledCircuit:
 
     def _bytes(self, commands: Commands) -> tuple[Ticks, np.ndarray]:
         """First cycle of each byte, and the byte."""
-        length = _BYTE_BITS * self.bit_cycles
+        length = BITS_PER_BYTE * self.bit_cycles
         cycle = [np.empty(0, np.int64), *(begin + length * np.arange(len(text)) for begin, text in commands)]
         starts = np.concatenate(cycle)
         if np.any(np.diff(starts, prepend=self._last_byte) < length):

@@ -6,9 +6,8 @@ import numpy as np
 
 from irtiming.gateware.compiled import CompiledCircuit
 from irtiming.gateware.event_model import PinChanges
+from irtiming.gateware.messages import BITS_PER_BYTE
 from irtiming.gateware.model_device import Wheel
-
-_BYTE_BITS = 10
 
 
 @final
@@ -43,7 +42,7 @@ class CompiledDevice:
         now = self._circuit.cycle
         begin = max(now + 1, self._line_free)
         if received:
-            self._line_free = begin + len(received) * _BYTE_BITS * self._circuit.bit_cycles
+            self._line_free = begin + len(received) * BITS_PER_BYTE * self._circuit.bit_cycles
         until = max(until_cycle, self._line_free, now)
         inputs = {} if self._wheel is None else self._wheel.turn(until, slot_period_cycles=self._slot_period)
         outcome = self._circuit.run(until, inputs=inputs, commands=[(begin, received)] if received else [])

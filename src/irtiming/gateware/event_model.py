@@ -17,7 +17,7 @@ from typing import TypeAlias, final
 
 import numpy as np
 
-from irtiming.gateware.messages import RECORD_BYTES, REPLY_BYTES, RecordMessage
+from irtiming.gateware.messages import BITS_PER_BYTE, RECORD_BYTES, REPLY_BYTES, RecordMessage
 from irtiming.gateware.register_map import (
     ADDRESS,
     BAUD,
@@ -41,7 +41,6 @@ INPUT_PINS = (Channel.CAMERA_INPUT, Channel.CONTROL_SLOT, Channel.APPLICATION_SL
 """Channels that name a pin; APPLICATION_OTHER_EDGE is the other edge of APPLICATION_SLOT."""
 
 _POLARITY = {pin: Polarity[pin.name or ""] for pin in INPUT_PINS}
-_BITS_PER_BYTE = 10
 
 
 @final
@@ -117,9 +116,9 @@ class LineTiming:
     message and the first cycle of the next lie ``between`` cycles.
     """
 
-    write: int = 0
-    take: int = 1
-    between: int = 0
+    write: int
+    take: int
+    between: int
 
 
 CIRCUIT = LineTiming(write=1, take=2, between=0)
@@ -288,7 +287,7 @@ def through_queue(
     -------
     Messages in order, each with its first cycle on the line; records written and lost.
     """
-    byte = _BITS_PER_BYTE * settings.bit_cycles
+    byte = BITS_PER_BYTE * settings.bit_cycles
     record, reply = RECORD_BYTES * byte + timing.between, REPLY_BYTES * byte + timing.between
     replies, waiting = deque(reply_cycles), deque[int]()
     messages: list[RecordMessage] = []

@@ -24,6 +24,9 @@ from irtiming.gateware.register_map import LOSS
 
 COMMAND_START, REPLY_START, RECORD_START = 0xA5, 0x5A, 0xC3
 COMMAND_BYTES, REPLY_BYTES, RECORD_BYTES = 10, 10, 12
+BITS_PER_BYTE = 10
+"""On the line: a start bit, eight of data, a stop bit."""
+
 SILENCE_BITS = 24
 """Bit times without a byte after which a broken command is forgotten."""
 

@@ -19,6 +19,7 @@ from irtiming.gateware.event_model import (
     recorded_events,
 )
 from irtiming.gateware.messages import (
+    BITS_PER_BYTE,
     COMMAND_BYTES,
     COMMAND_START,
     RECORD_BYTES,
@@ -47,7 +48,6 @@ from irtiming.gateware.register_map import (
 
 _REGISTER = {register.address: register for register in REGISTERS}
 _MOST = 2**32 - 1
-_BYTE_BITS = 10
 _LONGEST_FILTER = 300  # cycles after which a change of a pin has been recorded or forgotten
 _NO_CHANGES = np.empty(0, dtype=np.int64)
 
@@ -133,7 +133,7 @@ class ModelDevice:
         if self._heard and self._cycle > self._heard_until + SILENCE_BITS * self._bit_cycles:
             self._heard.clear()
             self._count_garbled()
-        self._heard_until = self._cycle + len(received) * _BYTE_BITS * self._bit_cycles
+        self._heard_until = self._cycle + len(received) * BITS_PER_BYTE * self._bit_cycles
         for byte in received:
             if self._heard or byte == COMMAND_START:
                 self._heard.append(byte)
@@ -160,7 +160,7 @@ class ModelDevice:
         reply = ReplyMessage(refusal=refusal, tag=command.tag, address=command.address, value=value)
         self._send(self._cycle)
         self._out += pack_reply(reply)
-        message = REPLY_BYTES * _BYTE_BITS * self._bit_cycles + CIRCUIT.between
+        message = REPLY_BYTES * BITS_PER_BYTE * self._bit_cycles + CIRCUIT.between
         self._line_free = max(self._line_free, self._cycle) + message
 
     def _value(self, name: str) -> int:
@@ -304,4 +304,4 @@ class ModelDevice:
             if begun >= until_cycle:
                 return
             self._out += pack_record(self._queue.popleft()[1])
-            self._line_free = begun + RECORD_BYTES * _BYTE_BITS * self._bit_cycles + CIRCUIT.between
+            self._line_free = begun + RECORD_BYTES * BITS_PER_BYTE * self._bit_cycles + CIRCUIT.between

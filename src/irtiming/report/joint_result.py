@@ -1,10 +1,14 @@
 """The joint fit of a photon camera as plain data, for JSON."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from irtiming.records.arrays import Array
 from irtiming.records.joint_fit import Profile
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rolling import ReducedRows
 from irtiming.report import joint_tables
 from irtiming.report.evidence import Evidence
 from irtiming.report.joint_tables import LEAST_WHITENESS, Shared
@@ -32,10 +36,7 @@ def result(evidence: Evidence) -> dict[str, Any]:
         "moved": {"value": way_s, "over_standard_uncertainty": own, "unit": "s"},
         "reduced_chi_square": joint.reduced_chi_square,
         "birge": joint.birge,
-        "whiteness": [
-            {"file": recording.source or recording.name, "probability": float(probability)}
-            for recording, probability in zip(evidence.recordings, joint.whiteness, strict=True)
-        ],
+        "whiteness": whiteness(evidence.recordings, joint.whiteness),
         "whiteness_limit": LEAST_WHITENESS,
         "angles": {one.name: _number(one) for one in joint_tables.angles(evidence)},
         "angles_measured": joint_tables.has_several_speeds(evidence),
@@ -79,3 +80,11 @@ def profile(one: Profile, *, event: str, sign: str | None) -> dict[str, Any]:
         "reference_event": event,
         "sign": sign,
     }
+
+
+def whiteness(recordings: Sequence[ReducedRecording | ReducedRows], probability: Array) -> list[dict[str, Any]]:
+    """Probability (n_recording,) of residuals at least as correlated, were they white, beside each recording's file."""
+    return [
+        {"file": recording.source or recording.name, "probability": float(one)}
+        for recording, one in zip(recordings, probability, strict=True)
+    ]

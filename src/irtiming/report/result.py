@@ -6,6 +6,7 @@ import numpy as np
 
 from irtiming.records.estimate import DelayResult
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rolling_result import RollingResult
 from irtiming.report import budget, joint_result, wheel_result
 from irtiming.report.combination import combined
 from irtiming.report.evidence import Evidence
@@ -71,19 +72,19 @@ def _core(evidence: Evidence, chosen: DelayResult) -> dict[str, Any]:
             }
             for line in budget.of_delay(chosen).lines
         ],
-        "edge_delays": _edge_delays(chosen),
+        "edge_delays": edge_delays(chosen, event=_edge_event(chosen)),
     }
 
 
-def _edge_delays(chosen: DelayResult) -> dict[str, Any] | None:
-    """Delay by wheel edge; None where the published procedure could not be run."""
+def edge_delays(chosen: DelayResult | RollingResult, *, event: str) -> dict[str, Any] | None:
+    """Delay by wheel edge, for either kind of camera; None where the method does not tell edges apart, or could not be run."""
     if not np.isfinite(chosen.edge_delay_s).all():
         return None
     return {
         "value": [float(v) for v in chosen.edge_delay_s],
         "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
         "unit": "s",
-        "reference_event": _edge_event(chosen),
+        "reference_event": event,
         "sign": SIGN,
     }
 

@@ -11,6 +11,7 @@ from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import budget, joint_result, rolling_noise, two_constant_tables, wheel_result
 from irtiming.report.evidence import RollingEvidence
 from irtiming.report.prediction_result import predicted
+from irtiming.report.result import edge_delays
 from irtiming.report.rolling_tables import EVENTS, NAMES, RELATIVE_EVENT, SIGNS, entries
 from irtiming.report.tables import RELATIVE_SIGN, SIGN, versions
 
@@ -104,7 +105,7 @@ def _core(evidence: RollingEvidence, chosen: RollingResult) -> dict[str, Any]:
             "sign": SIGN,
         },
         "budget": _budget(chosen),
-        "edge_delays": _edge_delays(chosen),
+        "edge_delays": edge_delays(chosen, event="reading of image row 0, as seen from wheel edges 0 to 3"),
     }
 
 
@@ -124,19 +125,6 @@ def _budget(chosen: RollingResult) -> list[dict[str, Any]]:
     ]
 
 
-def _edge_delays(chosen: RollingResult) -> dict[str, Any] | None:
-    """Delay of row 0 by wheel edge; None where the method does not tell edges apart."""
-    if not np.isfinite(chosen.edge_delay_s).all():
-        return None
-    return {
-        "value": [float(v) for v in chosen.edge_delay_s],
-        "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
-        "unit": "s",
-        "reference_event": "reading of image row 0, as seen from wheel edges 0 to 3",
-        "sign": SIGN,
-    }
-
-
 def _likelihood(evidence: RollingEvidence) -> dict[str, Any]:
     found = evidence.likelihood
     return {
@@ -144,10 +132,7 @@ def _likelihood(evidence: RollingEvidence) -> dict[str, Any]:
         "start": dict(zip(NAMES, (float(value) for value in found.start), strict=True)),
         "unit": "s",
         "steps": found.n_steps,
-        "whiteness": [
-            {"file": recording.source or recording.name, "probability": float(probability)}
-            for recording, probability in zip(evidence.recordings, found.whiteness, strict=True)
-        ],
+        "whiteness": joint_result.whiteness(evidence.recordings, found.whiteness),
         "profiles": {
             one.name: joint_result.profile(one, event=EVENTS[one.name], sign=SIGNS[one.name]) for one in found.profiles
         },

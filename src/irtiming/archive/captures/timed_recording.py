@@ -19,7 +19,7 @@ from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.result_file import unwritable
 from irtiming.archive.tick_checks import check_ticks
-from irtiming.archive.writer import write
+from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
 from irtiming.records.recording import CameraType, NonuniformityReference, Recording
 
@@ -217,16 +217,8 @@ def _contents(recording: Recording) -> "Contents":
     """What the checks look at, of a recording that is not yet written."""
     reference = recording.nonuniformity
     low, high = (None, None) if reference is None else (reference.low_frames, reference.high_frames)
-    return {
+    return values_of(recording) | {
         layout.FRAMES: recording.frames.shape,
-        layout.FRAME_NUMBER: recording.frame_number,
-        layout.ROTATION_SPEED: recording.rotation_speed_hz,
-        layout.CLOCK_FREQUENCY: recording.clock_frequency_hz,
-        layout.CAMERA_TRIGGER: recording.camera_trigger_ticks,
-        layout.CONTROL_SLOT: recording.control_slot_ticks,
-        layout.APPLICATION_SLOT: recording.application_slot_ticks,
-        layout.APPLICATION_EDGES: recording.application_edge_ticks,
-        layout.LOST_AFTER: recording.lost_after_ticks,
         layout.REFERENCE_LOW: None if low is None else low.shape,
         layout.REFERENCE_HIGH: None if high is None else high.shape,
     }

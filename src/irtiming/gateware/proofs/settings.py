@@ -104,13 +104,7 @@ class SafeSettings(Bench):
     def _claim_honest_replies(self) -> None:
         """A refused command changes nothing; the reply to a setting holds what the register now is."""
         m, r = self.m, self._registers
-        age = Signal(range(REPLY_CYCLES + 1))
-        with m.If(r.is_command):
-            m.d.sync += age.eq(1)
-        with m.Elif(age == REPLY_CYCLES):
-            m.d.sync += age.eq(0)
-        with m.Elif(age != 0):
-            m.d.sync += age.eq(age + 1)
+        age = self.age(r.is_command, cycles=REPLY_CYCLES)
         self.claim(r.is_reply == (age == REPLY_CYCLES))
         self.claim(self._line.awaits_reply == (age != 0))
         self.claim(self._judge["fsm_state"] == Mux(age == REPLY_CYCLES, 0, age))
