@@ -262,3 +262,38 @@ def test_the_compiled_circuit_answers_the_same():
             model, real = (talk.ask(operation, address, value) for talk in talks)
             if address not in counter:
                 assert model == real, f"step {step}: {operation} {address:#x} {value}"
+
+
+class _Heard:
+    """A camera that notes the edges of its line."""
+
+    def __init__(self):
+        self.cycles = []
+
+    def trigger(self, cycles):
+        self.cycles += cycles.tolist()
+
+
+@given(steps=st.lists(st.integers(1, 400), min_size=1, max_size=30), stops=st.booleans())
+@settings(max_examples=40, deadline=None)
+def test_the_camera_hears_the_triggers_that_are_recorded(steps, stops):
+    """Oracle: the delayed triggers that the device itself records, moved by the latency of its output; in pieces of any size."""
+    heard = _Heard()
+    talk = _Talk(ModelDevice(camera=heard, clock_frequency_hz=CLOCK_HZ))
+    for name, value in FAST_CAMERA.items():
+        talk.write(name, value)
+    talk.write("CHANNELS", int(Channel.CAMERA_TRIGGER_DELAYED))
+    latency = talk.read("OUTPUT_LATENCY")
+    talk.write("COMMAND", Command.ARM)
+    talk.device.exchange(pack_command(_start()), until_cycle=talk.now)
+    for step in steps:
+        talk.run(step)
+    if stops:
+        talk.write("COMMAND", Command.STOP)
+    talk.run(200_000)
+    assert heard.cycles == [record.time_ticks + latency for record in talk.records]
+    assert stops or len(heard.cycles) == FAST_CAMERA["CAMERA_COUNT"]
+
+
+def _start():
+    return CommandMessage(operation=Operation.WRITE, tag=1, address=ADDRESS["COMMAND"], value=int(Command.START))

@@ -45,6 +45,7 @@ from irtiming.gateware.register_map import (
     Status,
     at_reset,
 )
+from irtiming.records.arrays import Ticks
 
 _REGISTER = {register.address: register for register in REGISTERS}
 _MOST = 2**32 - 1
@@ -68,6 +69,20 @@ class Wheel(Protocol):
         ...
 
 
+class TriggeredCamera(Protocol):
+    """What hears the camera trigger of a simulated device."""
+
+    def trigger(self, cycles: Ticks) -> None:
+        """Rising edges of the line that lie ahead of the last ones told.
+
+        Parameters
+        ----------
+        cycles
+            Shape (n,): counter at each edge, in order.
+        """
+        ...
+
+
 class SimulatedDevice(Protocol):
     """What `PseudoTerminal` serves: the model, or the compiled circuit."""
 
@@ -86,10 +101,11 @@ class ModelDevice:
     """Device at cycle 0 after its reset. ``registers`` may replace what it says of itself, to be another one."""
 
     def __init__(
-        self, wheel: Wheel | None = None, *, clock_frequency_hz: int = 48_000_000,
-        registers: Mapping[str, int] | None = None,
+        self, wheel: Wheel | None = None, *, camera: TriggeredCamera | None = None,
+        clock_frequency_hz: int = 48_000_000, registers: Mapping[str, int] | None = None,
     ) -> None:  # fmt: skip
         self._wheel = wheel
+        self._camera = camera
         self._clock_frequency_hz = clock_frequency_hz
         self._values = {register.name: at_reset(register, clock_frequency_hz) for register in REGISTERS}
         self._values |= registers or {}
@@ -123,6 +139,7 @@ class ModelDevice:
             self._listen(received)
         if until_cycle > self._cycle:
             self._record(until_cycle)
+            self._trigger(until_cycle)
             self._cycle = until_cycle
         self._send(self._cycle)
         sent = bytes(self._out)
@@ -252,6 +269,16 @@ class ModelDevice:
             for time, channels in zip(events.time_ticks.tolist(), events.channels.tolist(), strict=True):
                 self._enqueue(time, channels)
         self._forget(until_cycle - _LONGEST_FILTER)
+
+    def _trigger(self, until_cycle: int) -> None:
+        """Tell the camera the edges of its line from this cycle to before another."""
+        if self._camera is None or self._train_ends is None:
+            return
+        first, period = self._first_delayed() + OUTPUT_LATENCY_CYCLES, self._values["CAMERA_PERIOD"]
+        begun = max(0, -((first - self._cycle) // period))
+        edges = np.arange(first + begun * period, min(until_cycle, self._train_ends), period, dtype=np.int64)
+        if edges.size:
+            self._camera.trigger(edges)
 
     def _settings(self, until_cycle: int) -> Settings:
         """Registers as the model wants them; of the train only the triggers that begin before a cycle."""

@@ -4,6 +4,8 @@ from collections.abc import AsyncIterator
 from typing import Protocol
 
 from irtiming.instruments.timestamp_stream import Stamp
+from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
+from irtiming.records.instrument_state import BlackbodyState, ChopperState
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 
@@ -58,4 +60,99 @@ class TriggerGenerator(Protocol):
 
     async def close(self) -> None:
         """Stop the device and give its line back."""
+        ...
+
+
+class Camera(Protocol):
+    """Camera that makes one frame per edge at its trigger input; features have their names of GenICam SFNC.
+
+    In order: `arm`, `frames`, `disarm`; all errors are `InstrumentError`. Opening one changes no setting.
+    """
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    @property
+    def identity(self) -> CameraIdentity:
+        """What it says of itself."""
+        ...
+
+    async def feature(self, name: str) -> str:
+        """Value of any feature by its standard name, such as ``"TriggerSource"``, as text."""
+        ...
+
+    async def set_feature(self, name: str, *, value: str) -> str:
+        """Set a feature, read it back and give what it holds; `InstrumentRefused` if that is something else."""
+        ...
+
+    async def arm(self) -> CameraSetup:
+        """Hardware trigger on, 16 bits per pixel, and acquisition started: from now on each trigger makes a frame."""
+        ...
+
+    def frames(self) -> AsyncIterator[CameraFrame]:
+        """Frames since `arm` in the order of their identifiers, as they arrive, until `disarm`."""
+        ...
+
+    async def disarm(self) -> StreamCounts:
+        """End the acquisition; `frames` ends when it has given what had arrived."""
+        ...
+
+    def counts(self) -> StreamCounts:
+        """How the frames came so far."""
+        ...
+
+    async def close(self) -> None:
+        """Give the camera back, with its trigger as it was set; again does no harm."""
+        ...
+
+
+class Chopper(Protocol):
+    """Controller of the chopper wheel; opening one neither starts nor stops the wheel. All errors are `InstrumentError`."""
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    async def state(self) -> ChopperState:
+        """All settings and readings now."""
+        ...
+
+    async def prepare(self) -> ChopperState:
+        """Set it to follow the external reference with its control slots; refuse a wrong blade, and to alter a turning wheel."""
+        ...
+
+    async def start(self) -> None:
+        """Let the wheel turn; one that turns already goes on undisturbed."""
+        ...
+
+    async def stop(self) -> None:
+        """Let the wheel come to rest."""
+        ...
+
+    async def close(self) -> None:
+        """Give the line back and leave the wheel as it is; again does no harm."""
+        ...
+
+
+class Blackbody(Protocol):
+    """Blackbody before which the wheel turns; opening one changes no temperature. All errors are `InstrumentError`."""
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        ...
+
+    async def state(self) -> BlackbodyState:
+        """Temperatures now."""
+        ...
+
+    async def set_target(self, temperature_k: float) -> None:
+        """Go to a temperature, K; read back."""
+        ...
+
+    async def close(self) -> None:
+        """Give the line back and leave the temperature as it is; again does no harm."""
         ...
