@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
@@ -17,16 +17,16 @@ from irtiming.estimate import (
     wheel_geometry,
 )
 from irtiming.estimate.one_thread import one_thread
+from irtiming.estimate.row_light import RowLight
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics import blurred_sector
+from irtiming.physics.wheel import WheelModel
+from irtiming.records.arrays import Array
 from irtiming.records.reduced import AxleView
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
+from irtiming.records.rolling import ComplexArray, ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
-
-if TYPE_CHECKING:
-    from irtiming.records.arrays import Array
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
 _AGREED = 0.1  # standard uncertainties between two rounds
@@ -69,66 +69,106 @@ def estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
 
 
 def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
-    bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False)
-    groups = by_blackbody.groups(
-        [one.blackbody_temperature_k for one in recordings],
-        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
+    views, fits = _in_turns(recordings, bare, rig=rig)
+    view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
+    lights, sectors = [view.light for view in view_of], [view.sector for view in view_of]
+    changes = {id(view): _changes(view, recordings, model=bare, rig=rig) for view in views}
+    fits = tuple(
+        row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
+        for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
-    group_of = [next(g for g, members in enumerate(groups) if k in members) for k in range(len(recordings))]
-    lags: list[tuple[Array, float]] = [(np.zeros(4), _FIRST_LAG)] * len(groups)
-    sectors: list[SectorFit] = []
-    earlier: list[SectorFit | None] = [None] * len(groups)
-    fits: tuple[RowTimingFit, ...] = ()
-    for n_round in range(_MOST_ROUNDS):
-        sectors = [
-            sector_fit.fit([recordings[k] for k in members], bare.model, rig=rig, lag=lag, start=start)
-            for members, lag, start in zip(groups, lags, earlier, strict=True)
-        ]
-        earlier = [*sectors]
-        lights = [
-            row_light.row_light(recordings[members[0]].row_px, sector)
-            for members, sector in zip(groups, sectors, strict=True)
-        ]
-        starts = fits or (None,) * len(recordings)
-        before = fits
-        fits = tuple(
-            row_fit.fit(one, bare.model, light=lights[g], start=start)
-            for one, g, start in zip(recordings, group_of, starts, strict=True)
-        )
-        lags = [_mean_lag([fits[k] for k in members]) for members in groups]
-        if before:
-            fits = tuple(
-                replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
-                for then, now in zip(before, fits, strict=True)
-            )
-        if n_round + 1 >= _FEWEST_ROUNDS and _agree(before, fits):
-            break
-    else:
-        raise EstimationError(
-            f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lags[0][1]:.3f} ms); "
-            "the recordings must show the whole opening and nothing else that turns with the wheel"
-        )
-    seen = tuple(replace(one, axle=_axle(sectors[g])) for one, g in zip(recordings, group_of, strict=True))
+    seen = tuple(replace(one, axle=_axle(sector)) for one, sector in zip(recordings, sectors, strict=True))
     geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
-    own_sectors = [sectors[g] for g in group_of]
-    result = rolling_timing.estimate(fits, geometry, sectors=own_sectors, n_rows=recordings[0].opening.mask.shape[0])
-    likelihoods = [
-        row_fit.likelihood(one, bare.model, light=lights[g]) for one, g in zip(recordings, group_of, strict=True)
-    ]
+    result = rolling_timing.estimate(fits, geometry, sectors=sectors, n_rows=recordings[0].opening.mask.shape[0])
+    likelihoods = [row_fit.likelihood(one, bare, light=light) for one, light in zip(recordings, lights, strict=True)]
     return RollingFit(
         recordings=seen,
         geometry=geometry,
-        sector=sectors[group_of[0]],
+        sector=sectors[0],
         fits=fits,
-        scan=row_fit.scan(recordings[0], bare.model, light=lights[group_of[0]], found=fits[0]),
-        likelihood=row_likelihood.estimate(
-            likelihoods, fits, geometry=geometry, sectors=own_sectors, told=result.estimate
-        ),
+        scan=row_fit.scan(recordings[0], bare, light=lights[0], found=fits[0]),
+        likelihood=row_likelihood.estimate(likelihoods, fits, geometry=geometry, sectors=sectors, told=result.estimate),
         result=result,
     )
 
 
-def _mean_lag(fits: list[RowTimingFit]) -> tuple["Array", float]:
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _View:
+    """What the recordings before one blackbody (``members``) show: the sector, seen with a lag, and the light of the rows."""
+
+    members: list[int]
+    sector: SectorFit
+    light: RowLight
+    lag: tuple[Array, float]
+
+
+def _in_turns(
+    recordings: Sequence[ReducedRows], model: WheelModel, *, rig: Rig
+) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
+    """Contrast image and rows by turns, until the rows' numbers stay."""
+    groups = by_blackbody.groups(
+        [one.blackbody_temperature_k for one in recordings],
+        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    )
+    lags: list[tuple[Array, float]] = [(np.zeros(4), _FIRST_LAG)] * len(groups)
+    views: list[_View] = []
+    fits: tuple[RowTimingFit, ...] = ()
+    for n_round in range(_MOST_ROUNDS):
+        starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(groups)
+        sectors = [
+            sector_fit.fit([recordings[k] for k in members], model, rig=rig, lag=lag, start=start)
+            for members, lag, start in zip(groups, lags, starts, strict=True)
+        ]
+        views = [
+            _View(
+                members=members,
+                sector=sector,
+                light=row_light.row_light(recordings[members[0]].row_px, sector),
+                lag=lag,
+            )
+            for members, sector, lag in zip(groups, sectors, lags, strict=True)
+        ]
+        before = fits
+        fits = _rows_fitted(recordings, model, views=views, before=before)
+        lags = [_mean_lag([fits[k] for k in members]) for members in groups]
+        if n_round + 1 >= _FEWEST_ROUNDS and _agree(before, fits):
+            return views, fits
+    raise EstimationError(
+        f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lags[0][1]:.3f} ms); "
+        "the recordings must show the whole opening and nothing else that turns with the wheel"
+    )
+
+
+def _rows_fitted(
+    recordings: Sequence[ReducedRows], model: WheelModel, *, views: list[_View], before: tuple[RowTimingFit, ...]
+) -> tuple[RowTimingFit, ...]:
+    """All rows of each recording, from the round before on if there was one."""
+    light_of = {k: view.light for view in views for k in view.members}
+    starts = before or (None,) * len(recordings)
+    fits = tuple(
+        row_fit.fit(one, model, light=light_of[k], start=start)
+        for k, (one, start) in enumerate(zip(recordings, starts, strict=True))
+    )
+    return (
+        fits
+        if not before
+        else tuple(
+            replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
+            for then, now in zip(before, fits, strict=True)
+        )
+    )
+
+
+def _changes(view: _View, recordings: Sequence[ReducedRows], *, model: WheelModel, rig: Rig) -> ComplexArray:
+    """Derivatives of the light to the sector's numbers."""
+    members = [recordings[k] for k in view.members]
+    varied = sector_fit.variations(members, model, rig=rig, lag=view.lag, found=view.sector)
+    return row_light.changes(view.light, varied)
+
+
+def _mean_lag(fits: list[RowTimingFit]) -> tuple[Array, float]:
     """Edge delays and time constant, means over fits."""
     return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(np.mean([fit.time_constant_s for fit in fits]))
 

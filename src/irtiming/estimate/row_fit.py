@@ -1,7 +1,7 @@
 """The exact model fitted to one recording: from row sums to delays, time constant, row delay and their covariance."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from irtiming.estimate import harmonic_data, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.one_thread import one_thread
-from irtiming.estimate.row_light import RowLight
+from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
 from irtiming.estimate.row_residuals import robust_covariance
 from irtiming.estimate.row_timing import HARMONICS, Parabola, RowModel, Solution
 from irtiming.physics import first_order_lag
@@ -48,6 +48,10 @@ def fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimi
     start
         An earlier fit of the same camera; without one the start values are searched for.
 
+    Returns
+    -------
+    The fit as if the light were exact: ``shape_effect`` is zero.
+
     Raises
     ------
     EstimationError
@@ -55,6 +59,27 @@ def fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimi
     """
     with one_thread():
         return _fit(rows, wheel, light=light, start=start)
+
+
+def with_shape_effect(
+    found: RowTimingFit, rows: ReducedRows, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
+) -> RowTimingFit:
+    """A fit that knows what its six numbers owe to each number of the sector: one linear step.
+
+    Parameters
+    ----------
+    found, rows, wheel, light
+        The fit and what it was made of.
+    changes
+        Derivatives of the light to the sector's numbers, shape (10, n_row, M + 1); see `row_light.changes`.
+    """
+    with one_thread():
+        task = _task(rows, wheel, light)
+        values = np.array([*found.edge_delay_s, found.time_constant_s, found.row_delay_s])
+        sign = -1 if rows.opening.blackbody_is_colder else 1
+        again = row_timing.solve(task.data, task.model, start=values, signs=(sign,))
+        functions = row_timing.row_functions(task.model, again.values)
+        return replace(found, shape_effect=_shape_effect(task, again, functions=functions, changes=changes))
 
 
 def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
@@ -77,7 +102,7 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
         time_constant_s=float(found.values[4]),
         row_delay_s=float(found.values[5]),
         covariance_s2=covariance,
-        shape_effect=_shape_effect(task, found, functions=(whole, slopes), changes=light.changes),
+        shape_effect=np.zeros((6, len(SHAPE_NUMBERS))),
         start_s=(float(found.start[:4].mean()), float(found.start[4]), float(found.start[5])),
         n_steps=found.n_steps,
         row_px=light.row_px,

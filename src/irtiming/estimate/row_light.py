@@ -1,6 +1,7 @@
 """How the opening's light lies over polar angle, row by row: the sector of the contrast image, and what it leaves over."""
 
-from dataclasses import dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import final
 
 import numpy as np
@@ -15,10 +16,12 @@ from irtiming.records.row_timing import SectorFit, SectorShape
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
 """Numbers of the sector in the order of its covariance."""
 
+_STEPS = {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3}
+SHAPE_STEPS = tuple(_STEPS.get(name, 3e-3) for name in SHAPE_NUMBERS)
+"""By how much each is varied for a derivative."""
+
 _LEAST_LIGHT_PX2 = 3.0
 _FEWEST_ROWS = 6
-_ANGLES = ("bisector_rad", "opening_angle_rad")
-_STEP_RAD, _STEP_PX, _STEP_DISTORTION = 1e-4, 3e-3, 1e-3
 
 
 @final
@@ -27,13 +30,22 @@ class RowLight:
     """Fourier coefficients over polar angle of the light of each row, px^2.
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
-    ``harmonics`` (n_row, M + 1), and ``changes`` (10, n_row, M + 1), their derivatives to the sector's numbers.
+    ``harmonics`` (n_row, M + 1).
     """
 
     row_px: Ticks
     is_lit: Mask
     harmonics: ComplexArray
-    changes: ComplexArray
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Variation:
+    """Two fits with one number of the shape ``distance`` apart."""
+
+    ahead: SectorFit
+    behind: SectorFit
+    distance: float
 
 
 def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
@@ -51,21 +63,28 @@ def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
     EstimationError
         If too few rows hold the light of three pixels.
     """
-    harmonics = _sector_harmonics(sector.shape, row_px) + _beyond_harmonics(sector, row_px)
+    harmonics = _harmonics(sector, row_px)
     lit = harmonics[:, 0].real > _LEAST_LIGHT_PX2
     if lit.sum() < _FEWEST_ROWS:
         raise EstimationError(
             f"only {lit.sum()} image rows hold the light of {_LEAST_LIGHT_PX2:.0f} pixels or more, at least {_FEWEST_ROWS} must "
             "for a row delay; bring the camera nearer to the mask"
         )
-    changes = []
-    for name in SHAPE_NUMBERS:
-        step = _STEP_RAD if name in _ANGLES else _STEP_DISTORTION if name == "distortion" else _STEP_PX
-        value = getattr(sector.shape, name)
-        ahead = _sector_harmonics(replace(sector.shape, **{name: value + step}), row_px[lit])
-        behind = _sector_harmonics(replace(sector.shape, **{name: value - step}), row_px[lit])
-        changes.append((ahead - behind) / (2 * step))
-    return RowLight(row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit], changes=np.array(changes))
+    return RowLight(row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit])
+
+
+def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
+    """Derivatives of the light's harmonics to the sector's numbers, shape (10, n_row, M + 1).
+
+    Parameters
+    ----------
+    light
+        Of the rows.
+    varied
+        One for each number, in the order of the covariance.
+    """
+    apart = [_harmonics(one.ahead, light.row_px) - _harmonics(one.behind, light.row_px) for one in varied]
+    return np.array([change / one.distance for change, one in zip(apart, varied, strict=True)])
 
 
 def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
@@ -74,14 +93,19 @@ def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> Secto
     return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
 
 
-def _sector_harmonics(shape: SectorShape, row_px: Ticks) -> ComplexArray:
-    points = blurred_sector.light_points(shape)
-    return blurred_sector.row_harmonics(points, row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS)
+def _harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
+    points, blur_px = blurred_sector.light_points(sector.shape), sector.shape.blur_px
+    inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=HARMONICS)
+    return inside + _beyond_harmonics(sector, row_px)
 
 
 def _beyond_harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
-    """Plate, excess and uneven brightness as points of light at their own angles, by row."""
+    """Plate, excess and uneven brightness, by row: in each pixel light about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
+    _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
+    smear = [
+        blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(HARMONICS + 1)
+    ]
     out = np.zeros((row_px.size, HARMONICS + 1), complex)
     for light, angle in (
         (sector.plate, sector.plate_angle_rad),
@@ -90,6 +114,6 @@ def _beyond_harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
     ):
         turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
         for order in range(HARMONICS + 1):
-            out[:, order] += wave.sum(axis=1)
+            out[:, order] += np.einsum("yx,yx->y", wave, smear[order])
             wave = wave * turn
     return out

@@ -5,21 +5,23 @@ about the axle, and its amplitudes tell the mask: an annular sector, blurred, wh
 pixel's projection would be is computed with the very weights that made it, so that missing frames do no harm.
 
 Two things spoil amplitudes and leave phases alone: pixels differ in gain, and the solid wheel mirrors the camera unevenly.
-So a pixel's deviation is split along and across its phase; only along it may differ by the pixels' gain scatter.
+So a pixel's deviation is split along and across its phase; only along it may differ by the pixels' gain scatter. What is left
+along it counts as light, noise and all: the same noise is in the row sums, where it then does less harm than the doubt.
 
 A lens that distorts moves the phases where the axle is not in the middle of the image. Where it is, they say nothing of the lens,
 nor does the lens matter; then what rig.toml states holds, or that few lenses distort more than tenths.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any, final
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_image
-from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, shape_of
 from irtiming.estimate.sector_image import (
     BLUR,
     DISTORTION,
@@ -41,7 +43,6 @@ from irtiming.records.row_timing import SectorFit
 
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _FIRMEST_DISTORTION = 1e-5  # uncertainty of one that counts as exact
-_SIGNIFICANT = 2.0  # standard uncertainties of a pixel's contrast, below which an excess counts as noise
 _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
@@ -50,6 +51,19 @@ _MOST_EVALUATIONS = 30
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
 _N_PRIORS = 3
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Images:
+    """Contrast images, one per wheel speed, the region to look at, and uncertainties along each pixel's phase, DN."""
+
+    seen: list[Look]
+    view: View
+    along: list[Array]
+
+    def contrast(self, numbers: Array) -> SeenContrast:
+        return sector_image.contrast(self.seen, numbers, view=self.view, u_along_dn=self.along)
 
 
 def fit(
@@ -76,19 +90,8 @@ def fit(
     EstimationError
         If the image shows no sector.
     """
-    first = recordings[0]
-    seen = sector_image.looks(recordings, wheel, lag=lag)
-    good = np.asarray(np.all([one.contrast.good for one in recordings], axis=0))
-    view = View(
-        roi=first.contrast.roi,
-        image=first.opening.mask.shape,
-        good=good,
-        summed=_summed(first),
-        mirrored=rig.wheel.rotation == "counterclockwise",
-        field_prior=_FIELD_PRIORS[1] if start is None else float(np.clip(start.hills, *_FIELD_PRIORS)),
-    )
-    imperfect = np.full(good.shape, _FIRST_SCATTER) if start is None else _imperfect(start)
-    along = [np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen]
+    images = _images(recordings, wheel, rig=rig, lag=lag, known=start)
+    seen, view, along = images.seen, images.view, images.along
     begin = _begin(seen[0], view, rig) if start is None else _numbers(start)
 
     def misfit(numbers: Array) -> Array:
@@ -103,15 +106,56 @@ def fit(
     begin = np.clip(begin, low + 1e-6, high - 1e-6)
     found = least_squares(misfit, begin, x_scale=SCALES, bounds=(low, high), max_nfev=_MOST_EVALUATIONS, ftol=1e-6)
     numbers, residual = np.asarray(found.x), np.asarray(found.fun)
-    _check(numbers, first)
-    n_good = int(good.sum())
+    _check(numbers, recordings[0])
+    n_good = int(view.good.sum())
     pixels = np.concatenate(
         [_N_PRIORS + np.arange(2 * n_good) + k * ((residual.size - _N_PRIORS) // len(seen)) for k in range(len(seen))]
     )
     covariance = _covariance(np.asarray(found.jac), residual, pixels.reshape(2 * len(seen), n_good))
-    contrast = sector_image.contrast(seen, numbers, view=view, u_along_dn=along)
-    told = _told(contrast, numbers, view=view, known=(covariance, float(np.mean(residual[pixels] ** 2))))
+    told = _told(images, numbers, known=(covariance, float(np.mean(residual[pixels] ** 2))))
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+
+
+def variations(
+    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], found: SectorFit
+) -> tuple[Variation, ...]:
+    """The fitted sector with each number of its shape a little larger and smaller, and what the same images then leave over.
+
+    Pixels of the contrast image show their own amount of light, so a number that is off changes little but where that light
+    lies. Parameters as for `fit`, which gave ``found``.
+
+    Returns
+    -------
+    One for each number of the shape, in the order of its covariance.
+    """
+    images = _images(recordings, wheel, rig=rig, lag=lag, known=found)
+    numbers = _numbers(found)
+    varied = []
+    for k, step in enumerate(SHAPE_STEPS):
+        ahead, behind = (
+            replace(found, **_light(images, np.where(np.arange(numbers.size) == k, numbers + off, numbers)))
+            for off in (step, -step)
+        )
+        varied.append(Variation(ahead=ahead, behind=behind, distance=2 * step))
+    return tuple(varied)
+
+
+def _images(
+    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], known: SectorFit | None
+) -> _Images:
+    first = recordings[0]
+    seen = sector_image.looks(recordings, wheel, lag=lag)
+    good = np.asarray(np.all([one.contrast.good for one in recordings], axis=0))
+    view = View(
+        roi=first.contrast.roi,
+        image=first.opening.mask.shape,
+        good=good,
+        summed=_summed(first),
+        mirrored=rig.wheel.rotation == "counterclockwise",
+        field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.hills, *_FIELD_PRIORS)),
+    )
+    imperfect = np.full(good.shape, _FIRST_SCATTER) if known is None else _imperfect(known)
+    return _Images(seen=seen, view=view, along=[np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen])
 
 
 def _begin(seen: Look, view: View, rig: Rig) -> Array:
@@ -121,28 +165,18 @@ def _begin(seen: Look, view: View, rig: Rig) -> Array:
     return numbers
 
 
-def _told(seen: SeenContrast, numbers: Array, *, view: View, known: tuple[Array, float]) -> SectorFit:
-    """The measured contrast, split into sector, plate and excess."""
-    summed = np.where(view.summed, 1.0, 0.0)
-    residual = seen.residual * summed
-    excess = residual * np.maximum(0.0, 1 - (_SIGNIFICANT * seen.u) ** 2 / np.maximum(residual**2, 1e-30))
-    mostly, dark = seen.light > 0.5, np.maximum(1 - seen.light, 0.02)
-    beside_angle = (seen.centre_angle_rad - seen.light * seen.light_angle_rad) / dark
+def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> SectorFit:
+    """The measured contrast, split into sector, plate and excess, with the covariance and how well all fits."""
+    view, seen = images.view, images.contrast(numbers)
     inside = view.good & (seen.light > _WELL_INSIDE)
     border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
     covariance, chi_square = known
     return SectorFit(
-        shape=shape_of(numbers, view.mirrored, image=view.image),
+        **_light(images, numbers),
         covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
         contrast=seen.light + seen.uneven + seen.plate + seen.residual,
         model_contrast=seen.light,
-        plate=seen.plate * summed,
-        plate_angle_rad=np.where(mostly, seen.centre_angle_rad, beside_angle),
-        uneven=seen.uneven * summed,
-        uneven_angle_rad=seen.centre_angle_rad,
         hills=seen.hills,
-        excess=excess,
-        excess_angle_rad=np.where(mostly, seen.light_angle_rad, seen.centre_angle_rad),
         gain_scatter=_scatter(seen.residual[inside], seen.u),
         border_scatter=_scatter((seen.residual / _border_weight(seen.light))[border], seen.u),
         phase_rad=float(numbers[PHASE]),
@@ -153,6 +187,23 @@ def _told(seen: SeenContrast, numbers: Array, *, view: View, known: tuple[Array,
         roi=view.roi,
         n_rounds=1,
     )
+
+
+def _light(images: _Images, numbers: Array) -> dict[str, Any]:
+    """Where the light comes from: the fields of a `SectorFit` that say so."""
+    view, seen = images.view, images.contrast(numbers)
+    summed = np.where(view.summed, 1.0, 0.0)
+    mostly, dark = seen.light > 0.5, np.maximum(1 - seen.light, 0.02)
+    beside_angle = (seen.centre_angle_rad - seen.light * seen.light_angle_rad) / dark
+    return {
+        "shape": shape_of(numbers, view.mirrored, image=view.image),
+        "plate": seen.plate * summed,
+        "plate_angle_rad": np.where(mostly, seen.centre_angle_rad, beside_angle),
+        "uneven": seen.uneven * summed,
+        "uneven_angle_rad": seen.centre_angle_rad,
+        "excess": seen.residual * summed,
+        "excess_angle_rad": np.where(mostly, seen.light_angle_rad, seen.centre_angle_rad),
+    }
 
 
 def _scatter(residual: Array, u: float) -> float:

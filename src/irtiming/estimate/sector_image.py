@@ -181,7 +181,8 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
         2j * row_turn * view.rows
     )
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
-    point = look.values(angle - row_turn * view.rows) * _smear(radius, numbers)
+    point = look.values(angle - row_turn * view.rows)
+    point *= blurred_sector.pixel_smear(radius, blur_px=shape.blur_px, order=2)
     sector = np.where(blurred_sector.well_inside(shape, roi=view.roi), point, border)
     size = np.abs(point)
     back = point.conj() / size
@@ -216,11 +217,6 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
 def _ring(radius: Array, numbers: Array) -> Array:
     width = float(np.hypot(numbers[BLUR], np.sqrt(1 / 12)))
     return np.asarray(ndtr((radius - numbers[RING_INNER]) / width) * ndtr((numbers[RING_OUTER] - radius) / width))
-
-
-def _smear(radius: Array, numbers: Array) -> Array:
-    """What the width of a pixel leaves of exp(-2 i phi)."""
-    return np.asarray(np.exp(-2 * (numbers[BLUR] ** 2 + 1 / 12) / np.maximum(radius, 1.0) ** 2))
 
 
 def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[Array]) -> SeenContrast:

@@ -33,6 +33,7 @@ from irtiming.records.rolling import ComplexArray
 from irtiming.records.row_timing import SectorShape
 
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
+_PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 _REACH = 5.0  # blurs beyond which no light comes
 
 
@@ -135,6 +136,21 @@ def _widest(shape: SectorShape) -> float:
 def _gauss_legendre(n: int) -> tuple[Array, Array]:
     """Nodes and weights; a search asks for the same few numbers of them hundreds of times."""
     return np.polynomial.legendre.leggauss(n)
+
+
+def pixel_smear(radius_px: Array, *, blur_px: float, order: int | Ticks) -> Array:
+    """What a pixel's width and the blur leave of exp(-i m phi) where its light is even: exp(-m^2 sigma^2 / 2 r^2).
+
+    Parameters
+    ----------
+    radius_px
+        Distance r of the pixel's centre from the axle, any shape; taken as 1 px where it is less.
+    blur_px
+        Standard deviation of the blur; sigma^2 is its square and 1/12 for the pixel itself.
+    order
+        m, one number or an array that broadcasts against ``radius_px``.
+    """
+    return np.asarray(np.exp(-0.5 * order**2 * (blur_px**2 + _PIXEL_PX2) / np.maximum(radius_px, 1.0) ** 2))
 
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:

@@ -9,7 +9,7 @@ noise and the pixels' gains set how well. Its errors are common to all runs of a
 """
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import TypeAlias, final
 
 import numpy as np
 
@@ -40,6 +40,7 @@ _PAPER = SectorShape(
     outer_radius_px=229.7, bisector_rad=-TURN / 4, opening_angle_rad=TURN * 75 / 360, blur_px=0.7,
 )  # fmt: skip
 _PAPER_PIXELS = 33_100.0
+_Roi: TypeAlias = tuple[int, int, int, int]
 
 
 def sector_of(camera: Microbolometer, opening_angle_rad: float) -> SectorShape:
@@ -64,20 +65,47 @@ class Rows:
 
 
 def rows_of(sector: SectorShape) -> Rows:
-    """Rows with the light of three pixels or more, and how they change with each number of the sector's shape."""
+    """Rows with the light of three pixels or more, and how they change with each number of the sector's shape.
+
+    Each pixel keeps its amount of light, which the contrast image shows: only where it lies changes.
+    """
     reach = sector.outer_radius_px + abs(sector.offset_row_px) + 5 * sector.blur_px
     first = max(0, int(sector.axle_row_px - reach))
     rows = np.arange(first, int(sector.axle_row_px + reach) + 1)
     rows = rows[_light(sector, rows, n_harmonics=0)[:, 0].real > _LEAST_LIGHT_PX2]
     weight = max(1, rows.size // _ROWS)
     rows = rows[weight // 2 :: weight]
+    roi = _around(sector)
+    rows = rows[(rows >= roi[0]) & (rows < roi[1])]
     changes = []
     for name in _SHAPE:
         step = _STEP_RAD if name in _ANGLES else _STEP_PX
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        changes.append((_light(ahead, rows) - _light(behind, rows)) / (2 * step))
+        gained = (_pixels(ahead, roi) - _pixels(behind, roi))[rows - roi[0]]
+        change = _light(ahead, rows) - _light(behind, rows) - _of_pixels(sector, gained, rows=rows, roi=roi)
+        changes.append(change / (2 * step))
     light = _light(sector, rows)
     return Rows(row_px=rows.astype(float), harmonics=light, changes=np.array(changes), weight=weight)
+
+
+def _pixels(sector: SectorShape, roi: _Roi) -> Array:
+    """Light of each pixel of a region, px^2."""
+    points = blurred_sector.light_points(sector)
+    ones = np.ones(points.row_px.size, complex)
+    return np.asarray(blurred_sector.image(points, ones, blur_px=sector.blur_px, roi=roi).real, float)
+
+
+def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi) -> ComplexArray:
+    """Harmonics of rows whose pixels have so much light, (n_row, columns of the region), each about its own angle."""
+    angle, radius = (place[rows - roi[0]] for place in blurred_sector.pixel_places(sector, roi=roi))
+    return np.stack(
+        [np.sum(light * np.exp(-1j * m * angle) * _smear(radius, sector, m), axis=1) for m in range(_HARMONICS + 1)],
+        axis=1,
+    )
+
+
+def _smear(radius_px: Array, sector: SectorShape, order: int) -> Array:
+    return blurred_sector.pixel_smear(radius_px, blur_px=sector.blur_px, order=order)
 
 
 def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int = _HARMONICS) -> ComplexArray:
@@ -229,7 +257,7 @@ def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> I
     return ImageErrors(noise=((inverse - by_gain) / outer)[:n, :n], gains=(by_gain / outer)[:n, :n])
 
 
-def _around(sector: SectorShape) -> tuple[int, int, int, int]:
+def _around(sector: SectorShape) -> _Roi:
     """Region of the image that holds the opening and some of the plate around it."""
     reach = sector.outer_radius_px + 5 * sector.blur_px + 2
     polar = sector.bisector_rad + np.linspace(-0.5, 0.5, 181) * sector.opening_angle_rad
@@ -243,13 +271,13 @@ def _around(sector: SectorShape) -> tuple[int, int, int, int]:
     )  # fmt: skip
 
 
-def _second_harmonic(sector: SectorShape, roi: tuple[int, int, int, int]) -> ComplexArray:
+def _second_harmonic(sector: SectorShape, roi: _Roi) -> ComplexArray:
     """Image of exp(-2 i phi) over the sector; only its border is worked out point by point."""
     points = blurred_sector.border_points(sector)
     value = np.exp(-2j * (points.angle_rad + sector.bisector_rad))
     border = blurred_sector.image(points, value, blur_px=sector.blur_px, roi=roi)
     angle, radius = blurred_sector.pixel_places(sector, roi=roi)
-    smear = np.exp(-2 * (sector.blur_px**2 + 1 / 12) / np.maximum(radius, 1.0) ** 2)
+    smear = _smear(radius, sector, 2)
     inside = smear * np.exp(-2j * (angle + sector.bisector_rad))
     return np.where(blurred_sector.well_inside(sector, roi=roi), inside, border)
 

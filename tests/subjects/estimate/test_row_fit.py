@@ -42,6 +42,14 @@ def _six(fit):
     return np.array([*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s])
 
 
+def _light_of(numbers, light, camera):
+    """The same rows in the light of another sector."""
+    shape = shape_of(numbers, False, image=(camera.rows, camera.columns))
+    points = blurred_sector.light_points(shape)
+    harmonics = blurred_sector.row_harmonics(points, light.row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS)
+    return replace(light, harmonics=harmonics)
+
+
 def _noisy(rows, noise_of, *, seed):
     """Row sums with noise of shape (frame, row) added."""
     return replace(rows, row_sum_dn=rows.row_sum_dn + noise_of(np.random.default_rng(seed), rows.row_sum_dn.shape))
@@ -162,18 +170,16 @@ def test_noise_common_to_the_rows_widens_what_it_moves(camera, exact, light):
 def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
     """Oracle: the fit with the light of a sector that is wrong by a little, number by number, both ways."""
     rows = _noisy(exact, _white(15.0), seed=3)
-    fit = row_fit.fit(rows, camera.model, light=light)
     numbers = np.array([getattr(camera.shape, name) for name in SHAPE_NUMBERS])
+    steps = [4e-3] * 6 + [1e-4] * 2 + [4e-3, 1e-3]
+    wrong = [[_light_of(numbers + sign * step * (np.arange(10) == k), light, camera) for sign in (1, -1)]
+             for k, step in enumerate(steps)]  # fmt: skip
+    changes = np.array([(a.harmonics - b.harmonics) / (2 * step) for (a, b), step in zip(wrong, steps, strict=True)])
+    fit = row_fit.fit(rows, camera.model, light=light)
+    fit = row_fit.with_shape_effect(fit, rows, wheel=camera.model, light=light, changes=changes)
     u = np.sqrt(np.diag(fit.covariance_s2))
-    for k, step in enumerate([4e-3] * 6 + [1e-4] * 2 + [4e-3, 1e-3]):
-        moved = []
-        for sign in (1, -1):
-            shape = shape_of(numbers + sign * step * (np.arange(10) == k), False, image=(camera.rows, camera.columns))
-            harmonics = blurred_sector.row_harmonics(
-                blurred_sector.light_points(shape), light.row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS
-            )
-            wrong = replace(light, harmonics=harmonics)
-            moved.append(_six(row_fit.fit(rows, camera.model, light=wrong, start=fit)))
+    for k, step in enumerate(steps):
+        moved = [_six(row_fit.fit(rows, camera.model, light=one, start=fit)) for one in wrong[k]]
         slope = (moved[0] - moved[1]) / (2 * step)
         np.testing.assert_allclose(
             fit.shape_effect[:, k] / u, slope / u, rtol=0.05, atol=0.02 / step, err_msg=SHAPE_NUMBERS[k]
