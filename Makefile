@@ -9,7 +9,7 @@ demo: .venv/ready
 	$(BIN)/irtiming demo
 
 test: .venv/ready-for-tests check
-	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox
+	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli
 	$(BIN)/pytest -n 2
 
 check: .venv/ready-for-tests
@@ -26,7 +26,7 @@ boards: .venv/ready-for-gateware
 
 .venv/ready: $(PROJECT)
 	scripts/make-venv $(PYTHON)
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable .
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[rig]'
 	touch $@
 
 .venv/ready-for-tests: .venv/ready
@@ -41,6 +41,7 @@ docs-figures: .venv/ready
 	$(BIN)/python scripts/wiring-drawing docs/explanation/trigger-generator-wiring.svg
 	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
 	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
+	$(BIN)/python benchmarks/accuracy/light_of_a_pixel.py --figure docs/explanation/light-of-a-pixel.svg
 	$(BIN)/python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg
 
 clean:

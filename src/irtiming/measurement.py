@@ -149,16 +149,57 @@ def analyse_snapshot(
     wheel_calibration: WheelCalibration | None = None,
 ) -> Analysis:  # fmt: skip
     """Trigger delay of a snapshot photon camera; parameters and errors as for `analyse`."""
-    choices = choices or Choices()
     reduced: list[ReducedRecording] = []
     for recording in recordings:
-        _check_fits_with(recording, reduced, choices)
-        before = reduced[0].opening if reduced else None
-        with _noted(recording):
-            reduced.append(
-                cooled.reduce(recording, rig, choices=choices, progress=_told(recording, progress), before=before)
-            )
-    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
+        reduced.append(reduce_snapshot(recording, rig, before=reduced, choices=choices, progress=progress))
+    return estimate_snapshot(reduced, rig, choices=choices, wheel_calibration=wheel_calibration)
+
+
+def analyse_rolling(
+    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None,
+    wheel_calibration: WheelCalibration | None = None,
+) -> RollingAnalysis:  # fmt: skip
+    """Trigger delay, time constant and row delay of a rolling microbolometer camera; parameters and errors as for `analyse`."""
+    reduced: list[ReducedRows] = []
+    for recording in recordings:
+        reduced.append(reduce_rolling(recording, rig, before=reduced, choices=choices, progress=progress))
+    return estimate_rolling(reduced, rig, choices=choices, wheel_calibration=wheel_calibration)
+
+
+def reduce_snapshot(
+    recording: Recording, rig: Rig, *, before: Sequence[ReducedRecording] = (), choices: Choices | None = None,
+    progress: Progress | None = None,
+) -> ReducedRecording:  # fmt: skip
+    """One recording of a photon camera read through, all frames to sums; its opening is that of those ``before``.
+
+    Parameters and errors as for `analyse`; ``before`` are the recordings that go with it.
+    """
+    choices = choices or Choices()
+    _check_fits_with(recording, before, choices)
+    opening, told = before[0].opening if before else None, _told(recording, progress)
+    with _noted(recording):
+        return cooled.reduce(recording, rig, choices=choices, progress=told, before=opening)
+
+
+def reduce_rolling(
+    recording: Recording, rig: Rig, *, before: Sequence[ReducedRows] = (), choices: Choices | None = None,
+    progress: Progress | None = None,
+) -> ReducedRows:  # fmt: skip
+    """The same of a rolling microbolometer camera."""
+    choices = choices or Choices()
+    _check_fits_with(recording, before, choices)
+    opening, told = before[0].opening if before else None, _told(recording, progress)
+    with _noted(recording):
+        return microbolometer.reduce(recording, rig, choices=choices, progress=told, before=opening)
+
+
+def estimate_snapshot(
+    recordings: Sequence[ReducedRecording], rig: Rig, *, choices: Choices | None = None,
+    wheel_calibration: WheelCalibration | None = None,
+) -> Analysis:  # fmt: skip
+    """Trigger delay from all that was reduced; parameters and errors as for `analyse`."""
+    choices = choices or Choices()
+    reduced = sorted(recordings, key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s))
     tracks, wheel = pooled_slots.pool(reduced, before=wheel_calibration)
     reduced = [replace(recording, track=track) for recording, track in zip(reduced, tracks, strict=True)]
     integration_s = _common_integration_time(reduced)
@@ -193,23 +234,16 @@ def analyse_snapshot(
     )
 
 
-def analyse_rolling(
-    recordings: Iterable[Recording], rig: Rig, *, choices: Choices | None = None, progress: Progress | None = None,
+def estimate_rolling(
+    recordings: Sequence[ReducedRows], rig: Rig, *, choices: Choices | None = None,
     wheel_calibration: WheelCalibration | None = None,
 ) -> RollingAnalysis:  # fmt: skip
-    """Trigger delay, time constant and row delay of a rolling microbolometer camera; parameters and errors as for `analyse`."""
+    """Trigger delay, time constant and row delay from all that was reduced; parameters and errors as for `analyse`."""
     choices = choices or Choices()
-    reduced: list[ReducedRows] = []
-    for recording in recordings:
-        _check_fits_with(recording, reduced, choices)
-        before = reduced[0].opening if reduced else None
-        with _noted(recording):
-            reduced.append(
-                microbolometer.reduce(
-                    recording, rig, choices=choices, progress=_told(recording, progress), before=before
-                )
-            )
-    reduced.sort(key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0))
+    reduced = sorted(
+        recordings,
+        key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0),
+    )
     tracks, wheel = pooled_slots.pool(reduced, before=wheel_calibration)
     best = rolling_camera.estimate([replace(one, track=track) for one, track in zip(reduced, tracks, strict=True)], rig)
     published_fits: tuple[PublishedLagFit, ...] = ()
@@ -372,7 +406,7 @@ def _by_delay(reduced: Sequence[_Reduced], *, blackbody: Sequence[int] | None = 
     return list(groups.values())
 
 
-def _common_integration_time(reduced: list[ReducedRecording]) -> float | None:
+def _common_integration_time(reduced: Sequence[ReducedRecording]) -> float | None:
     times = {recording.integration_time_s for recording in reduced}
     if len(times) > 1:
         stated = ", ".join(f"{r.name}: {r.integration_time_s}" for r in reduced)

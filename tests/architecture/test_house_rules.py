@@ -12,11 +12,15 @@ SOURCES = sorted((ROOT / "src" / "irtiming").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("test_*.py"))
 HOMES = {
     "GTC": "report",
+    "genicam": "instruments",
     "h5py": "archive",
     "hdf5plugin": "archive",
     "tomllib": "archive",
     "matplotlib": "report",
     "jinja2": "report",
+    "pyGigEVision": "instruments",
+    "pymeasure": "instruments",
+    "pyvisa": "instruments",
     "rich": "cli",
     "serial": "instruments",
     "typer": "cli",
@@ -36,6 +40,10 @@ COMMANDS = (
     "identify",
     "record",
     "combine",
+    "discover",
+    "doctor",
+    "recover",
+    "rig",
 )
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 5, 2
 

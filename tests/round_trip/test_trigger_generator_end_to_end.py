@@ -7,12 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from irtiming.acquire.trigger_train import measure
 from irtiming.archive import reader, writer
 from irtiming.archive.verify import verify
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.instruments.register_link import Patience
-from irtiming.instruments.timestamped_run import measure
 from irtiming.instruments.trigger_generator import connected
 from irtiming.measurement import analyse
 from irtiming.plan.schedule import schedule

@@ -22,6 +22,7 @@ def check(contents: Contents) -> list[Finding]:
     Fields that are None are left out of the checks.
     """
     return [
+        *_ending(contents),
         *_streams(contents),
         *_frame_numbers(contents),
         *_reference(contents),
@@ -40,6 +41,16 @@ def check_temperatures(temperatures: dict[Field, float | None]) -> list[Finding]
             cure="low must be the colder one; swap them",
         )
     ]
+
+
+def _ending(contents: Contents) -> Iterator[Finding]:
+    ending = contents.get(layout.ENDING)
+    if ending is not None and ending.startswith(layout.NOT_TRUSTED):
+        yield _error(layout.ENDING, f"says: {ending}", cure="its frames may belong to other triggers; record it again")
+    elif ending is not None and ending != layout.COMPLETE:
+        yield _warning(
+            layout.ENDING, f"says: {ending}", cure="the recording is shorter than planned, what is in it is sound"
+        )
 
 
 def _streams(contents: Contents) -> Iterator[Finding]:

@@ -11,7 +11,7 @@ from irtiming.archive import layout
 from irtiming.archive.finding import Finding, refuse
 from irtiming.archive.hdf5_file import damage_at, missing_filters
 from irtiming.archive.layout import Field
-from irtiming.records.arrays import Ticks, read_only
+from irtiming.records.arrays import Array, Ticks, read_only
 
 _NOT_THERE = ("doesn't exist", "component not found", "not found")
 
@@ -20,7 +20,8 @@ def read_field(file: h5py.File, field: Field) -> Any:
     """Value of one field in SI units, None where an optional field is absent.
 
     Text gives str, a number float, an integer int, ticks and indices a read-only int64 array (n,), frames
-    their shape (frame, row, column): the frames themselves are streamed by `FileFrames`.
+    their shape (frame, row, column): the frames themselves are streamed by `FileFrames`. Numbers give a read-only float
+    array (n,).
 
     Raises
     ------
@@ -39,6 +40,8 @@ def read_field(file: h5py.File, field: Field) -> Any:
             return _integer(dataset, field)
         case "ticks" | "index":
             return _integers(dataset, field)
+        case "numbers":
+            return _numbers(dataset, field)
         case "frames":
             return _frame_shape(dataset, field)
 
@@ -189,11 +192,22 @@ def _factor(where: str, unit: Any, *, expected: str) -> float:
     return known[text]
 
 
-def _integers(dataset: h5py.Dataset, field: Field) -> Ticks:
+def _numbers(dataset: h5py.Dataset, field: Field) -> Array:
+    factor = _factor(field.path, _units(dataset, field), expected=field.unit)
+    if dataset.dtype.kind not in "iuf" or dataset.ndim != 1:
+        raise refuse(field.path, f"is {_kind_of(dataset)}", cure="it must be a list of numbers, one dimension")
+    _refuse_unwritten(dataset, field)
+    with damage_at(field.path):
+        return read_only(np.asarray(dataset[()], dtype=np.float64) * factor)
+
+
+def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
     if dataset.dtype.kind not in "iu" or dataset.ndim != 1:
         raise refuse(field.path, f"is {_kind_of(dataset)}", cure="it must be a list of integers (int64), one dimension")
     _refuse_other_than_ticks(dataset, field)
     if field.kind == "ticks" and dataset.size < field.fewest:
+        if dataset.size == 0 and not field.required:
+            return None  # nothing is connected to that input
         raise refuse(
             field.path,
             f"has {dataset.size} {'entry' if dataset.size == 1 else 'entries'}",

@@ -1,6 +1,7 @@
 """Stacks of frames: in a file, read block by block, or in memory."""
 
 from collections.abc import Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NoReturn, final
 
@@ -11,20 +12,33 @@ from irtiming.archive import layout
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.errors import ArchiveError
-from irtiming.records.arrays import Pixels
+from irtiming.records.arrays import Pixels, Ticks
 
 
 @final
 class FileFrames:
     """Frames of one dataset of a file: a `FrameStack` that opens the file for each pass and holds one block.
 
-    ``path`` is the file; ``where`` the dataset in it, uint16 (frame, row, column).
+    ``path`` is the file; ``where`` the dataset in it, uint16 (frame, row, column), of shape ``shape``. ``kept`` are the
+    indices of the frames that are meant, rising; None: all. A file that ``is_growing`` may have more frames by now, or
+    be finished.
     """
 
-    def __init__(self, path: str | Path, where: str = layout.FRAMES.path, *, shape: tuple[int, int, int]) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        where: str = layout.FRAMES.path,
+        *,
+        shape: tuple[int, int, int],
+        kept: Ticks | None = None,
+        is_growing: bool = False,
+    ) -> None:
         self._path = Path(path)
         self._where = where
-        self._shape = shape
+        self._stored = shape
+        self._kept = kept
+        self._is_growing = is_growing
+        self._shape = shape if kept is None else (len(kept), *shape[1:])
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -42,9 +56,9 @@ class FileFrames:
             If the file has gone or changed, or a frame in it is damaged; the message names the frame.
         """
         try:
-            with opened(self._path) as file:
+            with self._opened() as file:
                 dataset = self._dataset(file)
-                length = _block_length(dataset)
+                length = min(_block_length(dataset), self._shape[0])
                 buffer = np.empty((length, *self._shape[1:]), dtype=np.uint16)
                 for first in range(0, self._shape[0], length):
                     count = min(length, self._shape[0] - first)
@@ -64,7 +78,7 @@ class FileFrames:
         _check_indices(indices, self._shape[0], where=f"{self._path}: {self._where}")
         picked = np.empty((len(indices), *self._shape[1:]), dtype=np.uint16)
         try:
-            with opened(self._path) as file:
+            with self._opened() as file:
                 dataset = self._dataset(file)
                 for place in np.argsort(np.asarray(indices, dtype=np.int64), kind="stable"):
                     self._fill(dataset, indices[place], into=picked[place : place + 1])
@@ -72,20 +86,36 @@ class FileFrames:
             raise complaint.as_error(self._path) from complaint
         return picked
 
+    def _opened(self) -> AbstractContextManager[h5py.File]:
+        if self._is_growing and not self._path.exists():
+            return opened(self._path.with_suffix(""))  # finished meanwhile
+        return opened(self._path, is_growing=self._is_growing)
+
     def _dataset(self, file: h5py.File) -> h5py.Dataset:
         try:
             dataset = file[self._where]
         except H5_ERRORS as error:
             raise refuse(self._where, f"cannot be read ({reason_of(error)})", cure="copy or record it again") from error
-        if dataset.shape != self._shape:
+        has_grown = self._is_growing and dataset.shape[0] > self._stored[0]
+        if dataset.shape[1:] != self._stored[1:] or (dataset.shape[0] != self._stored[0] and not has_grown):
             raise refuse(
                 self._where,
-                f"has shape {dataset.shape}, it had {self._shape}",
+                f"has shape {dataset.shape}, it had {self._stored}",
                 cure="the file has changed; read it again",
             )
         return dataset
 
     def _fill(self, dataset: h5py.Dataset, first: int, *, into: Pixels) -> None:
+        if self._kept is None:
+            self._read(dataset, first, into=into)
+            return
+        stored = self._kept[first : first + len(into)]
+        begin = 0
+        for run in np.split(stored, np.flatnonzero(np.diff(stored) != 1) + 1):
+            self._read(dataset, int(run[0]), into=into[begin : begin + len(run)])
+            begin += len(run)
+
+    def _read(self, dataset: h5py.Dataset, first: int, *, into: Pixels) -> None:
         try:
             dataset.read_direct(into, np.s_[first : first + len(into)])
         except H5_ERRORS as error:
@@ -103,7 +133,7 @@ class FileFrames:
                 break
         raise refuse(
             self._where,
-            f"cannot be read at frame {damaged} of {self._shape[0]} ({reason_of(error)})",
+            f"cannot be read at frame {damaged} of {self._stored[0]} ({reason_of(error)})",
             cure="the file is damaged; copy or record it again",
         ) from error
 

@@ -1,6 +1,8 @@
 """Opening HDF5 files, and turning what the HDF5 library throws into one line that a person can act on."""
 
+import ctypes
 import errno
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,11 +18,14 @@ H5_ERRORS = (OSError, RuntimeError, KeyError, ValueError, TypeError)
 """All that h5py is known to throw on a damaged or foreign file."""
 
 _CACHE_BYTES = 8 * 2**20
+_READ_ATTEMPTS = 25
+"""How often HDF5 looks at metadata whose checksum is wrong, in case a writer is about to put them right: for 40 ms. It waits
+twice as long before each attempt, so that its own choice of 100 means for ever if the file is damaged."""
 
 
 @contextmanager
-def opened(path: str | Path) -> Iterator[h5py.File]:
-    """HDF5 file opened for reading.
+def opened(path: str | Path, *, is_growing: bool = False) -> Iterator[h5py.File]:
+    """HDF5 file opened for reading; ``is_growing`` for one that is being written, or was when its writer was killed.
 
     Raises
     ------
@@ -31,11 +36,19 @@ def opened(path: str | Path) -> Iterator[h5py.File]:
     if where.is_dir():
         raise refuse("", "is a folder, not a recording", cure=f"name a {layout.SUFFIX} file in it")
     try:
-        file = h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
+        file = _open_growing(where) if is_growing else h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
     except H5_ERRORS as error:
         raise _why_not_opened(where, error) from error
     with file:
         yield file
+
+
+def _open_growing(path: Path) -> h5py.File:
+    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+    library = ctypes.CDLL(h5py.h5p.__file__)  # h5py has no name for this setting
+    library.H5Pset_metadata_read_attempts(ctypes.c_int64(access.id), ctypes.c_uint(_READ_ATTEMPTS))
+    flags = h5py.h5f.ACC_RDONLY | h5py.h5f.ACC_SWMR_READ
+    return h5py.File(h5py.h5f.open(os.fsencode(path), flags, fapl=access))
 
 
 @contextmanager
@@ -56,8 +69,10 @@ def damage_at(where: str) -> Iterator[None]:
 
 
 def reason_of(error: BaseException) -> str:
-    """The innermost reason in an h5py message: the text in its last bracket."""
+    """The innermost reason in an h5py message: what the system says, else the text in its last bracket."""
     text = " ".join(str(error).split()).strip("'\"")
+    if told := re.search(r"error message = '([^']+)'", text):
+        return told[1]
     inner = re.search(r"\((.+)\)$", text)
     return inner[1] if inner else text or type(error).__name__
 
@@ -83,6 +98,12 @@ def _why_not_opened(path: Path, error: BaseException) -> Complaint:
         return refuse("", "may not be read", cure="give yourself read permission (chmod u+r)")
     if isinstance(error, BlockingIOError) or "unable to lock file" in text:
         return refuse("", "is locked", cure="another program is writing it; wait until it has finished")
+    if "already open for write" in text:
+        return refuse(
+            "",
+            "is not finished: it is being written, or the program that wrote it was killed",
+            cure=f"wait, or run irtiming recover on it (its name must end in {layout.SUFFIX}{layout.PART})",
+        )
     size = path.stat().st_size if path.exists() else 0
     if path.exists() and size == 0:
         return refuse("", "is empty (0 bytes)", cure="copy or record it again")

@@ -9,9 +9,12 @@ VERSION = 1
 
 VERSION_ATTRIBUTE = "irtiming_layout"
 SUFFIX = ".nxs"
+PART = ".part"
+"""What a name ends in until its file is finished."""
+
 REFERENCE_PAGE = "docs/reference/recording-file.md"
 
-Kind = Literal["text", "number", "integer", "ticks", "index", "frames"]
+Kind = Literal["text", "number", "integer", "ticks", "index", "numbers", "frames"]
 
 
 @final
@@ -53,6 +56,7 @@ BLACKBODY = f"{INSTRUMENT}/blackbody"
 REFERENCE = f"{ENTRY}/nonuniformity_reference"
 PLOT = f"{ENTRY}/data"
 TRUTH = f"{ENTRY}/truth"
+ACQUISITION = f"{ENTRY}/acquisition"
 
 GROUPS = {
     ENTRY: "NXentry",
@@ -64,11 +68,14 @@ GROUPS = {
     REFERENCE: "NXcollection",
     PLOT: "NXdata",
     TRUTH: "NXcollection",
+    ACQUISITION: "NXcollection",
 }
 """Path of each group and its NeXus class."""
 
 TITLE = Field(path=f"{ENTRY}/title", kind="text", meaning="name of the recording; default: the file's name")
 START_TIME = Field(path=f"{ENTRY}/start_time", kind="text", meaning="ISO 8601")
+ENDING = Field(path=f"{ENTRY}/ending", kind="text", meaning="'complete', or why the recording ended early")
+PROGRAM_VERSION = Field(path=f"{ENTRY}/program_version", kind="text", meaning="program that recorded, and its version")
 
 FRAMES = Field(path=f"{CAMERA}/data", kind="frames", required=True, meaning="frames as the camera gave them")
 CAMERA_TYPE = Field(
@@ -113,6 +120,34 @@ FRAME_NUMBER = Field(
     kind="index",
     meaning="index of the trigger that made each frame; default: frame i belongs to trigger i",
 )
+FRAME_STATUS = Field(
+    path=f"{CAMERA}/frame_status",
+    kind="index",
+    meaning="0 whole, 1 damaged, 2 blank: nothing of it arrived, 3 whole but its trigger has no timestamp; default 0",
+)
+FRAME_ID = Field(path=f"{CAMERA}/frame_id", kind="index", meaning="what the camera counted, from 0 when it was armed")
+FRAME_TIMESTAMP = Field(
+    path=f"{CAMERA}/frame_timestamp", kind="index", unit="ticks", meaning="ticks of the camera's own clock, 0: unknown"
+)
+TIMESTAMP_FREQUENCY = Field(
+    path=f"{CAMERA}/timestamp_frequency",
+    kind="number",
+    unit="Hz",
+    lowest=1.0,
+    highest=1e12,
+    meaning="ticks per second of the camera's own clock",
+)
+FRAME_HOST_TIME = Field(
+    path=f"{CAMERA}/frame_host_time",
+    kind="numbers",
+    unit="s",
+    meaning="monotonic clock of the computer when the last of the frame had come",
+)
+CAMERA_VENDOR = Field(path=f"{CAMERA}/vendor", kind="text", meaning="who made the camera")
+CAMERA_MODEL = Field(path=f"{CAMERA}/model", kind="text", meaning="model of the camera")
+CAMERA_SERIAL_NUMBER = Field(path=f"{CAMERA}/serial_number", kind="text", meaning="serial number of the camera")
+CAMERA_FIRMWARE = Field(path=f"{CAMERA}/firmware", kind="text", meaning="version of the camera's firmware")
+CAMERA_ADDRESS = Field(path=f"{CAMERA}/address", kind="text", meaning="address at which the camera was reached")
 ROTATION_SPEED = Field(
     path=f"{CHOPPER}/rotation_speed",
     kind="number",
@@ -168,6 +203,20 @@ LOST_AFTER = Field(
     fewest=0,
     meaning="last known time before each loss of timestamps; empty: none was lost, absent: not known",
 )
+CAMERA_TRIGGER_DELAYED = Field(
+    path=f"{TRIGGER_GENERATOR}/camera_trigger_delayed",
+    kind="ticks",
+    unit="ticks",
+    fewest=0,
+    meaning="triggers as the camera got them, trigger_delay_time_set after the nominal ones",
+)
+CAMERA_INPUT = Field(
+    path=f"{TRIGGER_GENERATOR}/camera_input",
+    kind="ticks",
+    unit="ticks",
+    fewest=0,
+    meaning="edges that the camera sent back",
+)
 CAMERA_PERIOD = Field(
     path=f"{TRIGGER_GENERATOR}/camera_period",
     kind="integer",
@@ -203,15 +252,27 @@ TEMPERATURE_ATTRIBUTE = "temperature"
 TEMPERATURE_UNITS_ATTRIBUTE = "temperature_units"
 
 FIELDS = (
-    TITLE, START_TIME,
+    TITLE, START_TIME, ENDING, PROGRAM_VERSION,
     FRAMES, CAMERA_TYPE, READOUT_MODE, INTEGRATION_TIME, TRIGGER_DELAY_TIME_SET, BIT_DEPTH, FRAME_NUMBER,
+    FRAME_STATUS, FRAME_ID, FRAME_TIMESTAMP, TIMESTAMP_FREQUENCY, FRAME_HOST_TIME,
+    CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS,
     ROTATION_SPEED,
     CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES, LOST_AFTER,
+    CAMERA_TRIGGER_DELAYED, CAMERA_INPUT,
     CAMERA_PERIOD, WHEEL_PERIOD,
     BLACKBODY_TEMPERATURE,
     REFERENCE_LOW, REFERENCE_HIGH,
 )  # fmt: skip
 """Every field that this program reads, in the order in which it is checked."""
+
+PER_FRAME = (FRAME_NUMBER, FRAME_ID, FRAME_TIMESTAMP, FRAME_HOST_TIME)
+"""Columns with one entry per frame, its status apart."""
+
+COMPLETE = "complete"
+"""What `ENDING` says of a recording that ended as planned."""
+
+NOT_TRUSTED = "not trusted: "
+"""What `ENDING` begins with where frames cannot be given their triggers beyond doubt: it can be read by eye, not analysed."""
 
 UNITS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9},

@@ -1,20 +1,24 @@
 """From a recording file to a checked `Recording`; its frames stay in the file and are streamed."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import h5py
 import numpy as np
 
-from irtiming.archive import consistency, layout
+from irtiming.archive import layout
 from irtiming.archive.checksum import sha256_of
 from irtiming.archive.consistency import Contents
-from irtiming.archive.fields import as_text, near_misses, read_field, read_temperature
+from irtiming.archive.contents import Checked, checked, read_contents
+from irtiming.archive.fields import as_text
 from irtiming.archive.finding import Complaint, archive_error, refuse
 from irtiming.archive.frame_stack import FileFrames
 from irtiming.archive.hdf5_file import damage_at, opened
 from irtiming.archive.layout import Field
-from irtiming.records.arrays import Array, read_only
+from irtiming.archive.unfinished import unfinished
+from irtiming.records.arrays import Array, Ticks, read_only
+from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.recording import FrameStack, NonuniformityReference, Recording
 
 
@@ -34,21 +38,52 @@ def read(path: str | Path) -> Recording:
         If the file cannot be read, or a field is missing, of the wrong type, shape or unit, out of range, or
         contradicts another. One line: file, field, what is, what to do.
     """
+    if str(path).endswith(layout.PART):
+        raise archive_error(path, unfinished(path))
     try:
         with opened(path) as file:
             check_version(file)
-            contents: Contents = {field: read_field(file, field) for field in layout.FIELDS}
-            temperatures = _temperatures(file, contents)
-            findings = near_misses(file)
+            found = checked(file, read_contents(file))
+        return recording_of(path, found, sha256=sha256_of(path))
     except Complaint as complaint:
         raise complaint.as_error(path) from complaint
-    findings += [*consistency.check(contents), *consistency.check_temperatures(temperatures)]
-    for finding in findings:
-        if finding.severity == "error":
-            raise archive_error(path, finding)
-    warnings = tuple(finding.sentence() for finding in findings if finding.severity == "warning")
-    nonuniformity = _nonuniformity(Path(path), contents, temperatures=temperatures)
-    return _recording(Path(path), contents, nonuniformity=nonuniformity, warnings=warnings)
+
+
+def recording_of(path: str | Path, found: Checked, *, sha256: str = "", is_growing: bool = False) -> Recording:
+    """Recording of what was found in a file, its frames streamed from there.
+
+    Parameters
+    ----------
+    path
+        The file.
+    found
+        What it says.
+    sha256
+        Its checksum, empty if it has none yet.
+    is_growing
+        Whether it is still being written.
+
+    Raises
+    ------
+    ArchiveError
+        If a reference stack cannot be read.
+    """
+    contents = found.contents
+
+    def _frames(field: Field, kept: Ticks | None = None) -> FileFrames:
+        shape = found.stored_shape if field is layout.FRAMES else contents[field]
+        return FileFrames(path, field.path, shape=shape, kept=kept, is_growing=is_growing)
+
+    nonuniformity = None
+    if contents[layout.REFERENCE_LOW] is not None:
+        both = (layout.REFERENCE_LOW, layout.REFERENCE_HIGH)
+        nonuniformity = _nonuniformity(*map(_frames, both), temperatures=found.temperatures)
+    return replace(
+        _recording(Path(path), contents, frames=_frames(layout.FRAMES, found.kept)),
+        nonuniformity=nonuniformity,
+        sha256=sha256,
+        warnings=found.warnings,
+    )
 
 
 def read_truth(path: str | Path) -> dict[str, Any]:
@@ -63,18 +98,38 @@ def read_truth(path: str | Path) -> dict[str, Any]:
     ArchiveError
         If the file cannot be read.
     """
-    truth: dict[str, Any] = {}
+    return _flat(path, layout.TRUTH)
+
+
+def read_acquisition(path: str | Path) -> dict[str, Any]:
+    """What the instruments said of themselves when a recording began, by name, such as ``"chopper_blade"``.
+
+    Returns
+    -------
+    Numbers and texts; empty for a recording that another program made.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read.
+    """
+    return _flat(path, layout.ACQUISITION)
+
+
+def _flat(path: str | Path, where: str) -> dict[str, Any]:
+    """Numbers, texts and arrays of one group, by name."""
+    values: dict[str, Any] = {}
     try:
-        with opened(path) as file, damage_at(layout.TRUTH):
-            for name, dataset in (file.get(layout.TRUTH) or {}).items():
+        with opened(path) as file, damage_at(where):
+            for name, dataset in (file.get(where) or {}).items():
                 value = dataset[()]
                 text = as_text(value)
-                truth[name] = value if text is None else text
+                values[name] = value if text is None else text
                 if isinstance(value, np.generic) and text is None:
-                    truth[name] = value.item()
+                    values[name] = value.item()
     except Complaint as complaint:
         raise complaint.as_error(path) from complaint
-    return truth
+    return values
 
 
 def check_version(file: h5py.File) -> None:
@@ -127,26 +182,16 @@ def _mean_and_deviation(frames: FrameStack) -> tuple[Array, Array]:
     return mean, np.sqrt(np.maximum(variance, 0.0))
 
 
-def _temperatures(file: h5py.File, contents: Contents) -> dict[Field, float | None]:
-    both = (layout.REFERENCE_LOW, layout.REFERENCE_HIGH)
-    return {field: read_temperature(file, field) if contents[field] else None for field in both}
-
-
 def _nonuniformity(
-    path: Path, contents: Contents, *, temperatures: dict[Field, float | None]
-) -> NonuniformityReference | None:
-    low_shape, high_shape = contents[layout.REFERENCE_LOW], contents[layout.REFERENCE_HIGH]
-    if low_shape is None:
-        return None
-    low_frames = FileFrames(path, layout.REFERENCE_LOW.path, shape=low_shape)
-    high_frames = FileFrames(path, layout.REFERENCE_HIGH.path, shape=high_shape)
+    low_frames: FrameStack, high_frames: FrameStack, *, temperatures: dict[Field, float | None]
+) -> NonuniformityReference:
     low, high, low_noise, high_noise = (read_only(a) for a in reduce_reference(low_frames, high_frames))
     return NonuniformityReference(
         low_dn=low,
         high_dn=high,
         low_noise_dn=low_noise,
         high_noise_dn=high_noise,
-        n_frames=min(low_shape[0], high_shape[0]),
+        n_frames=min(low_frames.shape[0], high_frames.shape[0]),
         low_temperature_k=temperatures[layout.REFERENCE_LOW],
         high_temperature_k=temperatures[layout.REFERENCE_HIGH],
         low_frames=low_frames,
@@ -154,26 +199,19 @@ def _nonuniformity(
     )
 
 
-def _recording(
-    path: Path,
-    contents: Contents,
-    *,
-    nonuniformity: NonuniformityReference | None,
-    warnings: tuple[str, ...],
-) -> Recording:
+def _recording(path: Path, contents: Contents, *, frames: FrameStack) -> Recording:
     def _value(field: Field) -> Any:
         return contents[field]
 
-    shape = cast("tuple[int, int, int]", _value(layout.FRAMES))
     frame_number = _value(layout.FRAME_NUMBER)
     if frame_number is None:
-        frame_number = read_only(np.arange(shape[0], dtype=np.int64))
+        frame_number = read_only(np.arange(frames.shape[0], dtype=np.int64))
     return Recording(
         name=_value(layout.TITLE) or path.stem,
         start_time=_value(layout.START_TIME) or "",
         camera_type=_value(layout.CAMERA_TYPE),
         readout_mode=_value(layout.READOUT_MODE),
-        frames=FileFrames(path, shape=shape),
+        frames=frames,
         frame_number=frame_number,
         clock_frequency_hz=_value(layout.CLOCK_FREQUENCY),
         camera_trigger_ticks=_value(layout.CAMERA_TRIGGER),
@@ -188,8 +226,24 @@ def _recording(
         camera_period_ticks=_value(layout.CAMERA_PERIOD),
         wheel_period_ticks=_value(layout.WHEEL_PERIOD),
         blackbody_temperature_k=_value(layout.BLACKBODY_TEMPERATURE),
-        nonuniformity=nonuniformity,
+        camera_trigger_delayed_ticks=_value(layout.CAMERA_TRIGGER_DELAYED),
+        camera_input_ticks=_value(layout.CAMERA_INPUT),
+        frame_id=_value(layout.FRAME_ID),
+        frame_timestamp_ticks=_value(layout.FRAME_TIMESTAMP),
+        timestamp_frequency_hz=_value(layout.TIMESTAMP_FREQUENCY),
+        frame_host_time_s=_value(layout.FRAME_HOST_TIME),
+        camera=_identity(contents),
+        ending=_value(layout.ENDING) or "",
+        program_version=_value(layout.PROGRAM_VERSION) or "",
         source=str(path),
-        sha256=sha256_of(path),
-        warnings=warnings,
     )
+
+
+def _identity(contents: Contents) -> CameraIdentity | None:
+    fields = (
+        layout.CAMERA_VENDOR, layout.CAMERA_MODEL, layout.CAMERA_SERIAL_NUMBER, layout.CAMERA_FIRMWARE,
+        layout.CAMERA_ADDRESS,
+    )  # fmt: skip
+    if all(contents[field] is None for field in fields):
+        return None
+    return CameraIdentity(**{field.name: contents[field] or "" for field in fields})

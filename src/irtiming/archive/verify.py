@@ -13,11 +13,13 @@ from irtiming.archive.consistency import Contents
 from irtiming.archive.fields import near_misses, read_field, read_temperature
 from irtiming.archive.finding import Complaint, Finding
 from irtiming.archive.frame_stack import FileFrames
+from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.tick_checks import check_ticks, duration
+from irtiming.archive.unfinished import unfinished
 from irtiming.errors import ArchiveError
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -43,6 +45,8 @@ def verify(path: str | Path, *, progress: Progress | None = None) -> list[Findin
     """
     findings: list[Finding] = []
     contents: Contents = {}
+    if str(path).endswith(layout.PART):
+        return [unfinished(path)]
     try:
         with opened(path) as file:
             findings += _of_fields(file, contents)
@@ -53,10 +57,14 @@ def verify(path: str | Path, *, progress: Progress | None = None) -> list[Findin
     except H5_ERRORS as error:
         what = f"cannot be read ({reason_of(error)})"
         return [Finding(severity="error", where="", what=what, cure="the file is damaged; copy or record it again")]
+    stored_shape = contents[layout.FRAMES]
+    contents, kept, left_out = leave_out(contents)
+    findings += left_out
     findings += consistency.check(contents)
     findings += check_ticks(contents)
     findings += _what_a_photon_detector_needs(contents)
-    findings += _of_frames(Path(path), contents, progress=progress)
+    whole = None if stored_shape is None else FileFrames(path, shape=stored_shape, kept=kept)
+    findings += _of_frames(Path(path), contents, whole=whole, progress=progress)
     order = ("error", "warning", "info")
     findings.sort(key=lambda finding: order.index(finding.severity))
     if not any(finding.severity == "error" for finding in findings):
@@ -93,7 +101,7 @@ def _strangers(file: h5py.File) -> list[Finding]:
 
     def _look(name: str, item: object) -> None:
         path = f"/{name}"
-        ours = path in known or path.startswith((f"{layout.TRUTH}/", f"{layout.PLOT}/"))
+        ours = path in known or path.startswith((f"{layout.TRUTH}/", f"{layout.PLOT}/", f"{layout.ACQUISITION}/"))
         if isinstance(item, h5py.Dataset) and not ours:
             findings.append(Finding(severity="info", where=path, what="is not read by irtiming"))
 
@@ -130,13 +138,15 @@ def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
             yield Finding(severity="warning", where=field.path, what=what, cure="write it if it is known")
 
 
-def _of_frames(path: Path, contents: Contents, *, progress: Progress | None) -> Iterator[Finding]:
+def _of_frames(
+    path: Path, contents: Contents, *, whole: FileFrames | None, progress: Progress | None
+) -> Iterator[Finding]:
     """Stream all stacks and complain about their values."""
     for field in (layout.FRAMES, layout.REFERENCE_LOW, layout.REFERENCE_HIGH):
         shape = contents[field]
         if shape is None:
             continue
-        frames = FileFrames(path, field.path, shape=shape)
+        frames = whole if field is layout.FRAMES and whole else FileFrames(path, field.path, shape=shape)
         bit_depth = contents[layout.BIT_DEPTH] or 16
         try:
             seen = survey(frames, bit_depth=bit_depth, progress=progress if field is layout.FRAMES else None)

@@ -1,14 +1,11 @@
 """From a recording, block by block, to a file that is whole or not there."""
 
-import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal, Self, final
 
 import h5py
-import hdf5plugin
 import numpy as np
 
 from irtiming.archive import consistency, layout
@@ -16,9 +13,18 @@ from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.layout import Field
+from irtiming.archive.nexus import (
+    bring_to_disk,
+    create_stack,
+    describe_for_viewers,
+    group,
+    set_temperature,
+    set_units,
+)
 from irtiming.archive.result_file import unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
+from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.recording import FrameStack, Recording
 
 Stack = Literal["frames", "low", "high"]
@@ -86,7 +92,7 @@ class RecordingWriter:
 
     def __init__(self, path: str | Path, *, overwrite: bool = False) -> None:
         self._path = Path(path)
-        self._part = self._path.with_name(f"{self._path.name}.part")
+        self._part = self._path.with_name(f"{self._path.name}{layout.PART}")
         self._overwrite = overwrite
         self._described = False
         self._temperatures: dict[Field, float | None] = {}
@@ -135,7 +141,7 @@ class RecordingWriter:
             raise self._error(field, f"got a block of {block.dtype} {block.shape}; give uint16 (frame, row, column)")
         file = self._opened()
         if field.path not in file:
-            self._create_stack(file, field, size=(block.shape[1], block.shape[2]))
+            create_stack(file, field, size=(block.shape[1], block.shape[2]))
         dataset = file[field.path]
         if dataset.shape[1:] != block.shape[1:]:
             before, now = dataset.shape[1:], block.shape[1:]
@@ -159,8 +165,8 @@ class RecordingWriter:
         self._described = True
         for field, value in values_of(recording).items():
             if value is not None:
-                dataset = _group(file, field.group).create_dataset(field.name, data=value)
-                _set_units(dataset, field.unit)
+                dataset = group(file, field.group).create_dataset(field.name, data=value)
+                set_units(dataset, field.unit)
         file.create_dataset(layout.ACQUISITION_MODE, data="triggered")
         if recording.nonuniformity is not None:
             self._temperatures = {
@@ -168,22 +174,20 @@ class RecordingWriter:
                 layout.REFERENCE_HIGH: recording.nonuniformity.high_temperature_k,
             }
         for name, value in (truth or {}).items():
-            self._write_truth(_group(file, layout.TRUTH), name, value=value)
+            self._write_truth(group(file, layout.TRUTH), name, value=value)
 
     def _finish(self) -> None:
         file = self._opened()
         if not self._described:
             raise ArchiveError(f"{self._path}: describe(recording) was never called; call it before closing")
         for field, temperature in self._temperatures.items():
-            if temperature is not None and field.path in file:
-                file[field.path].attrs[layout.TEMPERATURE_ATTRIBUTE] = float(temperature)
-                file[field.path].attrs[layout.TEMPERATURE_UNITS_ATTRIBUTE] = "K"
+            set_temperature(file, field, temperature_k=temperature)
         self._check(file)
-        _describe_for_viewers(file)
+        describe_for_viewers(file)
         try:
             file.flush()
             file.close()
-            _bring_to_disk(self._part)
+            bring_to_disk(self._part)
             self._refuse_existing()
             self._part.replace(self._path)
         except OSError as error:
@@ -206,23 +210,12 @@ class RecordingWriter:
         except H5_ERRORS as error:
             what = f"truth '{name}' is {type(value).__name__}; give a number, text or array of numbers"
             raise ArchiveError(f"{self._path}: {what}") from error
-        _set_units(dataset, _TRUTH_UNITS.get(name.rsplit("_", 1)[-1], ""))
+        set_units(dataset, _TRUTH_UNITS.get(name.rsplit("_", 1)[-1], ""))
 
     def _opened(self) -> h5py.File:
         if self._file is None:
             raise ArchiveError(f"{self._path}: the writer is closed; use it inside its 'with' block")
         return self._file
-
-    def _create_stack(self, file: h5py.File, field: Field, *, size: tuple[int, int]) -> None:
-        _group(file, field.group).create_dataset(
-            field.name,
-            shape=(0, *size),
-            maxshape=(None, *size),
-            chunks=(1, *size),
-            dtype=np.uint16,
-            fletcher32=True,
-            **hdf5plugin.Bitshuffle(cname="lz4"),
-        )
 
     def _refuse_existing(self) -> None:
         if self._path.is_dir():
@@ -252,9 +245,29 @@ def values_of(recording: Recording) -> dict[Field, Any]:
         layout.APPLICATION_SLOT: recording.application_slot_ticks,
         layout.APPLICATION_EDGES: recording.application_edge_ticks,
         layout.LOST_AFTER: recording.lost_after_ticks,
+        layout.CAMERA_TRIGGER_DELAYED: recording.camera_trigger_delayed_ticks,
+        layout.CAMERA_INPUT: recording.camera_input_ticks,
         layout.CAMERA_PERIOD: recording.camera_period_ticks,
         layout.WHEEL_PERIOD: recording.wheel_period_ticks,
         layout.BLACKBODY_TEMPERATURE: recording.blackbody_temperature_k,
+        layout.FRAME_ID: recording.frame_id,
+        layout.FRAME_TIMESTAMP: recording.frame_timestamp_ticks,
+        layout.TIMESTAMP_FREQUENCY: recording.timestamp_frequency_hz,
+        layout.FRAME_HOST_TIME: recording.frame_host_time_s,
+        layout.ENDING: recording.ending or None,
+        layout.PROGRAM_VERSION: recording.program_version or None,
+        **({} if recording.camera is None else identity_values(recording.camera)),
+    }
+
+
+def identity_values(camera: CameraIdentity) -> dict[Field, str | None]:
+    """What a camera says of itself, by field of the file; None where it does not say."""
+    return {
+        layout.CAMERA_VENDOR: camera.vendor or None,
+        layout.CAMERA_MODEL: camera.model or None,
+        layout.CAMERA_SERIAL_NUMBER: camera.serial_number or None,
+        layout.CAMERA_FIRMWARE: camera.firmware or None,
+        layout.CAMERA_ADDRESS: camera.address or None,
     }
 
 
@@ -268,49 +281,3 @@ def _reference_stacks(recording: Recording, path: str | Path) -> list[tuple[Stac
             "give the raw stacks low_frames and high_frames"
         )
     return [("low", reference.low_frames), ("high", reference.high_frames)]
-
-
-def _group(file: h5py.File, path: str) -> h5py.Group:
-    """Group of that path, made with its NeXus class and its parents where it is not there yet."""
-    if path not in file:
-        parent = path.rsplit("/", 1)[0]
-        if parent:
-            _group(file, parent)
-        file.create_group(path).attrs["NX_class"] = layout.GROUPS[path]
-    return file[path]
-
-
-def _set_units(dataset: h5py.Dataset, unit: str) -> None:
-    if unit:
-        dataset.attrs["units"] = unit
-
-
-def _describe_for_viewers(file: h5py.File) -> None:
-    """NeXus attributes by which a viewer finds the frames and plots them against their number."""
-    file.attrs["default"] = "entry"
-    file.attrs["creator"] = f"irtiming {_version()}"
-    entry = file[layout.ENTRY]
-    entry.attrs["default"] = "data"
-    entry.attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
-    plot = _group(file, layout.PLOT)
-    for field in (layout.FRAMES, layout.FRAME_NUMBER):
-        file[field.path].attrs["target"] = field.path
-        plot[field.name] = file[field.path]
-    plot.attrs["signal"] = layout.FRAMES.name
-    plot.attrs["axes"] = [layout.FRAME_NUMBER.name, ".", "."]
-    plot.attrs[f"{layout.FRAME_NUMBER.name}_indices"] = 0
-
-
-def _version() -> str:
-    try:
-        return version("irtiming")
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def _bring_to_disk(path: Path) -> None:
-    descriptor = os.open(path, os.O_RDWR)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -235,7 +235,7 @@ async def _measured(
     port: str, plan: "TriggerPlan", run: "PlannedRun", *, wiring: "Wiring", told: "Told"
 ) -> "tuple[Timestamps | None, InstrumentError | None]":
     """Timestamps, and what went wrong; both where something arrived before it did."""
-    from irtiming.instruments.timestamped_run import measure
+    from irtiming.acquire.trigger_train import measure
     from irtiming.instruments.trigger_generator import connected
 
     clock = plan.clock_frequency_hz

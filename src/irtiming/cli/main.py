@@ -12,10 +12,15 @@ import typer
 from irtiming.cli.analyse_command import analyse
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.demo_command import demo
+from irtiming.cli.discover_command import discover
+from irtiming.cli.doctor_command import doctor
 from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.plan_command import plan
+from irtiming.cli.record_command import record
+from irtiming.cli.recover_command import recover
+from irtiming.cli.rig_command import rig
 from irtiming.cli.simulate_command import simulate
 from irtiming.cli.verify_command import verify
 from irtiming.errors import IrTimingError
@@ -28,7 +33,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
 )
-for command in (plan, simulate, verify, calibrate_wheel, analyse, import_capture, export_vcd, demo):
+COMMANDS = (
+    discover, doctor, plan, rig, record, recover, simulate, verify, calibrate_wheel, analyse, import_capture, export_vcd,
+    demo,
+)  # fmt: skip
+for command in COMMANDS:
     app.command()(command)
 app.add_typer(gateware)
 

@@ -100,7 +100,7 @@ class SerialLine:
         with suppress(OSError):
             self._port.cancel_read()
         await asyncio.to_thread(self._reader.join)
-        _allow_others(self._port)
+        allow_others(self._port)
         with suppress(OSError):
             self._port.close()
 
@@ -148,8 +148,8 @@ async def open_line(port: str, *, baud: int = BAUD) -> SerialLine:
             serial.Serial, port, baud, timeout=None, write_timeout=_WRITE_TIMEOUT_S, exclusive=True
         )
     except (OSError, ValueError) as error:
-        raise _not_opened(port, error) from error
-    _refuse_others(opened)
+        raise not_opened(port, error) from error
+    refuse_others(opened)
     return SerialLine(opened)
 
 
@@ -158,7 +158,16 @@ def ports() -> list[str]:
     return [f"{port.device} ({port.description})" for port in sorted(list_ports.comports())]
 
 
-def _not_opened(port: str, error: Exception) -> InstrumentError:
+def not_opened(port: str, error: Exception) -> InstrumentError:
+    """Why a port could not be opened, and what to do.
+
+    Parameters
+    ----------
+    port
+        Its name.
+    error
+        What pyserial said.
+    """
     number = error.errno if isinstance(error, OSError) else None
     text = str(error)
     if "exclusively lock" in text or number == 16 or "busy" in text.lower():
@@ -178,7 +187,7 @@ def _reason(error: Exception) -> str:
     return "it gives no more bytes" if "returned no data" in text else text
 
 
-def _refuse_others(port: serial.Serial) -> None:
+def refuse_others(port: serial.Serial) -> None:
     """Make the system refuse the port to programs that know no locks; only where there are terminals."""
     with suppress(ImportError, OSError):
         from fcntl import ioctl
@@ -187,7 +196,8 @@ def _refuse_others(port: serial.Serial) -> None:
         ioctl(port.fileno(), TIOCEXCL)
 
 
-def _allow_others(port: serial.Serial) -> None:
+def allow_others(port: serial.Serial) -> None:
+    """Take back what `refuse_others` did."""
     with suppress(ImportError, OSError):
         from fcntl import ioctl
         from termios import TIOCNXCL

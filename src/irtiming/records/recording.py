@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol, final
 
 from irtiming.records.arrays import Array, Pixels, Ticks
+from irtiming.records.camera_frame import CameraIdentity
 
 CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
@@ -59,6 +60,9 @@ class Recording:
     ``camera_trigger_ticks`` are nominal triggers, before ``trigger_delay_time_set_s`` is added.
     ``lost_after_ticks`` has the last known time before each loss of timestamps; empty: none was lost, None: not known.
     ``start_time`` is text in ISO 8601, empty where unknown. Shapes: frame_number (n_frame,), each ticks array (n_edge,).
+    What the camera and this computer said of each frame is kept as it came, shape (n_frame,): ``frame_id``,
+    ``frame_timestamp_ticks`` of the camera's own clock of ``timestamp_frequency_hz``, and ``frame_host_time_s``.
+    ``ending`` is "complete", or why the recording ended early; empty where unknown.
     """
 
     name: str
@@ -72,6 +76,8 @@ class Recording:
     application_slot_ticks: Ticks
     application_edge_ticks: Ticks | None = None
     lost_after_ticks: Ticks | None = None
+    camera_trigger_delayed_ticks: Ticks | None = None
+    camera_input_ticks: Ticks | None = None
     rotation_speed_hz: float
     integration_time_s: float | None = None
     trigger_delay_time_set_s: float = 0.0
@@ -80,7 +86,14 @@ class Recording:
     wheel_period_ticks: int | None = None
     blackbody_temperature_k: float | None = None
     nonuniformity: NonuniformityReference | None = None
+    frame_id: Ticks | None = None
+    frame_timestamp_ticks: Ticks | None = None
+    timestamp_frequency_hz: float | None = None
+    frame_host_time_s: Array | None = None
+    camera: CameraIdentity | None = None
     start_time: str = ""
+    ending: str = ""
+    program_version: str = ""
     source: str = ""
     sha256: str = ""
     warnings: tuple[str, ...] = ()

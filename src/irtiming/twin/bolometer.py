@@ -3,18 +3,36 @@
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import final
+from typing import Protocol, Self, final
 
 import numpy as np
+import numpy.typing as npt
 
 from irtiming.errors import PlanError
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.twin.clockwork import Motion
+from irtiming.twin.frames import started_at_s
 from irtiming.twin.lag import Fading, LaggingPicture, lagging_picture, read_rows
 from irtiming.twin.noise import FixedPattern, Values, corrected_pattern, digitise, generator
 from irtiming.twin.scene import BolometerTiming, Detector, Scene
 from irtiming.twin.upkeep import ShutterEvent
 from irtiming.twin.wide_range import WidePicture, read_wide_rows, wide_picture, wide_pixel
+
+
+class Turning(Protocol):
+    """What tells the angle of a wheel: a whole `Motion`, or a wheel that still turns."""
+
+    def angle_at(self, time_s: Array) -> Array:
+        """Unwrapped wheel angle, rad, at these times, any shape."""
+        ...
+
+
+class View(Protocol):
+    """What pixels would give if there were neither shutter nor noise."""
+
+    def show(self, row_time_s: Array, *, out: Values) -> None:
+        """Signal, DN, shape (row, column), of rows that are read at these times, shape (row,), s."""
+        ...
 
 
 @final
@@ -23,7 +41,7 @@ class Lens:
     """The turning wheel as lagging pixels see it."""
 
     shot: LaggingPicture | WidePicture
-    motion: Motion
+    motion: Turning
     nominal_rad_per_s: float
     time_constant_s: float
 
@@ -75,6 +93,59 @@ class Shutter:
                 left = self.fading.left_after(row_time_s[opened] - closure.end_s)[:, None]
                 signal_dn[opened] += (left * closure.opening_dn[opened]).astype(np.float32)
 
+    def closed_by(self, event: ShutterEvent, view: View, *, rows_columns: tuple[int, int]) -> Self:
+        """With one more closure, and what pixels that see ``view`` carry into it and out of it."""
+        begin_s, end_s = event.start_s, event.start_s + event.duration_s
+        closing, opening = np.empty(rows_columns, np.float32), np.empty(rows_columns, np.float32)
+        view.show(np.full(rows_columns[0], begin_s), out=closing)
+        self.cover(np.full(rows_columns[0], begin_s), signal_dn=closing)
+        closing -= self.surface_dn
+        view.show(np.full(rows_columns[0], end_s), out=opening)
+        left = float(self.fading.left_after(np.array(event.duration_s)))
+        opening = (self.surface_dn + left * closing - opening).astype(np.float32)
+        closure = Closure(begin_s=begin_s, end_s=end_s, closing_dn=closing, opening_dn=opening)
+        return replace(self, closures=(*self.closures, closure))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Exposure:
+    """One reading of all rows.
+
+    ``number`` fixes its noise; ``start_s`` is when row 0 is read; ``level_dn``, drift and jumps up to then; ``epoch``,
+    which of the patterns is there.
+    """
+
+    number: int
+    start_s: float
+    level_dn: float
+    epoch: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RollingReadout:
+    """Rows behind lens and shutter, each read ``row_s``, shape (row,), later than row 0."""
+
+    view: View
+    shutter: Shutter
+    row_s: Array
+    patterns: tuple[FixedPattern, ...]
+    seed: int
+
+    def pattern_at(self, exposure: Exposure) -> FixedPattern:
+        """Fixed pattern with the drift so far."""
+        pattern = self.patterns[exposure.epoch]
+        return replace(pattern, offset_dn=pattern.offset_dn + np.float32(exposure.level_dn))
+
+    def read(self, exposure: Exposure, *, signal_dn: Values, out: Pixels) -> None:
+        """Write a frame, shape (row, column), to ``out``; ``signal_dn`` is room for the work."""
+        row_time_s = exposure.start_s + self.row_s
+        self.view.show(row_time_s, out=signal_dn)
+        self.shutter.cover(row_time_s, signal_dn=signal_dn)
+        random = generator(self.seed, "frame", index=exposure.number)
+        digitise(signal_dn, self.pattern_at(exposure), random=random, out=out)
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,30 +153,25 @@ class BolometerShots:
     """Frames of the turning wheel, read row after row.
 
     Shapes: source (n_frame,), which exposure each frame shows: exposure k belongs to trigger k - 1, so that
-    there is one before the first. Of the exposures, shape (n_trigger + 1,): start_s, when row 0 is read;
-    level_dn, drift and jumps up to then; epoch, which of the patterns is there. row_s (row,): how much later
-    than row 0 each row is read.
+    there is one before the first. Of the exposures, shape (n_trigger + 1,), as in `Exposure`: start_s, level_dn, epoch.
     """
 
-    lens: Lens
-    shutter: Shutter
+    readout: RollingReadout
     source: Ticks
     start_s: Array
-    row_s: Array
     level_dn: Array
     epoch: Ticks
-    patterns: tuple[FixedPattern, ...]
-    seed: int
 
     def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
         """Read the frame out."""
-        exposure = int(self.source[index])
-        row_time_s = self.start_s[exposure] + self.row_s
-        self.lens.show(row_time_s, out=signal_dn)
-        self.shutter.cover(row_time_s, signal_dn=signal_dn)
-        pattern = self.patterns[self.epoch[exposure]]
-        moved = replace(pattern, offset_dn=pattern.offset_dn + np.float32(self.level_dn[exposure]))
-        digitise(signal_dn, moved, random=generator(self.seed, "frame", index=exposure), out=out)
+        number = int(self.source[index])
+        exposure = Exposure(
+            number=number,
+            start_s=self.start_s[number],
+            level_dn=self.level_dn[number],
+            epoch=int(self.epoch[number]),
+        )
+        self.readout.read(exposure, signal_dn=signal_dn, out=out)
 
 
 def bolometer_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> BolometerShots:
@@ -125,34 +191,60 @@ def bolometer_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> 
     PlanError
         If the camera is no microbolometer, or reads its rows for longer than the camera period.
     """
-    timing, trigger, rows = scene.timing, scene.trigger, scene.detector.rows
+    timing, trigger = scene.timing, scene.trigger
     if not isinstance(timing, BolometerTiming):
         raise PlanError("rolling frames from a photon camera; start from microbolometer_scene()")
     refuse_slow_readout(scene)
     period_s = trigger.camera_period_ticks / trigger.clock_frequency_hz
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
     triggered_s = np.arange(-1, trigger.n_triggers, dtype=np.float64) * period_s + set_s
-    jitter_s = timing.jitter_s * generator(seed, "exposure").standard_normal(triggered_s.size)
-    lens = _lens(scene, timing, motion)
-    events = scene.correction.events
-    epoch = np.searchsorted([event.start_s + event.duration_s for event in events], triggered_s, side="right")
-    jumps = np.cumsum([0.0, *(event.level_jump_dn for event in events)])
+    jitter = generator(seed, "exposure").standard_normal(triggered_s.size)
+    lens = lens_of(scene, motion, rad_per_s=2 * math.pi * trigger.wheel_hz)
+    epoch, level_dn = upkeep_at(scene, triggered_s)
     return BolometerShots(
-        lens=lens,
-        shutter=_shutter(scene, lens),
-        source=_thawed(triggered_s, events)[np.asarray(kept) + 1],
-        start_s=triggered_s + timing.trigger_delay_s + jitter_s,
-        row_s=np.arange(rows, dtype=np.float64) * timing.row_delay_s,
-        level_dn=jumps[epoch] + _drift_dn(scene, triggered_s),
+        readout=RollingReadout(
+            view=lens,
+            shutter=_shutter(scene, lens),
+            row_s=rows_at_s(scene),
+            patterns=patterns_of(scene, seed),
+            seed=seed,
+        ),
+        source=_thawed(triggered_s, scene.correction.events)[np.asarray(kept) + 1],
+        start_s=started_at_s(timing, triggered_s, jitter=jitter),
+        level_dn=level_dn,
         epoch=epoch,
-        patterns=_patterns(scene, seed),
-        seed=seed,
     )
 
 
-def _lens(scene: Scene, timing: BolometerTiming, motion: Motion) -> Lens:
-    """Linear pixels, or those that radiate; the latter leave the shutter with the shortest of their lags."""
-    rad_per_s = 2 * math.pi * scene.trigger.wheel_hz
+def rows_at_s(scene: Scene) -> Array:
+    """How much later than row 0 each row is read, shape (row,), s; a photon camera has one moment for all."""
+    row_delay_s = scene.timing.row_delay_s if isinstance(scene.timing, BolometerTiming) else 0.0
+    return np.arange(scene.detector.rows, dtype=np.float64) * row_delay_s
+
+
+def upkeep_at(scene: Scene, triggered_s: Array) -> tuple[Ticks, Array]:
+    """Which of the patterns is there, and jumps and drift up to then, DN, at these triggers; shapes (n_trigger,)."""
+    events = scene.correction.events
+    epoch = np.searchsorted([event.start_s + event.duration_s for event in events], triggered_s, side="right")
+    jumps = np.cumsum([0.0, *(event.level_jump_dn for event in events)])
+    return epoch, jumps[epoch] + _drift_dn(scene, triggered_s)
+
+
+def lens_of(scene: Scene, motion: Turning, *, rad_per_s: float) -> Lens:
+    """Linear pixels, or those that radiate; the latter leave the shutter with the shortest of their lags.
+
+    Parameters
+    ----------
+    scene
+        Of a microbolometer.
+    motion
+        Of its wheel.
+    rad_per_s
+        Its nominal speed.
+    """
+    timing = scene.timing
+    if not isinstance(timing, BolometerTiming):
+        raise PlanError("pixels without lag in a photon camera; start from microbolometer_scene()")
     if timing.radiative is None:
         lag_s = timing.time_constant_s
         shot: LaggingPicture | WidePicture = _lagging_picture(_still(scene), rad_per_s * lag_s)
@@ -167,7 +259,7 @@ def _lag_alone(timing: BolometerTiming) -> BolometerTiming:
     return BolometerTiming(time_constant_s=timing.time_constant_s, radiative=timing.radiative)
 
 
-def _surface_dn(scene: Scene) -> float:
+def surface_dn_of(scene: Scene) -> float:
     """What pixels give before the shutter."""
     if isinstance(scene.timing, BolometerTiming) and scene.timing.radiative is not None:
         return float(wide_pixel(scene).settled_dn(np.array(scene.correction.surface_k)))
@@ -219,13 +311,17 @@ def _still(scene: Scene) -> Scene:
     )
 
 
+def covers(event: ShutterEvent, time_s: Array) -> npt.NDArray[np.bool_]:
+    """Whether the event is under way at these times, any shape."""
+    return (time_s >= event.start_s) & (time_s < event.start_s + event.duration_s)
+
+
 def _thawed(triggered_s: Array, events: tuple[ShutterEvent, ...]) -> Ticks:
     """For each exposure the one that the camera gives out: itself, or the last before it froze."""
     own = np.arange(triggered_s.size)
     for event in events:
         if event.kind == "frozen":
-            within = (triggered_s >= event.start_s) & (triggered_s < event.start_s + event.duration_s)
-            own[within] = 0
+            own[covers(event, triggered_s)] = 0
     return np.maximum.accumulate(own)
 
 
@@ -235,9 +331,9 @@ def _drift_dn(scene: Scene, time_s: Array) -> Array:
     return drift.per_second_dn * time_s + drift.settling_dn * np.exp(-time_s / drift.settling_time_s)
 
 
-def _patterns(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
+def patterns_of(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
     """Pattern at the start, which belongs to the camera, and after each correction, which is chance."""
-    detector, surface_dn = scene.detector, _surface_dn(scene)
+    detector, surface_dn = scene.detector, surface_dn_of(scene)
     shape = (detector.rows, detector.columns)
     first = generator(detector.pattern_seed, "correction").standard_normal(shape, dtype=np.float32)
     later = [
@@ -249,20 +345,8 @@ def _patterns(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
 
 def _shutter(scene: Scene, lens: Lens) -> Shutter:
     """Every closure with what the pixels carry into it and out of it."""
-    surface_dn = _surface_dn(scene)
-    shape = (scene.detector.rows, scene.detector.columns)
-    shutter = Shutter(surface_dn=surface_dn, fading=Fading(lens.time_constant_s))
+    shutter = Shutter(surface_dn=surface_dn_of(scene), fading=Fading(lens.time_constant_s))
     for event in scene.correction.events:
-        if event.kind != "closed":
-            continue
-        begin_s, end_s = event.start_s, event.start_s + event.duration_s
-        closing, opening = np.empty(shape, np.float32), np.empty(shape, np.float32)
-        lens.show(np.full(shape[0], begin_s), out=closing)
-        shutter.cover(np.full(shape[0], begin_s), signal_dn=closing)
-        closing -= surface_dn
-        lens.show(np.full(shape[0], end_s), out=opening)
-        left = float(shutter.fading.left_after(np.array(event.duration_s)))
-        opening = (surface_dn + left * closing - opening).astype(np.float32)
-        closure = Closure(begin_s=begin_s, end_s=end_s, closing_dn=closing, opening_dn=opening)
-        shutter = replace(shutter, closures=(*shutter.closures, closure))
+        if event.kind == "closed":
+            shutter = shutter.closed_by(event, lens, rows_columns=(scene.detector.rows, scene.detector.columns))
     return shutter

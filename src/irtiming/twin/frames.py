@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from os import cpu_count
 from typing import Protocol, final
 
@@ -11,9 +12,9 @@ import numpy as np
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.recording import NonuniformityReference
-from irtiming.twin.noise import FixedPattern, Purpose, Values, digitise, generator
-from irtiming.twin.pixels import Picture, expose
-from irtiming.twin.scene import Radiance
+from irtiming.twin.noise import FixedPattern, Purpose, Values, digitise, fixed_pattern, generator
+from irtiming.twin.pixels import Picture, expose, picture
+from irtiming.twin.scene import CameraTiming, Detector, Radiance, Scene, Timing
 
 _BLOCK_BYTES = 16e6
 
@@ -46,6 +47,43 @@ class WheelShots:
         expose(self.shot, self.wheel_angle_rad[index], out=signal_dn)
         random = generator(self.seed, "frame", index=int(self.frame_number[index]))
         digitise(signal_dn, self.pattern, random=random, out=out)
+
+
+def prepared(scene: Scene) -> tuple[Picture, FixedPattern]:
+    """Rays and fixed pattern of a snapshot: the same for every run of a rig, so kept from one run to the next."""
+    steady = replace(scene, timing=Scene().timing, trigger=Scene().trigger, faults=Scene().faults)
+    return _picture(steady), pattern_of(scene.detector)
+
+
+@lru_cache(maxsize=2)
+def _picture(scene: Scene) -> Picture:
+    return picture(scene)
+
+
+@lru_cache(maxsize=2)
+def pattern_of(detector: Detector) -> FixedPattern:
+    """`fixed_pattern`, kept from one call to the next."""
+    return fixed_pattern(detector)
+
+
+def started_at_s(timing: Timing, triggered_s: Array, *, jitter: Array) -> Array:
+    """When the integration, or the reading of row 0, begins; shape (n_trigger,), s.
+
+    Parameters
+    ----------
+    timing
+        Of the camera.
+    triggered_s
+        Shape (n_trigger,): when the triggers reach the camera, s.
+    jitter
+        Shape (n_trigger,): in standard deviations.
+    """
+    return triggered_s + timing.trigger_delay_s + timing.jitter_s * jitter
+
+
+def window_s(timing: CameraTiming) -> Array:
+    """Middles of the equal parts of an integration window, shape (n_instant,), s after its beginning."""
+    return (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
 
 
 @final

@@ -24,7 +24,8 @@ class Picture:
 
     ``closed_dn`` (row, column) is the signal behind solid wheel; ``opening_dn`` and ``plate_dn`` (n_live,)
     are what a pixel of the table gains where it sees the blackbody or the mask plate instead. ``open_rad``
-    (3, 2) are the intervals of phi_A + theta - phi in [0, 2 pi) at which a cutout lies over phi.
+    (3, 2) are the intervals of phi_A + theta - phi in [0, 2 pi) at which a cutout lies over phi. ``span_rad`` (n_live, 2)
+    are the smallest and largest offset of a pixel's rays.
     """
 
     table: RayTable
@@ -33,6 +34,7 @@ class Picture:
     plate_dn: Weights
     open_rad: Array
     gate_rad: float
+    span_rad: Offsets
 
 
 def picture(scene: Scene) -> Picture:
@@ -51,6 +53,7 @@ def picture(scene: Scene) -> Picture:
         plate_dn=np.float32(radiance.level_dn(radiance.mask_k)) - behind,
         open_rad=np.array(opened),
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
+        span_rad=_spans(table.offset_rad, table.n_opening, table.n_plate),
     )
 
 
@@ -82,7 +85,7 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
     _add_open_rays(
         out.reshape(-1),
         (angles + shot.gate_rad, shot.open_rad),
-        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad),
+        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad, shot.span_rad),
         (shot.opening_dn, shot.plate_dn),
         1.0 / (table.rays_per_pixel * angles.size),
     )
@@ -92,19 +95,19 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
 def _add_open_rays(
     flat: Weights,
     wheel: tuple[Array, Array],
-    table: tuple[Indices, Array, Indices, Indices, Offsets],
+    table: tuple[Indices, Array, Indices, Indices, Offsets, Offsets],
     gain: tuple[Weights, Weights],
     share: float,
 ) -> None:
     """Add to each live pixel what its rays past the wheel bring, averaged over the instants."""
     angles, opened = wheel
-    pixel, reference, n_opening, n_plate, offset = table
+    pixel, reference, n_opening, n_plate, offset, span = table
     turn = 2 * math.pi
     middle = 0.5 * (angles[0] + angles[-1])
     swing = 0.5 * (angles[-1] - angles[0])
     for live in range(pixel.size):
         first, second = n_opening[live], n_opening[live] + n_plate[live]
-        low, high = _span(offset[live], first, second)
+        low, high = span[live, 0], span[live, 1]
         mean = (middle - reference[live]) / turn
         mean = (mean - math.floor(mean)) * turn
         if _untouched(opened, mean - swing - high, mean + swing - low):
@@ -119,6 +122,15 @@ def _add_open_rays(
             past_opening += _count_open(offset[live, :first], opened, edge)
             past_plate += _count_open(offset[live, first:second], opened, edge)
         flat[pixel[live]] += share * (past_opening * gain[0][live] + past_plate * gain[1][live])
+
+
+@njit(cache=True, nogil=True)
+def _spans(offset: Offsets, n_opening: Indices, n_plate: Indices) -> Offsets:
+    """Smallest and largest offset of each pixel's rays: beside each other, so that most frames need no others."""
+    spans = np.empty((offset.shape[0], 2), np.float32)
+    for live in range(offset.shape[0]):
+        spans[live, 0], spans[live, 1] = _span(offset[live], n_opening[live], n_opening[live] + n_plate[live])
+    return spans
 
 
 @njit(cache=True, nogil=True)

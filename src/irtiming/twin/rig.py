@@ -14,9 +14,16 @@ from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.twin.bolometer import bolometer_shots
 from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
-from irtiming.twin.frames import SimulatedFrames, WheelShots, nonuniformity_reference
-from irtiming.twin.noise import FixedPattern, fixed_pattern, generator
-from irtiming.twin.pixels import Picture, picture
+from irtiming.twin.frames import (
+    SimulatedFrames,
+    WheelShots,
+    nonuniformity_reference,
+    pattern_of,
+    prepared,
+    started_at_s,
+    window_s,
+)
+from irtiming.twin.noise import generator
 from irtiming.twin.scene import BolometerTiming, CameraTiming, ChopperWheel, Detector, Radiance, Scene, Timing
 
 
@@ -214,7 +221,7 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
 
 def _wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> WheelShots:
     """Frames of one run of a photon camera."""
-    shot, pattern = _prepared(scene)
+    shot, pattern = prepared(scene)
     return WheelShots(
         shot=shot,
         pattern=pattern,
@@ -224,25 +231,9 @@ def _wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> Whe
     )
 
 
-def _prepared(scene: Scene) -> tuple[Picture, FixedPattern]:
-    """Rays and fixed pattern: the same for every run of a rig, so kept from one run to the next."""
-    steady = replace(scene, timing=Scene().timing, trigger=Scene().trigger, faults=Scene().faults)
-    return _picture(steady), _pattern(scene.detector)
-
-
-@lru_cache(maxsize=2)
-def _picture(scene: Scene) -> Picture:
-    return picture(scene)
-
-
-@lru_cache(maxsize=2)
-def _pattern(detector: Detector) -> FixedPattern:
-    return fixed_pattern(detector)
-
-
 @lru_cache(maxsize=2)
 def _reference(radiance: Radiance, detector: Detector) -> NonuniformityReference:
-    return nonuniformity_reference(radiance, _pattern(detector), seed=detector.pattern_seed)
+    return nonuniformity_reference(radiance, pattern_of(detector), seed=detector.pattern_seed)
 
 
 def _kept_frames(scene: Scene, seed: int) -> Any:
@@ -259,10 +250,9 @@ def _exposed_angles(scene: Scene, motion: Motion, seed: int) -> Any:
         raise PlanError("snapshots from a microbolometer camera; start from paper_scene()")
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
     triggered_s = np.arange(trigger.n_triggers) * trigger.camera_period_ticks / trigger.clock_frequency_hz
-    jitter_s = timing.jitter_s * generator(seed, "exposure").standard_normal(trigger.n_triggers)
-    start_s = triggered_s + set_s + timing.trigger_delay_s + jitter_s
-    part_s = (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
-    return motion.angle_at(start_s[:, None] + part_s)
+    jitter = generator(seed, "exposure").standard_normal(trigger.n_triggers)
+    start_s = started_at_s(timing, triggered_s + set_s, jitter=jitter)
+    return motion.angle_at(start_s[:, None] + window_s(timing))
 
 
 def series(

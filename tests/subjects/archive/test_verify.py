@@ -139,9 +139,9 @@ CASES = {
         ["has chunks of (2, 2, 6) that are not whole frames", "one frame per chunk"],
     ),
     "unknown field": (
-        lambda file: file.__setitem__(f"{CAMERA}/serial_number", "X1"),
+        lambda file: file.__setitem__(f"{CAMERA}/lens", "X1"),
         "info",
-        ["camera/serial_number is not read by irtiming"],
+        ["camera/lens is not read by irtiming"],
     ),
 }
 

@@ -9,12 +9,12 @@ from collections import deque
 import numpy as np
 import pytest
 
+from irtiming.acquire.trigger_train import measure
 from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.instruments.register_link import Patience
 from irtiming.instruments.serial_line import open_line
-from irtiming.instruments.timestamped_run import measure
 from irtiming.instruments.trigger_generator import connected
 
 CLOCK_HZ = 48_000_000

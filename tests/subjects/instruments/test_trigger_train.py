@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import pytest
 
+from irtiming.acquire import trigger_train
+from irtiming.acquire.trigger_train import measure
 from irtiming.errors import InstrumentError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.register_map import Channel
-from irtiming.instruments import timestamped_run
 from irtiming.instruments.register_link import Patience
-from irtiming.instruments.timestamped_run import measure
 from irtiming.instruments.trigger_generator import SerialTriggerGenerator
 
 CLOCK_HZ = 48_000_000
@@ -31,7 +31,7 @@ def _measured(line, run):
 @pytest.fixture
 def hasty(monkeypatch):
     """Wait for the wheel for 3 s of the device's time instead of 30."""
-    monkeypatch.setattr(timestamped_run, "_SETTLING_S", 3.0)
+    monkeypatch.setattr(trigger_train, "_SETTLING_S", 3.0)
 
 
 class _Without:

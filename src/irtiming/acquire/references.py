@@ -1,0 +1,109 @@
+"""Frames of the bare blackbody at two temperatures, wheel and mask out of the way, from which non-uniformity is corrected."""
+
+import asyncio
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from irtiming.acquire.attendant import Attendant
+from irtiming.acquire.rig import Rig
+from irtiming.acquire.temperature import celsius, settled
+from irtiming.archive.reference_file import reference_of
+from irtiming.errors import InstrumentError
+from irtiming.records.arrays import Pixels
+from irtiming.records.recording import NonuniformityReference
+from irtiming.records.series_plan import BlackbodyWishes, ReferenceWishes
+from irtiming.records.trigger_plan import PlannedRun
+
+_PATIENCE_S = 3.0
+_CLEARLY = 3.0
+"""Least difference of the two temperatures' frames, in standard deviations of a pixel."""
+
+
+async def record_references(
+    rig: Rig,
+    wishes: ReferenceWishes,
+    *,
+    run: PlannedRun,
+    attendant: Attendant,
+) -> NonuniformityReference | None:
+    """Record the bare blackbody, colder and warmer.
+
+    Parameters
+    ----------
+    rig
+        With a blackbody, camera set.
+    wishes
+        Temperatures and number of frames.
+    run
+        Whose frame rate is taken; the chopper's reference goes on as for that run.
+    attendant
+        Takes wheel and mask away before and brings them back after, is told what is waited for, and may leave.
+
+    Returns
+    -------
+    Reference with its raw frames, None if it was ended.
+
+    Raises
+    ------
+    InstrumentError
+        If a device fails, frames are missing, or the two do not differ.
+    """
+    await attendant.move_wheel("remove")
+    stacks: list[Pixels] = []
+    temperatures: list[float] = []
+    for target_k in (wishes.low_k, wishes.high_k):
+        if target_k is None:
+            raise InstrumentError("[references] names no temperatures; write low and high")
+        state = await settled(
+            rig,
+            target_k,
+            wishes=BlackbodyWishes(temperatures_k=(target_k,)),
+            attendant=attendant,
+        )
+        if state is None:
+            return None
+        attendant.says(f"recording {wishes.frames} frames of the bare blackbody at {celsius(state.temperature_k)}")
+        stacks.append(await _bare_frames(rig, run, wishes.frames))
+        temperatures.append(state.temperature_k)
+    found = reference_of(stacks[0], stacks[1], low_k=temperatures[0], high_k=temperatures[1])
+    step = float(np.median(found.high_dn - found.low_dn))
+    noise = float(np.hypot(np.median(found.low_noise_dn), np.median(found.high_noise_dn)))
+    if not step > _CLEARLY * noise:
+        raise InstrumentError(
+            f"the bare blackbody at {celsius(temperatures[1])} is {step:.4g} DN brighter than at "
+            f"{celsius(temperatures[0])}, at a noise "
+            f"of {noise:.2g} DN; take wheel and mask out of the way, or choose temperatures further apart"
+        )
+    await attendant.move_wheel("insert")
+    return found
+
+
+async def _bare_frames(rig: Rig, run: PlannedRun, n_frames: int) -> Pixels:
+    """So many whole frames, triggered at the frame rate of a run, shape (frame, row, column)."""
+    generator, camera = rig.generator, rig.camera
+    repeats = -(-n_frames // run.scheme.samples_per_turn) + 1  # a few more, for frames that come damaged
+    await generator.load(
+        replace(run, trigger_delay_ticks=0, repeats=repeats), clock_frequency_hz=generator.clock_frequency_hz
+    )
+    await camera.arm()
+    stack: list[Pixels] = []
+    frames = camera.frames()
+    patience_s = rig.host_s(_PATIENCE_S + 20 * run.scheme.camera_period_ticks / generator.clock_frequency_hz)
+    try:
+        await generator.arm()
+        await generator.start()
+        while len(stack) < n_frames:
+            frame = await asyncio.wait_for(anext(frames), patience_s)
+            if frame.is_whole:
+                stack.append(frame.pixels.copy())
+    except (TimeoutError, StopAsyncIteration) as error:
+        raise InstrumentError(
+            f"{camera.name} sent {len(stack)} of {n_frames} reference frames; check its trigger line and TriggerSource"
+        ) from error
+    finally:
+        with suppress(InstrumentError):
+            await generator.stop()
+        await camera.disarm()
+    return np.stack(stack)

@@ -1,0 +1,278 @@
+"""Many runs from one plan: references before and after, every temperature, speed and delay, and going on where it stopped."""
+
+import re
+from collections.abc import Collection
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import final
+
+from irtiming.acquire.attendant import Attendant
+from irtiming.acquire.journal import Journal
+from irtiming.acquire.references import record_references
+from irtiming.acquire.rig import Rig
+from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
+from irtiming.acquire.temperature import celsius, settled
+from irtiming.archive.live_recording import COMPLETE
+from irtiming.archive.recovery import recover
+from irtiming.archive.reference_file import add_reference, read_reference, write_reference
+from irtiming.errors import ArchiveError, InstrumentError, IrTimingError
+from irtiming.records.instrument_state import BlackbodyState
+from irtiming.records.recording import NonuniformityReference
+from irtiming.records.series_plan import SeriesPlan
+from irtiming.records.trigger_plan import PlannedRun, TriggerPlan
+
+BEFORE, AFTER = "references-before.npz", "references-after.npz"
+_MICROSECONDS = 1e6
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """A plan whose triggers are found, and the folder for its recordings. ``numbers`` are the runs to make; None: all."""
+
+    plan: SeriesPlan
+    triggers: TriggerPlan
+    folder: Path
+    numbers: Collection[int] | None = None
+
+    @property
+    def runs(self) -> list[tuple[int, float | None, PlannedRun]]:
+        """Number from 1, blackbody temperature in K and plan of every run, in order."""
+        wishes = self.plan.blackbody
+        temperatures: tuple[float | None, ...] = (None,) if wishes is None else wishes.temperatures_k
+        every = [(target_k, run) for target_k in temperatures for run in self.triggers]
+        return [(number, target_k, run) for number, (target_k, run) in enumerate(every, 1)]
+
+    def to_make(self, journal: Journal) -> list[tuple[int, float | None, PlannedRun]]:
+        """Runs that are asked for and not complete yet."""
+        wanted = self.numbers
+        return [
+            entry for entry in self.runs
+            if (wanted is None or entry[0] in wanted) and journal.file_of(entry[0]) is None
+        ]  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SeriesOutcome:
+    """What became of a series: runs made now, numbers of those made before, files recovered, and how it ended."""
+
+    outcomes: tuple[RunOutcome, ...]
+    made_before: tuple[int, ...]
+    recovered: tuple[Path, ...]
+    ending: str
+
+    @property
+    def is_good(self) -> bool:
+        """Whether all was made, or enough."""
+        return self.ending in (COMPLETE, ENOUGH)
+
+
+async def record_series(rig: Rig, series: Series, *, attendant: Attendant, journal: Journal) -> SeriesOutcome:
+    """Make all runs that are not complete yet; the checklist must have had no complaint.
+
+    Parameters
+    ----------
+    rig
+        Connected.
+    series
+        What to make.
+    attendant
+        Hears what happens, takes wheel and mask out of the way for references, and may end it: the run is then closed with what
+        it has.
+    journal
+        Of the folder.
+
+    Returns
+    -------
+    What became of it; also where a run ended early, which ends the series.
+    """
+    made = _Made(rig, series, attendant=attendant, journal=journal)
+    recovered = recovered_parts(series.folder, journal=journal, attendant=attendant)
+    pending = series.to_make(journal)
+    before = tuple(number for number, _, _ in series.runs if journal.file_of(number) is not None)
+    try:
+        ending = await made.make(pending)
+    except IrTimingError as error:
+        notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
+        ending = f"{error}{notes}"
+    finally:
+        if series.plan.stop.chopper and rig.chopper is not None:
+            with suppress(InstrumentError):
+                await rig.chopper.stop()
+    journal.note(f"ended: {ending}")
+    return SeriesOutcome(outcomes=tuple(made.outcomes), made_before=before, recovered=recovered, ending=ending)
+
+
+@final
+class _Made:
+    """A series while it is made."""
+
+    def __init__(self, rig: Rig, series: Series, *, attendant: Attendant, journal: Journal) -> None:
+        self._rig, self._series, self._attendant, self._journal = rig, series, attendant, journal
+        self._latency_s: float | None = None
+        self.outcomes: list[RunOutcome] = []
+
+    async def make(self, pending: list[tuple[int, float | None, PlannedRun]]) -> str:
+        """References and runs; gives the ending."""
+        if pending:
+            self._journal.note(f"begun: runs {', '.join(str(number) for number, _, _ in pending)}")
+            await set_camera(self._rig, self._series.plan)
+        reference = await self._references_before(pending)
+        for number, target_k, run in pending:
+            if self._attendant.is_leaving():
+                return INTERRUPTED
+            ending = await self._run(number, target_k, run, reference=reference)
+            if ending == ENOUGH:
+                break
+            if ending != COMPLETE:
+                return ending
+            if self._attendant.is_enough():
+                ending = ENOUGH
+                break
+        else:
+            ending = COMPLETE
+        return await self._references_after(ending)
+
+    async def _run(
+        self, number: int, target_k: float | None, run: PlannedRun, *, reference: NonuniformityReference | None
+    ) -> str:
+        blackbody = await self._stable(target_k)
+        if target_k is not None and blackbody is None:
+            return INTERRUPTED
+        wishes = self._series.plan.blackbody
+        order = RunOrder(
+            number=number,
+            path=self._path_of(number, target_k, run),
+            run=run,
+            camera=self._series.plan.camera,
+            nonuniformity=reference,
+            blackbody_before=blackbody,
+            tolerance_k=0.1 if wishes is None else wishes.tolerance_k,
+            usual_latency_s=self._latency_s,
+        )
+        outcome = await record_run(self._rig, order, attendant=self._attendant)
+        self.outcomes.append(outcome)
+        self._journal.add(outcome)
+        if outcome.is_complete:
+            self._latency_s = outcome.verdict.latency_s
+            return COMPLETE
+        return outcome.ending if outcome.ending in (ENOUGH, INTERRUPTED) else f"{outcome.path}: {outcome.ending}"
+
+    async def _stable(self, target_k: float | None) -> BlackbodyState | None:
+        """The blackbody at its temperature; as it is where none is asked for; None where there is none."""
+        wishes = self._series.plan.blackbody
+        if self._rig.blackbody is None:
+            return None
+        if target_k is None or wishes is None:
+            return await self._rig.blackbody.state()
+        return await settled(self._rig, target_k, wishes=wishes, attendant=self._attendant)
+
+    async def _references_before(
+        self, pending: list[tuple[int, float | None, PlannedRun]]
+    ) -> NonuniformityReference | None:
+        """References for the runs to come: recorded earlier, or now; None where they come after the runs."""
+        wishes = self._series.plan.references
+        if wishes is None or not pending:
+            return None
+        if wishes.file:
+            return read_reference(wishes.file)
+        if wishes.when == "after":
+            return None
+        earlier = self._series.folder / BEFORE
+        return read_reference(earlier) if earlier.exists() else await self._recorded_references(earlier)
+
+    async def _references_after(self, ending: str) -> str:
+        """References of runs that are over, where they are wished for and every run is made."""
+        wishes, path = self._series.plan.references, self._series.folder / AFTER
+        files = [self._journal.file_of(number) for number, _, _ in self._series.runs]
+        is_due = ending == ENOUGH or all(file is not None for file in files)
+        if wishes is None or wishes.file or wishes.when == "before" or not is_due:
+            return ending
+        reference = read_reference(path) if path.exists() else await self._recorded_references(path)
+        if wishes.when == "after":
+            for file in files:
+                if file is not None and read_nothing(file):
+                    add_reference(reference, file)
+        return ending
+
+    async def _recorded_references(self, path: Path) -> NonuniformityReference:
+        wishes = self._series.plan.references
+        if wishes is None:
+            raise InstrumentError("no references are planned; write [references]")
+        found = await record_references(
+            self._rig,
+            wishes,
+            run=self._series.triggers.runs[0],
+            attendant=self._attendant,
+        )
+        if found is None:
+            raise InstrumentError(INTERRUPTED)
+        write_reference(found, path)
+        self._journal.note(f"references recorded: {path.name}")
+        return found
+
+    def _path_of(self, number: int, target_k: float | None, run: PlannedRun) -> Path:
+        """A name that is free; one that is taken gets a number behind it."""
+        clock = self._series.triggers.clock_frequency_hz
+        name = self._series.plan.file_name.format(
+            utc=datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ"),
+            camera=re.sub(r"[^A-Za-z0-9-]+", "-", self._rig.camera.identity.model).strip("-") or "camera",
+            speed=f"{clock / run.scheme.turn_period_ticks:.4g}Hz",
+            delay=f"{run.trigger_delay_ticks / clock * 1e3:.6g}ms",
+            run=f"{number:02d}",
+            temperature="as-it-is" if target_k is None else celsius(target_k).replace(" °", ""),
+        )
+        path, again = self._series.folder / name, 1
+        while path.exists() or path.with_name(f"{path.name}.part").exists():
+            again += 1
+            path = self._series.folder / f"{Path(name).stem}-{again}.nxs"
+        return path
+
+
+async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
+    """Set the camera's features as planned, integration time first; each is read back.
+
+    Raises
+    ------
+    InstrumentError
+        If it does not take one.
+    """
+    if plan.camera.integration_time_s is not None:
+        await rig.camera.set_feature("ExposureTime", value=f"{plan.camera.integration_time_s * _MICROSECONDS:.10g}")
+    for name, value in plan.camera.features:
+        await rig.camera.set_feature(name, value=value)
+
+
+def recovered_parts(folder: Path, *, journal: Journal, attendant: Attendant) -> tuple[Path, ...]:
+    """Finish recordings that a killed program left in a folder; their runs are made again all the same.
+
+    Parameters
+    ----------
+    folder
+        Of the series.
+    journal, attendant
+        Told of each.
+    """
+    found = []
+    for part in sorted(folder.glob("*.nxs.part")):
+        try:
+            found.append(recover(part))
+        except ArchiveError as error:
+            attendant.says(f"cannot be recovered: {error}")
+            journal.note(f"cannot be recovered: {error}")
+        else:
+            journal.note(f"recovered what an interrupted program left: {found[-1].name}")
+            attendant.says(f"recovered what an interrupted program left: {found[-1]}")
+    return tuple(found)
+
+
+def read_nothing(path: Path) -> bool:
+    """Whether a recording has no references yet."""
+    try:
+        read_reference(path)
+    except ArchiveError:
+        return True
+    return False

@@ -1,0 +1,77 @@
+"""Which frames of a file are whole: the others are left out, as lost frames are."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from irtiming.archive import layout
+from irtiming.archive.finding import Finding
+from irtiming.records.arrays import read_only
+
+if TYPE_CHECKING:
+    from irtiming.archive.consistency import Contents
+    from irtiming.archive.layout import Field
+    from irtiming.records.arrays import Ticks
+
+WHOLE, DAMAGED, BLANK, UNTIMED = range(4)
+"""Values of the status; a higher one, of a later program, counts as not whole."""
+
+_WORDS = {DAMAGED: "damaged", BLANK: "blank", UNTIMED: "without a timestamp of their trigger"}
+
+
+def leave_out(contents: "Contents") -> tuple["Contents", "Ticks | None", list[Finding]]:
+    """The same contents without the frames that are not whole.
+
+    Parameters
+    ----------
+    contents
+        As the fields say it, frames of any status among them; fields that are None are left out.
+
+    Returns
+    -------
+    Contents of the whole frames; their indices in the file, or None if all are whole; what is to be said of the others.
+    """
+    shape, status = contents.get(layout.FRAMES), contents.get(layout.FRAME_STATUS)
+    findings = list(_lengths(contents))
+    if shape is None or status is None or status.size != shape[0]:
+        return contents, None, findings
+    kept = np.flatnonzero(status == WHOLE)
+    if kept.size == status.size:
+        return contents, None, findings
+    told = [f"{n} {word}" for value, word in _WORDS.items() if (n := int(np.count_nonzero(status == value)))]
+    if unknown := int(np.count_nonzero(status > UNTIMED)):
+        told.append(f"{unknown} of unknown status")
+    what = f"tells that of {status.size} frames {', '.join(told)}"
+    if kept.size == 0:
+        cure = "check the camera and its link, and record again"
+        return contents, None, [*findings, _finding(layout.FRAME_STATUS, what, cure=cure, is_error=True)]
+    findings.append(_finding(layout.FRAME_STATUS, what, cure="they are left out; check the link to the camera"))
+    left = contents | {layout.FRAMES: (kept.size, *shape[1:])}
+    if left.get(layout.FRAME_NUMBER) is None:
+        left[layout.FRAME_NUMBER] = np.arange(shape[0], dtype=np.int64)
+    for field in layout.PER_FRAME:
+        column = left.get(field)
+        if column is not None and len(column) == shape[0]:
+            left[field] = read_only(column[kept])
+    return left, read_only(kept), findings
+
+
+def with_untimed(status: "Ticks", frame_number: "Ticks", *, n_triggers: int) -> "Ticks":
+    """Status of each frame, where whole frames for whose trigger there is no timestamp are marked; shapes (n_frame,)."""
+    return np.where((status == WHOLE) & (frame_number >= n_triggers), UNTIMED, status)
+
+
+def _lengths(contents: "Contents") -> Iterator[Finding]:
+    shape = contents.get(layout.FRAMES)
+    for field in (layout.FRAME_STATUS, *layout.PER_FRAME):
+        column = contents.get(field)
+        if shape is None or column is None or field is layout.FRAME_NUMBER:
+            continue
+        if len(column) != shape[0]:
+            what = f"has {len(column)} entries for {shape[0]} frames"
+            yield _finding(field, what, cure="write one per frame", is_error=True)
+
+
+def _finding(field: "Field", what: str, *, cure: str, is_error: bool = False) -> Finding:
+    return Finding(severity="error" if is_error else "warning", where=field.path, what=what, cure=cure)

@@ -1,0 +1,133 @@
+"""A finished recording of one that was interrupted: everything that is in the file but what was half written."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from irtiming.archive import frame_status, layout
+from irtiming.archive.finding import Complaint, archive_error, refuse
+from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.live_finish import conclude, give_name, require_free_name
+from irtiming.archive.nexus import bring_to_disk
+from irtiming.archive.result_file import require_place
+from irtiming.archive.unfinished import NOT_FINISHED, ending_of, frames_there, is_claimed, summary, unfinished
+from irtiming.errors import ArchiveError
+
+KILLED = "interrupted: the program that recorded it was stopped before its end"
+"""Ending of a recording whose writer could not say why, where a person trusts it."""
+
+UNPROVEN = f"{layout.NOT_TRUSTED}{KILLED}, and did not prove that its first frame belongs to the first trigger"
+"""Ending of such a recording otherwise: the proof comes with the last frame."""
+
+
+def recover(
+    part: str | Path,
+    path: str | Path | None = None,
+    *,
+    keep: bool = False,
+    trust: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Make a finished recording of an interrupted one.
+
+    Every frame is read, and one that cannot be is marked as damaged. Nothing is altered in the interrupted file; it
+    is removed when the new one is on the disk.
+
+    Parameters
+    ----------
+    part
+        File whose name ends in ``.part``.
+    path
+        File to make; if None, the same name without ``.part``.
+    keep
+        Leave the interrupted file there.
+    trust
+        Take each frame as that of the trigger that it was given when it came, also where its writer was killed before it could
+        prove that: somebody knows that no trigger and no frame was missed.
+    progress
+        Called with frames looked at and all frames.
+
+    Returns
+    -------
+    The finished file.
+
+    Raises
+    ------
+    ArchiveError
+        If the interrupted file is still being written, cannot be read, or has too little in it for a recording; or the new
+        one exists already or cannot be written.
+    """
+    source = Path(part)
+    if path is None and not str(source).endswith(layout.PART):
+        raise ArchiveError(f"{source}: is not called NAME{layout.SUFFIX}{layout.PART}; say which file to make (--out)")
+    target = source.with_suffix("") if path is None else Path(path)
+    require_place(target, besides=[source])
+    require_free_name(target)
+    made = target.with_name(f"{target.name}.recovering")
+    if is_claimed(source):
+        raise archive_error(source, unfinished(source))
+    try:
+        _make(made, source, trust=trust, progress=progress)
+        give_name(made, target)
+    except Complaint as complaint:
+        raise complaint.as_error(source) from complaint
+    except H5_ERRORS as error:
+        what = f"cannot be made of {source} ({reason_of(error)})"
+        raise ArchiveError(f"{target}: {what}; is the disk full? --out puts it on another") from error
+    finally:
+        made.unlink(missing_ok=True)
+    if not keep:
+        source.unlink()
+    return target
+
+
+def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int], None] | None) -> None:
+    """The finished file under another name."""
+    with opened(source, is_growing=True) as file:
+        if frames_there(file) == 0:
+            raise refuse("", f"has {summary(file)}", cure="delete it and record again")
+        ending = ending_of(file)
+        _copy(file, path)
+    with h5py.File(path, "r+", libver=layout.HDF5_FORMAT) as file:
+        _mend(file, progress=progress)
+        _forget_unconfirmed(file, ending=ending)
+        conclude(file, ending=ending if ending != NOT_FINISHED else KILLED if trust else UNPROVEN)
+
+
+def _copy(file: h5py.File, path: Path) -> None:
+    """All that is in the file, with the entries of the last frame that are not all there cut off."""
+    n_frames = frames_there(file)
+    with h5py.File(path, "w", libver=layout.HDF5_FORMAT) as copy:
+        for name, value in file.attrs.items():
+            copy.attrs[name] = value
+        file.copy(layout.ENTRY, copy)
+        for field in (layout.FRAMES, layout.FRAME_STATUS, *layout.PER_FRAME):
+            copy[field.path].resize(n_frames, axis=0)
+    bring_to_disk(path)
+
+
+def _mend(file: h5py.File, *, progress: Callable[[int, int], None] | None) -> None:
+    """Mark each frame that cannot be read, and put a zero frame in its place."""
+    frames, status = file[layout.FRAMES.path], file[layout.FRAME_STATUS.path]
+    n_frames = len(frames)
+    pixels = np.empty((1, *frames.shape[1:]), np.uint16)
+    n_stored = frames.id.get_num_chunks()
+    for index in range(n_frames):
+        try:
+            frames.read_direct(pixels, np.s_[index : index + 1])
+            is_there = n_stored == n_frames or frames.id.get_chunk_info_by_coord((index, 0, 0)).byte_offset is not None
+        except H5_ERRORS:
+            is_there = False
+        if not is_there:
+            frames[index] = np.zeros(frames.shape[1:], np.uint16)
+            status[index] = frame_status.DAMAGED
+        if progress is not None:
+            progress(index + 1, n_frames)
+
+
+def _forget_unconfirmed(file: h5py.File, *, ending: str) -> None:
+    """An empty list of losses is the trigger generator's word at the end of a run; a killed program never heard it."""
+    if ending == NOT_FINISHED and len(file[layout.LOST_AFTER.path]) == 0:
+        del file[layout.LOST_AFTER.path]

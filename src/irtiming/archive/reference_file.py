@@ -1,0 +1,143 @@
+"""Non-uniformity references by themselves: frames of the bare blackbody, before they join the recordings that they serve."""
+
+import shutil
+from pathlib import Path
+from zipfile import BadZipFile
+
+import h5py
+import hdf5plugin
+import numpy as np
+
+from irtiming.archive import layout
+from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.reader import read, reduce_reference
+from irtiming.archive.result_file import unwritable
+from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Pixels, read_only
+from irtiming.records.recording import NonuniformityReference
+
+
+def reference_of(low: Pixels, high: Pixels, *, low_k: float, high_k: float) -> NonuniformityReference:
+    """Reference from raw frames of the bare blackbody.
+
+    Parameters
+    ----------
+    low, high
+        Frames at the colder and at the warmer temperature, shape (frame, row, column).
+    low_k, high_k
+        These temperatures.
+    """
+    low_frames, high_frames = ArrayFrames(low), ArrayFrames(high)
+    low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low_frames, high_frames)
+    return NonuniformityReference(
+        low_dn=read_only(low_dn),
+        high_dn=read_only(high_dn),
+        low_noise_dn=read_only(low_noise_dn),
+        high_noise_dn=read_only(high_noise_dn),
+        n_frames=min(len(low), len(high)),
+        low_temperature_k=low_k,
+        high_temperature_k=high_k,
+        low_frames=low_frames,
+        high_frames=high_frames,
+    )
+
+
+def write_reference(reference: NonuniformityReference, path: str | Path) -> None:
+    """Write raw frames and temperatures as ``.npz``, whole or not at all; nothing is overwritten.
+
+    Raises
+    ------
+    ArchiveError
+        If the file exists or cannot be written, or the reference has no raw frames.
+    """
+    target = Path(path)
+    if target.exists():
+        raise ArchiveError(f"{target}: exists already; move it away to record the references again")
+    part = target.with_name(f"{target.name}{layout.PART}")
+    low, high = _raw(reference, target)
+    try:
+        with part.open("wb") as file:
+            np.savez(
+                file,
+                low=low,
+                high=high,
+                low_temperature_k=np.float64(reference.low_temperature_k or np.nan),
+                high_temperature_k=np.float64(reference.high_temperature_k or np.nan),
+            )
+        part.replace(target)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise unwritable(target, error) from error
+
+
+def read_reference(path: str | Path) -> NonuniformityReference:
+    """References that `write_reference` wrote, or those in a recording.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read or holds none.
+    """
+    source = Path(path)
+    if source.suffix != ".npz":
+        found = read(source).nonuniformity
+        if found is None:
+            raise ArchiveError(f"{source}: holds no non-uniformity reference; name a recording that does")
+        return found
+    try:
+        with np.load(source, allow_pickle=False) as arrays:
+            low, high, low_k, high_k = (
+                arrays[name] for name in ("low", "high", "low_temperature_k", "high_temperature_k")
+            )
+    except FileNotFoundError as error:
+        raise ArchiveError(f"{source}: does not exist; check the name") from error
+    except (OSError, KeyError, ValueError, BadZipFile) as error:
+        raise ArchiveError(f"{source}: cannot be read ({reason_of(error)}); record the references again") from error
+    return reference_of(low, high, low_k=float(low_k), high_k=float(high_k))
+
+
+def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
+    """Put references into a finished recording that has none; the file is whole before and after, whatever happens between.
+
+    Raises
+    ------
+    ArchiveError
+        If the recording cannot be read or written, or has references already.
+    """
+    target = Path(path)
+    copy = target.with_name(f"{target.name}.adding")
+    stacks = dict(zip((layout.REFERENCE_LOW, layout.REFERENCE_HIGH), _raw(reference, target), strict=True))
+    temperatures = {
+        layout.REFERENCE_LOW: reference.low_temperature_k,
+        layout.REFERENCE_HIGH: reference.high_temperature_k,
+    }
+    try:
+        shutil.copyfile(target, copy)
+        with h5py.File(copy, "r+", libver=layout.HDF5_FORMAT) as file:
+            if layout.REFERENCE in file:
+                raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
+            file.create_group(layout.REFERENCE).attrs["NX_class"] = layout.GROUPS[layout.REFERENCE]
+            for field, frames in stacks.items():
+                dataset = file.create_dataset(
+                    field.path,
+                    data=frames,
+                    chunks=(1, *frames.shape[1:]),
+                    fletcher32=True,
+                    **hdf5plugin.Bitshuffle(cname="lz4"),
+                )
+                if temperatures[field] is not None:
+                    dataset.attrs[layout.TEMPERATURE_ATTRIBUTE] = temperatures[field]
+                    dataset.attrs[layout.TEMPERATURE_UNITS_ATTRIBUTE] = "K"
+        copy.replace(target)
+    except H5_ERRORS as error:
+        raise ArchiveError(f"{target}: references cannot be added ({reason_of(error)}); is the disk full?") from error
+    finally:
+        copy.unlink(missing_ok=True)
+
+
+def _raw(reference: NonuniformityReference, path: Path) -> tuple[Pixels, Pixels]:
+    if reference.low_frames is None or reference.high_frames is None:
+        raise ArchiveError(f"{path}: a reference without its raw frames cannot be stored; record it again")
+    low, high = (stack.pick(list(range(stack.shape[0]))) for stack in (reference.low_frames, reference.high_frames))
+    return low, high

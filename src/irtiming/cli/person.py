@@ -1,0 +1,131 @@
+"""Whoever sits at the terminal while a series is recorded."""
+
+import asyncio
+import shlex
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from threading import Thread
+from typing import Literal, final
+
+from rich.console import Console
+
+from irtiming.acquire.attendant import Attendant
+from irtiming.acquire.run import INTERRUPTED, RunOutcome
+from irtiming.cli.progress import Told
+from irtiming.errors import InstrumentError
+from irtiming.records.series_plan import SeriesPlan
+from irtiming.records.trigger_plan import PlannedRun
+
+_MANY = 8
+"""Frames that wait for the disk, above which it is told."""
+
+
+@final
+class Person(Attendant):
+    """Whoever sits at the terminal: reads, presses Enter, and leaves by Ctrl-C; the second Ctrl-C is as always."""
+
+    def __init__(self, plan: SeriesPlan, *, told: Told, notes: Console, is_silent: bool) -> None:
+        self._told, self._notes, self._is_silent = told, notes, is_silent
+        self._command = "" if plan.references is None else plan.references.command
+        self._name = ""
+        self._leaves = False
+        self._oddities: list[str] = []
+
+    @contextmanager
+    def listening(self) -> Iterator[None]:
+        """Ctrl-C asks for a clean end within the block."""
+        loop, handled = asyncio.get_running_loop(), (signal.SIGINT, signal.SIGTERM)
+
+        def leave(number: int) -> None:
+            self._leaves = True
+            self._notes.print("closing the recording; Ctrl-C again breaks it off", markup=False)
+            loop.remove_signal_handler(number)
+
+        with suppress(NotImplementedError, RuntimeError, ValueError):  # not everywhere, and in the main thread only
+            for number in handled:
+                loop.add_signal_handler(number, leave, number)
+        try:
+            yield
+        finally:
+            with suppress(NotImplementedError, RuntimeError, ValueError):
+                for number in handled:
+                    loop.remove_signal_handler(number)
+
+    def is_leaving(self) -> bool:
+        """After Ctrl-C."""
+        return self._leaves
+
+    def says(self, text: str) -> None:
+        """One line."""
+        self._notes.print(text, markup=False, soft_wrap=True)
+
+    def begins(self, run: PlannedRun, *, number: int, path: Path) -> None:
+        """The run's name stands beside its bar."""
+        self._name = f"run {number} {path.name}"
+
+    def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
+        """The bar; what is out of the ordinary stands behind the name."""
+        oddities = [f"{lost} frames lost"] * bool(lost) + [f"{waiting} wait for the disk"] * (waiting > _MANY)
+        if oddities and oddities != self._oddities:
+            self.says(f"{self._name}: trigger {made}: {', '.join(oddities)}")
+        self._oddities = oddities
+        self._told(self._name, made, total)
+
+    def ended(self, outcome: RunOutcome) -> None:
+        """One line for the run, and one for each oddity."""
+        verdict, counts = outcome.verdict, outcome.counts
+        self.says(
+            f"run {outcome.order.number}: {verdict.frames} frames for {verdict.triggers} triggers, {verdict.lost} lost, "
+            f"{counts.packets_missing} packets missing, {counts.packets_resent} resent, longest queue {outcome.longest_queue}: "
+            f"{outcome.ending}"
+        )
+        for text in outcome.warnings:
+            self.says(f"warning: {text}")
+
+    async def move_wheel(self, what: Literal["remove", "insert"]) -> None:
+        """By the laboratory's own command, by hand, or as it is."""
+        if self._command:
+            await _obeyed([*shlex.split(self._command), what])
+        elif not self._is_silent:
+            await self._asked(
+                "Take wheel and mask out of the way: the camera must see the bare blackbody"
+                if what == "remove"
+                else "Bring wheel and mask back to where they were"
+            )
+
+    async def _asked(self, text: str) -> None:
+        """Wait for Enter, or for Ctrl-C."""
+        answer: list[bool] = []
+
+        def wait() -> None:
+            try:
+                input(f"{text}, then press Enter ")
+                answer.append(True)
+            except (EOFError, OSError, ValueError):
+                answer.append(False)
+
+        Thread(target=wait, daemon=True).start()
+        while not answer:
+            if self._leaves:
+                raise InstrumentError(INTERRUPTED)
+            await asyncio.sleep(0.05)
+        if not answer[0]:
+            raise InstrumentError(
+                "wheel and mask must be taken out of the way, and nobody is there to do it; say --yes if they are, or name a "
+                "command in [references]"
+            )
+
+
+async def _obeyed(words: list[str]) -> None:
+    try:
+        process = await asyncio.create_subprocess_exec(*words)
+    except OSError as error:
+        raise InstrumentError(
+            f"[references] command '{words[0]}' cannot be run ({error.strerror}); correct it"
+        ) from error
+    if status := await process.wait():
+        raise InstrumentError(
+            f"[references] command '{shlex.join(words)}' ended with status {status}; see what it says"
+        )

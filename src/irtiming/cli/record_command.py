@@ -1,0 +1,140 @@
+"""`irtiming record`: a series of recordings from one plan.toml."""
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from irtiming.errors import InstrumentError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from irtiming.acquire.journal import Journal
+    from irtiming.acquire.rig import Rig
+    from irtiming.acquire.series import Series, SeriesOutcome
+    from irtiming.records.series_plan import SeriesPlan
+
+
+def record(
+    plan: Annotated[Path, typer.Argument(metavar="PLAN", help="plan.toml: devices, camera, runs, temperatures.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the recordings; it is made if it is not there.")],
+    yes: Annotated[bool, typer.Option("--yes", help="Ask nothing: wheel and mask are as they must be.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only go through the checklist: nothing moves, heats or is written.")
+    ] = False,
+    runs: Annotated[str | None, typer.Option(metavar="N", help="Only these runs of the series, such as 1,3-5.")] = None,
+    json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write a summary there.")] = None,
+) -> None:
+    """Record a series: wheel at speed, blackbody stable, camera armed, triggers, frames and timestamps into one file per run.
+
+    Ctrl-C closes the file with what it has. The same command again goes on where the series was interrupted.
+    """
+    from rich.console import Console
+
+    from irtiming.archive.result_file import require_place
+    from irtiming.archive.series_file import read_series
+
+    if json is not None:
+        require_place(json, besides=[plan])
+    series = read_series(plan)
+    outcome = asyncio.run(_session(series, out, runs=runs, is_dry=dry_run, is_silent=yes))
+    if outcome is None:
+        return
+    found, journal = outcome
+    if json is not None:
+        _summarise(found, journal, json)
+    _show(found, Console(stderr=True, highlight=False))
+    if not found.is_good:
+        from irtiming.acquire.run import INTERRUPTED
+
+        again = f"; say the same command again to go on in {out}"
+        raise InstrumentError(("interrupted" if found.ending == INTERRUPTED else found.ending) + again)
+
+
+async def _session(
+    plan: "SeriesPlan", folder: Path, *, runs: str | None, is_dry: bool, is_silent: bool
+) -> "tuple[SeriesOutcome, Journal] | None":
+    """Connect, go through the checklist, and record."""
+    from rich.console import Console
+
+    from irtiming.acquire.checklist import complaints
+    from irtiming.acquire.journal import Journal, digest_of
+    from irtiming.acquire.rig import RigAbsent, connected_rig
+    from irtiming.acquire.series import Series, record_series
+    from irtiming.cli.person import Person
+    from irtiming.cli.progress import shown
+    from irtiming.cli.series_triggers import chosen_runs, triggers_of
+
+    notes = Console(stderr=True, highlight=False)
+    try:
+        async with connected_rig(plan) as rig:
+            triggers = triggers_of(plan, clock_frequency_hz=rig.generator.clock_frequency_hz)
+            every = Series(plan=plan, triggers=triggers, folder=folder)
+            numbers = None if runs is None else chosen_runs(runs, len(every.runs))
+            series = Series(plan=plan, triggers=triggers, folder=folder, numbers=numbers)
+            journal = Journal.opened(folder, digest=digest_of(plan, triggers), n_runs=len(series.runs))
+            _refuse(await complaints(rig, series, journal=journal), notes)
+            if is_dry:
+                _tell_plan(rig, series, journal, notes)
+                return None
+            folder.mkdir(exist_ok=True)
+            with shown("triggers") as told:
+                person = Person(plan, told=told, notes=notes, is_silent=is_silent)
+                with person.listening():
+                    outcome = await record_series(rig, series, attendant=person, journal=journal)
+            return outcome, journal
+    except RigAbsent as error:
+        _refuse(error.complaints, notes)
+        raise
+
+
+def _refuse(found: list[str], notes: "Console") -> None:
+    """End with all complaints: one is the line itself, several stand above it."""
+    if len(found) == 1:
+        raise InstrumentError(f"{found[0]} (nothing was moved)")
+    for text in found:
+        notes.print(f"not ready: {' '.join(text.split())}", markup=False, soft_wrap=True)
+    if found:
+        raise InstrumentError(f"{len(found)} complaints, see above; nothing was moved")
+
+
+def _tell_plan(rig: "Rig", series: "Series", journal: "Journal", notes: "Console") -> None:
+    from irtiming.plan.schedule import run_length_ticks
+    from irtiming.units import readable_time
+
+    clock = series.triggers.clock_frequency_hz
+    pending = series.to_make(journal)
+    ticks = sum(
+        run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
+        for _, _, run in pending
+    )
+    camera = rig.camera.identity
+    notes.print(
+        f"ready: {camera.vendor} {camera.model} {camera.serial_number}; {len(pending)} of {len(series.runs)} runs to make, "
+        f"{readable_time(ticks / clock)} of triggers",
+        markup=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _summarise(outcome: "SeriesOutcome", journal: "Journal", path: Path) -> None:
+    from irtiming.archive.result_file import write_result
+
+    write_result(
+        {
+            **journal.as_json(),
+            "ending": outcome.ending,
+            "made_now": [each.order.number for each in outcome.outcomes],
+            "made_before": list(outcome.made_before),
+            "recovered": [str(each) for each in outcome.recovered],
+        },
+        path,
+    )
+
+
+def _show(outcome: "SeriesOutcome", notes: "Console") -> None:
+    if outcome.made_before:
+        notes.print(f"made before: runs {', '.join(map(str, outcome.made_before))}", markup=False)
+    for each in outcome.outcomes:
+        print(each.path)  # noqa: T201 - for a program that reads it
