@@ -239,16 +239,25 @@ def _work(line: Connection, rig: Rig) -> None:
         while (question := line.recv()) is not None:
             what, path = question
             try:
-                answer = _told(analyst.keep(path) if what == "keep" else analyst.look(path))
+                answer = told_of(analyst.keep(path) if what == "keep" else analyst.look(path))
             except (IrTimingError, ArithmeticError, ValueError) as error:
                 answer = LiveEstimate(frames=0, values={}, uncertainties={}, doubt=" ".join(str(error).split()))
             line.send(answer)
 
 
-def _told(found: Analysis | RollingAnalysis) -> LiveEstimate:
+def told_of(found: Analysis | RollingAnalysis) -> LiveEstimate:
+    """What an analysis says, in short.
+
+    Parameters
+    ----------
+    found
+        Of all recordings so far.
+    """
     estimate = found.result.estimate
+    uncertainties = dict(zip(estimate.names, map(float, estimate.standard_uncertainties), strict=True))
+    apart = [each.standard_uncertainty_s for each in found.result.relative_delays if each.nominal_s > 0]
     return LiveEstimate(
         frames=sum(one.trigger_ticks.size for one in found.recordings),
         values=dict(zip(estimate.names, map(float, estimate.values), strict=True)),
-        uncertainties=dict(zip(estimate.names, map(float, estimate.standard_uncertainties), strict=True)),
+        uncertainties=uncertainties | ({"relative_delay": max(apart)} if apart else {}),
     )

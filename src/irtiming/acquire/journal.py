@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self, final
 from uuid import uuid4
 
-from irtiming.acquire.run import RunOutcome
+from irtiming.acquire.run import ENOUGH, RunOutcome
 from irtiming.archive.live_recording import COMPLETE
 from irtiming.archive.result_file import write_result
 from irtiming.errors import ArchiveError
@@ -58,9 +58,9 @@ class Journal:
         return str(self._content["uid"])
 
     def file_of(self, number: int) -> Path | None:
-        """Recording of a run that is complete and still there, None for a run that is to be made."""
+        """Recording of a run that is complete, or was enough, and still there; None for a run that is to be made."""
         entry = self._content["runs"].get(str(number))
-        if entry is None or entry["ending"] != COMPLETE:
+        if entry is None or entry["ending"] not in (COMPLETE, ENOUGH):
             return None
         path = self._path.parent / entry["file"]
         return path if path.exists() else None

@@ -124,14 +124,14 @@ class _Made:
         for number, target_k, run in pending:
             if self._attendant.is_leaving():
                 return INTERRUPTED
+            if self._attendant.is_enough():
+                ending = ENOUGH
+                break
             ending = await self._run(number, target_k, run, reference=reference)
             if ending == ENOUGH:
                 break
             if ending != COMPLETE:
                 return ending
-            if self._attendant.is_enough():
-                ending = ENOUGH
-                break
         else:
             ending = COMPLETE
         return await self._references_after(ending)

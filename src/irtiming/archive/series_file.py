@@ -13,6 +13,7 @@ from typing import Any, final
 from irtiming.errors import ArchiveError, UnitError
 from irtiming.records.recording import CameraType
 from irtiming.records.series_plan import (
+    MEASURANDS,
     BlackbodyWishes,
     CameraWishes,
     DeviceAddresses,
@@ -311,6 +312,9 @@ def _references(section: _Section, path: Path) -> ReferenceWishes:
 
 def _stop(section: _Section) -> StopWishes:
     wanted = section.entries("uncertainty")
+    for name in wanted:
+        if name not in MEASURANDS:
+            raise section.wrong(f"uncertainty.{name}", "is nothing that is measured", cure=_choice(name, MEASURANDS))
     return StopWishes(
         chopper=section.flag("chopper"),
         uncertainty_s=tuple((name, section.time_of(f"uncertainty.{name}", value)) for name, value in wanted.items()),

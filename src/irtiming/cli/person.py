@@ -12,11 +12,14 @@ from typing import Literal, final
 from rich.console import Console
 
 from irtiming.acquire.attendant import Attendant
-from irtiming.acquire.run import INTERRUPTED, RunOutcome
+from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOutcome
+from irtiming.archive.live_recording import COMPLETE
 from irtiming.cli.progress import Told
 from irtiming.errors import InstrumentError
+from irtiming.live_analysis import LiveAnalysis, LiveEstimate
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
+from irtiming.report.rounding import time_text
 
 _MANY = 8
 """Frames that wait for the disk, above which it is told."""
@@ -26,8 +29,13 @@ _MANY = 8
 class Person(Attendant):
     """Whoever sits at the terminal: reads, presses Enter, and leaves by Ctrl-C; the second Ctrl-C is as always."""
 
-    def __init__(self, plan: SeriesPlan, *, told: Told, notes: Console, is_silent: bool) -> None:
+    def __init__(
+        self, plan: SeriesPlan, *, told: Told, notes: Console, is_silent: bool, live: LiveAnalysis | None = None
+    ) -> None:
         self._told, self._notes, self._is_silent = told, notes, is_silent
+        self._live, self._wished = live, dict(plan.stop.uncertainty_s)
+        self._seen: LiveEstimate | None = None
+        self._path = Path()
         self._command = "" if plan.references is None else plan.references.command
         self._name = ""
         self._leaves = False
@@ -63,7 +71,9 @@ class Person(Attendant):
 
     def begins(self, run: PlannedRun, *, number: int, path: Path) -> None:
         """The run's name stands beside its bar."""
-        self._name = f"run {number} {path.name}"
+        self._name, self._path = f"run {number} {path.name}", path
+        if self._live is not None:
+            self._live.begins()
 
     def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
         """The bar; what is out of the ordinary stands behind the name."""
@@ -72,6 +82,9 @@ class Person(Attendant):
             self.says(f"{self._name}: trigger {made}: {', '.join(oddities)}")
         self._oddities = oddities
         self._told(self._name, made, total)
+        if self._live is not None:
+            self._live.grows(self._path, frames)
+            self._show(self._live.latest)
 
     def ended(self, outcome: RunOutcome) -> None:
         """One line for the run, and one for each oddity."""
@@ -83,6 +96,20 @@ class Person(Attendant):
         )
         for text in outcome.warnings:
             self.says(f"warning: {text}")
+
+        if self._live is not None and outcome.ending in (COMPLETE, ENOUGH):
+            self._live.keep(outcome.path)
+
+    def is_enough(self) -> bool:
+        """When the live analysis says that every wish is reached."""
+        latest = None if self._live is None else self._live.latest
+        return latest is not None and latest.reaches(self._wished)
+
+    def _show(self, latest: LiveEstimate | None) -> None:
+        """What is known so far, when it has changed."""
+        if latest is not None and latest is not self._seen:
+            self._seen = latest
+            self.says(f"so far: {so_far(latest)}")
 
     async def move_wheel(self, what: Literal["remove", "insert"]) -> None:
         """By the laboratory's own command, by hand, or as it is."""
@@ -116,6 +143,24 @@ class Person(Attendant):
                 "wheel and mask must be taken out of the way, and nobody is there to do it; say --yes if they are, or name a "
                 "command in [references]"
             )
+
+
+def so_far(found: LiveEstimate) -> str:
+    """What is known, in one line: every number with its standard uncertainty.
+
+    Parameters
+    ----------
+    found
+        Of the live analysis.
+    """
+    if found.doubt:
+        return found.doubt
+    numbers = [
+        f"{name} {time_text(value, found.uncertainties[name])}"
+        for name, value in found.values.items()
+        if not name.startswith(("exposure", "trigger_delay_"))
+    ]
+    return f"{', '.join(numbers)}, from {found.frames} frames"
 
 
 async def _obeyed(words: list[str]) -> None:

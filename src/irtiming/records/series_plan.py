@@ -93,6 +93,13 @@ class ReferenceWishes:
     command: str = ""
 
 
+MEASURANDS = (
+    "trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising", "integration_time",
+    "relative_delay", "time_constant", "row_delay",
+)  # fmt: skip
+"""What an uncertainty may be wished for; the relative delay is the least sure one of a series."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class StopWishes:

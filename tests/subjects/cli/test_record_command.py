@@ -45,6 +45,9 @@ def run(tmp_path):
         (PLAN.replace("photon", "foton"), [], "did you mean 'photon'?"),
         (PLAN.replace("wheel_hz", "wheel_rate"), [], "[series] wheel_rate is not a key"),
         (PLAN, ["--json", "no/such/folder.json"], "no folder"),
+        (PLAN + '[stop]\nuncertainty = {trigger_delay = "1 us"}\n', [], "say --rig rig.toml"),
+        (PLAN + '[stop]\nuncertainty = {delay = "1 us"}\n', [], "uncertainty.delay is nothing that is measured"),
+        (PLAN, ["--rig", "no-rig.toml"], "no-rig.toml"),
     ],
 )
 def test_what_cannot_be_is_told_in_one_line(run, tmp_path, text, words, says):

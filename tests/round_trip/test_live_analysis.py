@@ -1,0 +1,166 @@
+"""The analysis beside a recording: what it says of a growing file, and of finished ones."""
+
+import os
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irtiming.archive import reader, writer
+from irtiming.archive.live_head import RecordingHead
+from irtiming.archive.live_recording import LiveRecording
+from irtiming.live_analysis import FEWEST_FRAMES, Analyst, LiveAnalysis, LiveEstimate, told_of
+from irtiming.measurement import analyse
+from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
+from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
+
+SETUP = CameraSetup(
+    rows=60, columns=80, pixel_format="Mono14", bit_depth=14, trigger_source="Line1", trigger_activation="RisingEdge"
+)
+WHO = CameraIdentity(vendor="", model="", serial_number="", firmware="", address="")
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return twin.draw(paper_scene(60, 80), seed=7)
+
+
+@pytest.fixture(scope="module")
+def finished(rig, tmp_path_factory):
+    """Recordings at two wheel speeds."""
+    folder, paths = tmp_path_factory.mktemp("finished"), []
+    for k, speed in enumerate((3.0, 12.0)):
+        scene = with_wheel_speed(rig.scene, speed, samples=400)
+        paths.append(folder / f"{k}.nxs")
+        writer.write(twin.simulate(scene, seed=70 + k), paths[-1])
+    return paths
+
+
+def _same(found: LiveEstimate, paths, rig) -> None:
+    expected = analyse([reader.read(path) for path in paths], rig.measured).result.estimate
+    assert found.doubt == ""
+    assert list(found.values.values()) == expected.values.tolist()
+    assert [found.uncertainties[name] for name in expected.names] == expected.standard_uncertainties.tolist()
+
+
+def test_what_it_says_at_the_end_is_what_analyse_says(rig, finished):
+    """Oracle: `measurement.analyse` of the same files, to the last digit, after the first and after both."""
+    with LiveAnalysis(rig.measured) as live:
+        live.keep(finished[0])
+        _same(live.settled(), finished[:1], rig)
+        live.keep(finished[1])
+        _same(live.settled(), finished, rig)
+        assert live.latest.frames == 800
+
+
+def test_of_a_microbolometer_too(tmp_path):
+    """Oracle: `measurement.analyse`."""
+    rig = twin.draw(microbolometer_scene(60, 80), seed=3)
+    path = tmp_path / "one.nxs"
+    writer.write(twin.simulate(with_wheel_speed(rig.scene, 3.0, samples=400), seed=3), path)
+    _same(told_of(Analyst(rig.measured).keep(path)), [path], rig)
+
+
+def _grown(recording, path: Path, *, upto: int) -> LiveRecording:
+    """A file into which a recording goes frame by frame, so far."""
+    scheme = TriggerScheme(
+        turn_period_ticks=recording.wheel_period_ticks, camera_period_ticks=recording.camera_period_ticks
+    )
+    run = PlannedRun(scheme=scheme, trigger_delay_ticks=0, repeats=1, is_after_correction=False)
+    head = RecordingHead(
+        name="growing",
+        camera_type="photon",
+        readout_mode="snapshot",
+        clock_frequency_hz=int(recording.clock_frequency_hz),
+        run=run,
+        camera=WHO,
+        setup=SETUP,
+        integration_time_s=recording.integration_time_s,
+        nonuniformity=recording.nonuniformity,
+    )
+    live = LiveRecording(path, head=head)
+    live.__enter__()
+    return _grow(live, recording, first=0, upto=upto)
+
+
+def _grow(live: LiveRecording, recording, *, first: int, upto: int) -> LiveRecording:
+    """Frames and all ticks from one trigger to before another."""
+    triggers = recording.camera_trigger_ticks
+    since = triggers[first] if first else 0
+    until = triggers[upto - 1] + recording.camera_period_ticks if upto < triggers.size else np.inf
+    for stream, ticks in {
+        "camera_trigger": triggers,
+        "control_slot": recording.control_slot_ticks,
+        "application_slot": recording.application_slot_ticks,
+        "application_edges": recording.application_edge_ticks,
+    }.items():
+        live.append_ticks(stream, ticks[(ticks >= since) & (ticks < until)])
+    for index, pixels in zip(range(first, upto), recording.frames.pick(list(range(first, upto))), strict=True):
+        frame = CameraFrame(pixels=pixels, frame_id=index, device_timestamp_ticks=0, host_time_s=0.0)
+        live.append_frame(frame, frame_number=index)
+    return live
+
+
+def test_the_estimate_tightens_while_the_file_grows(rig, finished, tmp_path):
+    """Oracle: more frames of the same run beside a finished one at another speed; the truth within four uncertainties."""
+    recording = reader.read(finished[1])
+    growing = _grown(recording, tmp_path / "growing.nxs", upto=200)
+    try:
+        with LiveAnalysis(rig.measured) as live:
+            live.keep(finished[0])
+            live.settled()
+            live.begins()
+            live.grows(tmp_path / "growing.nxs", FEWEST_FRAMES - 1)
+            few = live.settled()
+            assert few.frames == 400  # too few to be looked at
+            live.grows(tmp_path / "growing.nxs", 200)
+            half = live.settled()
+            _grow(growing, recording, first=200, upto=400)
+            live.grows(tmp_path / "growing.nxs", 210)
+            assert live.settled() is half  # not enough more
+            live.grows(tmp_path / "growing.nxs", 400)
+            whole = live.settled()
+    finally:
+        growing.finish()
+        growing.__exit__(None, None, None)
+    assert (half.frames, whole.frames) == (600, 800)
+    name, truth = "trigger_delay", rig.scene.timing.trigger_delay_s
+    assert few.uncertainties[name] > 5 * half.uncertainties[name] > 5 * whole.uncertainties[name]
+    for found in (few, half, whole):
+        assert abs(found.values[name] - truth) < 4 * found.uncertainties[name]
+    _same(replace(whole), [finished[0], tmp_path / "growing.nxs"], rig)
+
+
+def test_a_wish_is_reached_when_every_uncertainty_is():
+    """Oracle: by hand; no wish is never reached."""
+    found = LiveEstimate(frames=1, values={"a": 1.0}, uncertainties={"a": 2e-6, "b": 5e-6})
+    assert found.reaches({"a": 2e-6})
+    assert found.reaches({"a": 3e-6, "b": 5e-6})
+    assert not found.reaches({"a": 3e-6, "b": 4e-6})
+    assert not found.reaches({"c": 1.0})
+    assert not found.reaches({})
+
+
+def test_what_cannot_be_analysed_is_told_and_the_next_is(rig, finished, tmp_path):
+    """Oracle: the message of `analyse`; a file that is none does not stop those after it."""
+    (tmp_path / "none.nxs").write_text("no recording")
+    with LiveAnalysis(rig.measured) as live:
+        live.keep(tmp_path / "none.nxs")
+        assert "none.nxs: is not an HDF5 file" in live.settled().doubt
+        live.keep(finished[0])
+        _same(live.settled(), finished[:1], rig)
+
+
+def test_a_process_that_dies_is_told_and_nothing_waits_for_it(rig, finished):
+    """Oracle: the process killed by its number."""
+    with LiveAnalysis(rig.measured) as live:
+        os.kill(live._process.pid, signal.SIGKILL)
+        live._process.join()
+        live.keep(finished[0])
+        assert "has ended; the recording goes on without" in live.settled().doubt
+        live.grows(finished[0], 1000)
+        assert not live.latest.reaches({"trigger_delay": 1.0})

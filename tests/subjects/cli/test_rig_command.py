@@ -1,0 +1,66 @@
+"""`irtiming rig` as typed: a served rig, its files, and words to it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from irtiming.archive.rig_file import read_rig
+from irtiming.archive.series_file import read_series
+
+
+def _typed(*words, timeout=60):
+    command = [sys.executable, "-c", "from irtiming.cli.main import run; run()", "rig", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def _address(worker_id):
+    return "127.0.8.2" if worker_id == "master" else f"127.0.8.{3 + int(worker_id.removeprefix('gw'))}"
+
+
+@pytest.mark.parametrize("camera", ["photon", "microbolometer"])
+def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, camera):
+    """Oracle: the readers of those files; the plan names the addresses that were printed."""
+    found = _typed(
+        "--simulate", "--camera", camera, "--rows", "24", "--columns", "32", "--out", str(tmp_path), "--duration", "100 ms",
+        "--console", "0", "--camera-address", _address(worker_id), "--speed", "5",
+    )  # fmt: skip
+    assert found.returncode == 0, found.stderr
+    assert "the rig is ready, 5 of its seconds in one of yours" in found.stdout
+    plan = read_series(tmp_path / "plan.toml")
+    assert plan.camera.camera_type == camera
+    assert plan.devices.camera == f"gige:{_address(worker_id)}"
+    for address in (plan.devices.chopper, plan.devices.blackbody, plan.devices.trigger_generator):
+        assert address in found.stdout
+    assert (plan.references is not None) == (camera == "photon")
+    assert read_rig(tmp_path / "rig.toml").wheel.control_slots == 100
+    truth = json.loads((tmp_path / "truth.json").read_text())
+    assert ("row_delay_s" in truth) == (camera == "microbolometer")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "nothing was asked for; say --simulate"),
+        (["--tell", "state", "--console", "1"], "no simulated rig listens at port 1"),
+        (["--simulate", "--run-up", "soon"], "'soon' is not a time"),
+        (["--simulate", "--camera-address", "203.0.113.7", "--rows", "16", "--columns", "16"], "203.0.113.7"),
+    ],
+)
+def test_what_cannot_be_is_told_in_one_line(words, says):
+    """Oracle: one odd wish each; exit status 2."""
+    found = _typed(*words)
+    assert found.returncode == 2
+    assert says in found.stderr
+    assert "Traceback" not in found.stderr
+    assert sum(line.startswith("irtiming: ") for line in found.stderr.splitlines()) == 1
+
+
+def test_help_tells_every_word():
+    """Oracle: the words of the console."""
+    found = _typed("--tell", "help")
+    assert found.returncode == 0
+    assert [line.split()[0] for line in found.stdout.splitlines()] == [
+        "remove", "insert", "fault", "lose-lock", "unplug", "state",
+    ]  # fmt: skip
