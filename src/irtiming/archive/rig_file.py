@@ -1,13 +1,11 @@
 """rig.toml: what a person measured on the rig, checked and brought to SI units, and written back."""
 
-import hashlib
 import math
-import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, cast, final
 
 from irtiming.archive.result_file import write_atomically
+from irtiming.archive.toml_file import read_table, shown
 from irtiming.errors import ArchiveError, GeometryError
 from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Rotation, Wheel
 
@@ -46,21 +44,17 @@ def read_rig(path: str | Path) -> Rig:
         If a number is out of its range, or the mask opening is so wide that there is no plateau.
     """
     where = Path(path)
-    content = _bytes_of(where)
-    try:
-        table = tomllib.loads(content.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise ArchiveError(f"{where}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ArchiveError(f"{where}: is not valid TOML: {error}; correct that place") from error
-    _refuse_unknown(table, where)
+    table, sha256 = read_table(where, _KEYS, what="rig.toml")
+    for name in ("beams", "mask"):
+        if name not in table:
+            raise ArchiveError(f"{where}: section [{name}] is missing; measure the rig and write it there")
     rig = Rig(
         wheel=_wheel(_Section(where, "wheel", table=table)),
         light_gates=_light_gates(_Section(where, "beams", table=table), _Section(where, "wheel", table=table)),
         mask_opening=_mask_opening(_Section(where, "mask", table=table)),
         camera=_camera(_Section(where, "camera", table=table)),
         source=str(where),
-        sha256=hashlib.sha256(content).hexdigest(),
+        sha256=sha256,
     )
     _refuse_no_plateau(rig, where)
     return rig
@@ -129,16 +123,16 @@ class _Section:
     def number(self, key: str, value: Any) -> float:
         """Finite float of a value that stands at a key."""
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be a number")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be a number")
         if not abs(value) <= _LARGEST:
-            raise self.impossible(key, f"= {_shown(value)}", cure="it must be a finite number")
+            raise self.impossible(key, f"= {shown(value)}", cure="it must be a finite number")
         return float(value)
 
     def count(self, key: str, limits: tuple[int, int], *, default: int | None = None) -> int:
         """Whole number within limits, both allowed."""
         value = self.get(key, default=default)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be a whole number")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be a whole number")
         if not limits[0] <= value <= limits[1]:
             raise self.impossible(key, f"= {value}", cure=f"it must be from {limits[0]} to {limits[1]}")
         return value
@@ -169,7 +163,7 @@ def _wheel(section: _Section) -> Wheel:
     rotation = section.get("rotation", default="clockwise")
     if rotation not in _ROTATIONS:
         words = f"it must be '{_ROTATIONS[0]}' or '{_ROTATIONS[1]}', as the camera sees the wheel"
-        raise section.wrong("rotation", f"is {_shown(rotation)}", cure=words)
+        raise section.wrong("rotation", f"is {shown(rotation)}", cure=words)
     return Wheel(
         control_slots=_control_slots(section),
         rotation=cast("Rotation", rotation),
@@ -189,7 +183,7 @@ def _cutout_edges(section: _Section) -> tuple[Measured, Measured, Measured, Meas
         return None
     values = section.get(key)
     if not isinstance(values, list) or len(values) != 4:
-        raise section.wrong(key, f"is {_shown(values)}", cure="it must be a list of four angles, alpha_0 to alpha_3")
+        raise section.wrong(key, f"is {shown(values)}", cure="it must be a list of four angles, alpha_0 to alpha_3")
     u = section.get(companion, default=0.0)
     if isinstance(u, list) and len(u) != 4:
         raise section.wrong(companion, f"has {len(u)} entries", cure="it must be one number, or a list of four")
@@ -271,43 +265,6 @@ def _refuse_no_plateau(rig: Rig, path: Path) -> None:
             f"{path}: [mask] opening_angle_deg = {opening / _DEG:g} deg leaves no plateau: it must "
             f"be narrower than the wheel's narrowest sector, {narrowest / _DEG:.4g} deg; use a narrower mask"
         )
-
-
-def _refuse_unknown(table: dict[str, Any], path: Path) -> None:
-    for name, section in table.items():
-        if name not in _KEYS:
-            hint = _nearest(name, tuple(_KEYS), sort="section")
-            raise ArchiveError(f"{path}: [{name}] is not a section of rig.toml; {hint}")
-        if not isinstance(section, dict):
-            raise ArchiveError(f"{path}: {name} is {_shown(section)}; it must be a section [{name}]")
-        for key in section:
-            if key not in _KEYS[name]:
-                hint = _nearest(key, _KEYS[name], sort="key")
-                raise ArchiveError(f"{path}: [{name}] {key} is not a key of this section; {hint}")
-    for name in ("beams", "mask"):
-        if name not in table:
-            raise ArchiveError(f"{path}: section [{name}] is missing; measure the rig and write it there")
-
-
-def _nearest(word: str, known: tuple[str, ...], *, sort: str) -> str:
-    near = get_close_matches(word.lower(), known, n=1)
-    return f"did you mean '{near[0]}'?" if near else f"the {sort}s are {', '.join(known)}"
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise ArchiveError(f"{path}: does not exist; name the rig.toml that belongs to the recording") from error
-    except IsADirectoryError as error:
-        raise ArchiveError(f"{path}: is a folder; name the rig.toml in it") from error
-    except OSError as error:
-        raise ArchiveError(f"{path}: cannot be read ({error.strerror}); check its permissions") from error
-
-
-def _shown(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _lines(name: str, unit: str, *, number: Measured) -> list[str]:

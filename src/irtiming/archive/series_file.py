@@ -1,15 +1,14 @@
 """plan.toml: what a laboratory wants recorded, checked key by key and brought to SI units."""
 
-import hashlib
 import math
 import re
-import tomllib
 from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from string import Formatter
 from typing import Any, final
 
+from irtiming.archive.toml_file import read_table, shown
 from irtiming.errors import ArchiveError, UnitError
 from irtiming.records.recording import CameraType
 from irtiming.records.series_plan import (
@@ -61,14 +60,10 @@ def read_series(path: str | Path) -> SeriesPlan:
         section, key, what is, what to do.
     """
     where = Path(path)
-    content = _content(where)
-    try:
-        table = tomllib.loads(content.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise ArchiveError(f"{where}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ArchiveError(f"{where}: is not valid TOML: {error}; correct that place") from error
-    _refuse_unknown(table, where)
+    table, sha256 = read_table(where, _KEYS, what="plan.toml")
+    for name in ("devices", "camera", "series"):
+        if name not in table:
+            raise ArchiveError(f"{where}: section [{name}] is missing; write it there")
     sections = {name: _Section(where, name, table=table) for name in _KEYS}
     camera = _camera(sections["camera"])
     plan = SeriesPlan(
@@ -82,7 +77,7 @@ def read_series(path: str | Path) -> SeriesPlan:
         stop=_stop(sections["stop"]),
         file_name=_file_name(sections["files"]),
         source=str(where),
-        sha256=hashlib.sha256(content).hexdigest(),
+        sha256=sha256,
     )
     _refuse_contradictions(plan, sections)
     return plan
@@ -110,21 +105,21 @@ class _Section:
         if value is None:
             raise self.wrong(key, "is missing", cure=f'write {key} = "{example}"')
         if not isinstance(value, str) or (not value.strip() and default is None):
-            raise self.wrong(key, f"is {_shown(value)}", cure=f'it must be text, such as "{example}"')
+            raise self.wrong(key, f"is {shown(value)}", cure=f'it must be text, such as "{example}"')
         return value
 
     def flag(self, key: str) -> bool:
         """Truth of a key, false where it is absent."""
         value = self._values.get(key, False)
         if not isinstance(value, bool):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be true or false")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be true or false")
         return value
 
     def count(self, key: str, limits: tuple[int, int], *, default: int) -> int:
         """Whole number within limits, both allowed."""
         value = self._values.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be a whole number")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be a whole number")
         if not limits[0] <= value <= limits[1]:
             raise self.wrong(key, f"= {value}", cure=f"it must be from {limits[0]} to {limits[1]}")
         return value
@@ -156,26 +151,26 @@ class _Section:
     def exact(self, key: str, value: Any) -> str:
         """Text of a number that was written in TOML or as text; ``30.303`` stays 30.303 and nothing near it."""
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be a number, or one in quotes")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be a number, or one in quotes")
         return value if isinstance(value, str) else repr(value)
 
     def entries(self, key: str) -> dict[str, Any]:
         """Entries of an inline table, none where it is absent."""
         value = self._values.get(key, {})
         if not isinstance(value, dict):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be a table, such as {Name = value}")
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be a table, such as {Name = value}")
         return value
 
     def time_of(self, key: str, value: Any) -> float:
         """Positive time in an inline table."""
         time_s: float = self._converted(key, value, of=seconds)
         if not time_s > 0:
-            raise self.wrong(key, f"= {_shown(value)}", cure="it must be more than 0")
+            raise self.wrong(key, f"= {shown(value)}", cure="it must be more than 0")
         return time_s
 
     def _converted(self, key: str, value: Any, *, of: Callable[[str], float]) -> float:
         if not isinstance(value, str):
-            raise self.wrong(key, f"is {_shown(value)}", cure="it must be text with a unit, such as "
+            raise self.wrong(key, f"is {shown(value)}", cure="it must be text with a unit, such as "
                              + ('"250 us"' if of is seconds else '"60 C"'))  # fmt: skip
         try:
             return of(value)
@@ -213,7 +208,7 @@ def _camera(section: _Section) -> CameraWishes:
     for name, value in section.entries("features").items():
         if isinstance(value, list | dict):
             raise section.wrong(
-                f"features.{name}", f"is {_shown(value)}", cure="it must be text, a number, true or false"
+                f"features.{name}", f"is {shown(value)}", cure="it must be text, a number, true or false"
             )
         features.append((name, str(value).lower() if isinstance(value, bool) else str(value)))
     return CameraWishes(
@@ -229,7 +224,7 @@ def _wiring(section: _Section) -> WiringWishes:
     falling = section.several("falling")
     if not all(isinstance(line, str) for line in falling):
         raise section.wrong(
-            "falling", f"is {_shown(falling)}", cure='it must be a list of lines, such as ["control_slot"]'
+            "falling", f"is {shown(falling)}", cure='it must be a list of lines, such as ["control_slot"]'
         )
     return WiringWishes(
         falling=tuple(falling),
@@ -360,45 +355,6 @@ def _refuse_contradictions(plan: SeriesPlan, sections: dict[str, _Section]) -> N
         )
 
 
-def _refuse_unknown(table: dict[str, Any], path: Path) -> None:
-    for name, section in table.items():
-        if name not in _KEYS:
-            raise ArchiveError(
-                f"{path}: [{name}] is not a section of plan.toml; {_nearest(name, tuple(_KEYS), 'section')}"
-            )
-        if not isinstance(section, dict):
-            raise ArchiveError(f"{path}: {name} is {_shown(section)}; it must be a section [{name}]")
-        for key in section:
-            if key not in _KEYS[name]:
-                raise ArchiveError(
-                    f"{path}: [{name}] {key} is not a key of this section; {_nearest(key, _KEYS[name], 'key')}"
-                )
-    for name in ("devices", "camera", "series"):
-        if name not in table:
-            raise ArchiveError(f"{path}: section [{name}] is missing; write it there")
-
-
-def _nearest(word: str, known: tuple[str, ...], sort: str) -> str:
-    near = get_close_matches(word.lower(), known, n=1)
-    return f"did you mean '{near[0]}'?" if near else f"the {sort}s are {', '.join(known)}"
-
-
 def _choice(word: str, known: tuple[str, ...]) -> str:
     near = get_close_matches(word.lower(), known, n=1)
     return f"it must be {' or '.join(known)}" + (f", did you mean '{near[0]}'?" if near else "")
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise ArchiveError(f"{path}: does not exist; name a plan.toml") from error
-    except IsADirectoryError as error:
-        raise ArchiveError(f"{path}: is a folder; name the plan.toml in it") from error
-    except OSError as error:
-        raise ArchiveError(f"{path}: cannot be read ({error.strerror}); check its permissions") from error
-
-
-def _shown(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -181,7 +181,7 @@ def test_each_complaint_is_one_line_with_a_cure(written, change, says):
 
 def test_a_file_that_is_not_there(tmp_path):
     """Oracle: the words."""
-    with pytest.raises(ArchiveError, match=r"plan.toml: does not exist; name a plan.toml"):
+    with pytest.raises(ArchiveError, match=r"plan.toml: does not exist; name the plan.toml"):
         read_series(tmp_path / "plan.toml")
     with pytest.raises(ArchiveError, match="is a folder"):
         read_series(tmp_path)
