@@ -41,6 +41,7 @@ COMMANDS = (
     "record",
     "combine",
     "discover",
+    "camera",
     "doctor",
     "recover",
     "rig",

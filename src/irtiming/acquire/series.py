@@ -13,7 +13,7 @@ from irtiming.acquire.journal import Journal
 from irtiming.acquire.references import record_references
 from irtiming.acquire.rig import Rig
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
-from irtiming.acquire.temperature import celsius, settled
+from irtiming.acquire.temperature import as_it_is, celsius, settled
 from irtiming.archive.live_recording import COMPLETE
 from irtiming.archive.recovery import recover
 from irtiming.archive.reference_file import add_reference, read_reference, write_reference
@@ -142,6 +142,10 @@ class _Made:
         blackbody = await self._stable(target_k)
         if target_k is not None and blackbody is None:
             return INTERRUPTED
+        correction = self._series.plan.camera.correction
+        if correction and run.is_after_correction:
+            self._attendant.says(f"the camera corrects its non-uniformity ({correction})")
+            await self._rig.camera.set_feature(correction, value="execute")
         wishes = self._series.plan.blackbody
         order = RunOrder(
             number=number,
@@ -167,7 +171,7 @@ class _Made:
         if self._rig.blackbody is None:
             return None
         if target_k is None or wishes is None:
-            return await self._rig.blackbody.state()
+            return await as_it_is(self._rig)
         return await settled(self._rig, target_k, wishes=wishes, attendant=self._attendant)
 
     async def _references_before(

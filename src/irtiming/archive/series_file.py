@@ -37,7 +37,7 @@ _WISHES = (
 )  # fmt: skip
 _KEYS = {
     "devices": ("camera", "trigger_generator", "chopper", "blackbody", "speed"),
-    "camera": ("type", "integration_time", "bit_depth", "features", "serial_number"),
+    "camera": ("type", "integration_time", "bit_depth", "features", "serial_number", "correction"),
     "wiring": ("falling", "glitch_filter", "camera_pulse", "camera_input"),
     "series": ("plan", *_WISHES),
     "blackbody": ("temperature", "settle_within", "tolerance"),
@@ -217,6 +217,7 @@ def _camera(section: _Section) -> CameraWishes:
         bit_depth=section.count("bit_depth", (1, 16), default=16) if section.has("bit_depth") else None,
         features=tuple(features),
         serial_number=section.text("serial_number", default=""),
+        correction=section.text("correction", default=""),
     )
 
 

@@ -33,6 +33,14 @@ def record(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only go through the checklist: nothing moves, heats or is written.")
     ] = False,
+    feature: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="GenICam feature of the camera, such as TriggerSource=Line1; repeatable.",
+        ),
+    ] = None,
     runs: Annotated[str | None, typer.Option(metavar="N", help="Only these runs of the series, such as 1,3-5.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write a summary there.")] = None,
 ) -> None:
@@ -45,10 +53,12 @@ def record(
 
     from irtiming.archive.result_file import require_place
     from irtiming.archive.series_file import read_series
+    from irtiming.cli.camera_command import named
 
     if json is not None:
         require_place(json, besides=[plan])
     series = read_series(plan)
+    series = replace(series, camera=replace(series.camera, features=(*series.camera.features, *named(feature or []))))
     with _analysed_live(series, rig, is_dry=dry_run) as live:
         session = _Session(plan=series, folder=out, runs=runs, is_dry=dry_run, is_silent=yes, live=live)
         outcome = asyncio.run(session.record())

@@ -112,7 +112,7 @@ class GenicamCamera:
         name
             In words of GenICam SFNC.
         value
-            As one would type it.
+            As one would type it; ``execute`` for a command, such as a non-uniformity correction.
 
         Raises
         ------

@@ -14,6 +14,10 @@ _WRITABLE = (genapi.EAccessMode.WO, genapi.EAccessMode.RW)
 _TRUTHS = {"1": True, "true": True, "on": True, "0": False, "false": False, "off": False}
 
 
+EXECUTE = "execute"
+"""What a command is set to, to be carried out."""
+
+
 class Registers(Protocol):
     """Memory of a camera; errors are `InstrumentError`."""
 
@@ -117,14 +121,14 @@ class Features:
             raise InstrumentRefused(f"{name} of {self._name} is {text!r}, not a number") from error
 
     def write(self, name: str, *, value: str) -> str:
-        """Set a feature and read it back.
+        """Set a feature and read it back, or carry out a command.
 
         Parameters
         ----------
         name
             In words of GenICam SFNC.
         value
-            As one would type it.
+            As one would type it; `EXECUTE` for a command.
 
         Returns
         -------
@@ -137,7 +141,12 @@ class Features:
         """
         node = self._node(name)
         if isinstance(node, genapi.ICommand):
-            raise InstrumentRefused(f"{name} of {self._name} is a command and holds no value")
+            if value != EXECUTE:
+                raise InstrumentRefused(
+                    f"{name} of {self._name} is a command, not to be set to {value!r}; say {EXECUTE}"
+                )
+            self.execute(name)
+            return value
         if not _is_value(node) or self._guarded(name, node.get_access_mode) not in _WRITABLE:
             raise InstrumentRefused(
                 f"{name} of {self._name} cannot be set (read-only, or locked by another setting or while it runs)"

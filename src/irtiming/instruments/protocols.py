@@ -84,7 +84,7 @@ class Camera(Protocol):
         ...
 
     async def set_feature(self, name: str, *, value: str) -> str:
-        """Set a feature, read it back and give what it holds; `InstrumentRefused` if that is something else."""
+        """Set a feature, read it back and give what it holds, or ``execute`` a command; `InstrumentRefused` if it cannot be."""
         ...
 
     async def arm(self) -> CameraSetup:

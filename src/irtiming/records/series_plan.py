@@ -33,6 +33,7 @@ class CameraWishes:
     bit_depth: int | None = None
     features: tuple[tuple[str, str], ...] = ()
     serial_number: str = ""
+    correction: str = ""
 
 
 @final

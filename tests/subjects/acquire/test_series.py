@@ -109,6 +109,25 @@ def test_the_camera_is_set_as_planned(laboratory):
     assert laboratory.camera.features["TriggerSource"] == "Line2"
 
 
+def test_the_camera_corrects_itself_before_runs_that_begin_so(two_delays):
+    """Oracle: the plan's own word on each run; the command was carried out once."""
+    first, second = two_delays.runs
+    two_delays.runs = (replace(first, is_after_correction=False), replace(second, is_after_correction=True))
+    camera = replace(two_delays.plan.camera, correction="Shutter")
+    two_delays.plan = replace(two_delays.plan, camera=camera)
+    two_delays.camera.features["Shutter"] = ""
+    told = []
+    set_feature = two_delays.camera.set_feature
+
+    async def noted(name, *, value):
+        told.append((name, value))
+        return await set_feature(name, value=value)
+
+    two_delays.camera.set_feature = noted
+    assert two_delays.recorded().is_good
+    assert [each for each in told if each[0] == "Shutter"] == [("Shutter", "execute")]
+
+
 def test_each_temperature_has_its_runs(with_blackbody):
     """Oracle: two temperatures and one run are two recordings, each before a stable blackbody."""
     with_blackbody.plan = replace(with_blackbody.plan, blackbody=BlackbodyWishes(temperatures_k=(310.0, 320.0)))
