@@ -80,6 +80,26 @@ async def record_references(
     return found
 
 
+def drift(before: NonuniformityReference, after: NonuniformityReference) -> tuple[float, float]:
+    """How far the camera has drifted from one reference to the next, as shares of the contrast between their temperatures.
+
+    Parameters
+    ----------
+    before, after
+        Of one camera at the same two temperatures.
+
+    Returns
+    -------
+    Mean change of the pixels, which moves all alike and does no harm; and the root mean square of what is left, which
+    correction by the first reference leaves in the frames. The larger of the two temperatures' each.
+    """
+    contrast = float(np.median(before.high_dn - before.low_dn))
+    changes = [after.low_dn - before.low_dn, after.high_dn - before.high_dn]
+    means = [float(np.median(change)) / contrast for change in changes]
+    spreads = [float(np.std(change)) / contrast for change in changes]
+    return max(means, key=abs), max(spreads)
+
+
 async def _bare_frames(rig: Rig, run: PlannedRun, n_frames: int) -> Pixels:
     """So many whole frames, triggered at the frame rate of a run, shape (frame, row, column)."""
     generator, camera = rig.generator, rig.camera

@@ -10,7 +10,7 @@ from typing import final
 
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.journal import Journal
-from irtiming.acquire.references import record_references
+from irtiming.acquire.references import drift, record_references
 from irtiming.acquire.rig import Rig
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
 from irtiming.acquire.temperature import as_it_is, celsius, settled
@@ -196,11 +196,22 @@ class _Made:
         if wishes is None or wishes.file or wishes.when == "before" or not is_due:
             return ending
         reference = read_reference(path) if path.exists() else await self._recorded_references(path)
+        if wishes.when == "both":
+            self._tell_drift(read_reference(self._series.folder / BEFORE), reference)
         if wishes.when == "after":
             for file in files:
                 if file is not None and read_nothing(file):
                     add_reference(reference, file)
         return ending
+
+    def _tell_drift(self, before: NonuniformityReference, after: NonuniformityReference) -> None:
+        mean, spread = drift(before, after)
+        text = (
+            f"from the references before to those after, the pixels moved by {mean:+.2%} of the contrast, and by {spread:.2%} "
+            "against each other; the recordings are corrected by those before"
+        )
+        self._attendant.says(text)
+        self._journal.note(text)
 
     async def _recorded_references(self, path: Path) -> NonuniformityReference:
         wishes = self._series.plan.references

@@ -7,10 +7,12 @@ import h5py
 import numpy as np
 import pytest
 
+from irtiming.acquire.references import drift
 from irtiming.acquire.run import INTERRUPTED
 from irtiming.archive import reader
 from irtiming.archive.live_recording import LiveRecording
 from irtiming.errors import ArchiveError
+from irtiming.records.recording import NonuniformityReference
 from irtiming.records.series_plan import BlackbodyWishes, CameraWishes, ReferenceWishes, StopWishes
 
 
@@ -128,6 +130,22 @@ def test_the_camera_corrects_itself_before_runs_that_begin_so(two_delays):
     assert [each for each in told if each[0] == "Shutter"] == [("Shutter", "execute")]
 
 
+def test_the_drift_between_two_references_is_told_in_shares_of_the_contrast():
+    """Oracle: by hand: all pixels 20 DN up and one in four 40 DN more, at a contrast of 1000 DN."""
+    low, shape = np.full((20, 20), 500.0), (20, 20)
+    moved = 20.0 + 40.0 * (np.arange(400).reshape(shape) % 4 == 0)
+    noise = np.ones(shape)
+    made = [
+        NonuniformityReference(
+            low_dn=low + add, high_dn=low + 1000 + add, low_noise_dn=noise, high_noise_dn=noise, n_frames=50
+        )
+        for add in (0.0, moved)
+    ]
+    mean, spread = drift(*made)
+    assert mean == pytest.approx(0.02)
+    assert spread == pytest.approx(0.04 * np.sqrt(0.25 * 0.75))
+
+
 def test_each_temperature_has_its_runs(with_blackbody):
     """Oracle: two temperatures and one run are two recordings, each before a stable blackbody."""
     with_blackbody.plan = replace(with_blackbody.plan, blackbody=BlackbodyWishes(temperatures_k=(310.0, 320.0)))
@@ -189,6 +207,17 @@ def test_references_after_the_runs_join_their_files(with_references):
     assert recording.frames.shape[0] == 16
     with h5py.File(outcome.outcomes[0].path) as file:
         assert file["entry/nonuniformity_reference/low"].attrs["temperature"] == 290.0
+
+
+def test_references_on_both_sides_say_how_far_the_camera_drifted(with_references):
+    """Oracle: the journal; both stacks are kept, and a camera that does not drift moves by less than its noise."""
+    plan = with_references.plan
+    with_references.plan = replace(plan, references=replace(plan.references, when="both"))
+    assert with_references.recorded().is_good
+    assert {"references-before.npz", "references-after.npz"} <= set(_names(with_references))
+    journal = json.loads((with_references.folder / "series.json").read_text())
+    (told,) = [event["text"] for event in journal["events"] if "pixels moved by" in event["text"]]
+    assert float(told.split("moved by ")[1].split("%")[0]) == pytest.approx(0.0, abs=0.5)
 
 
 def test_references_are_not_recorded_twice(with_references):
