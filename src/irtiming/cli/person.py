@@ -3,6 +3,7 @@
 import asyncio
 import shlex
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,8 +22,8 @@ from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
 from irtiming.report.rounding import time_text
 
-_MANY = 8
-"""Frames that wait for the disk, above which it is told."""
+_MANY, _GROWS = 8, 2
+"""Frames that wait for the disk: it is told when they are this many times more than when it was told last, and than so many."""
 
 
 @final
@@ -39,7 +40,7 @@ class Person(Attendant):
         self._command = "" if plan.references is None else plan.references.command
         self._name = ""
         self._leaves = False
-        self._oddities: list[str] = []
+        self._lost, self._waiting = 0, _MANY
 
     @contextmanager
     def listening(self) -> Iterator[None]:
@@ -72,15 +73,17 @@ class Person(Attendant):
     def begins(self, run: PlannedRun, *, number: int, path: Path) -> None:
         """The run's name stands beside its bar."""
         self._name, self._path = f"run {number} {path.name}", path
+        self._lost, self._waiting = 0, _MANY
         if self._live is not None:
             self._live.begins()
 
     def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
         """The bar; what is out of the ordinary stands behind the name."""
-        oddities = [f"{lost} frames lost"] * bool(lost) + [f"{waiting} wait for the disk"] * (waiting > _MANY)
-        if oddities and oddities != self._oddities:
-            self.says(f"{self._name}: trigger {made}: {', '.join(oddities)}")
-        self._oddities = oddities
+        if lost > self._lost:
+            self.says(f"{self._name}: trigger {made}: {lost} triggers have no frame so far")
+        if waiting > _GROWS * self._waiting:
+            self.says(f"{self._name}: trigger {made}: {waiting} frames wait for the disk")
+        self._lost, self._waiting = max(lost, self._lost), max(waiting, self._waiting)
         self._told(self._name, made, total)
         if self._live is not None:
             self._live.grows(self._path, frames)
@@ -154,7 +157,7 @@ def so_far(found: LiveEstimate) -> str:
         Of the live analysis.
     """
     if found.doubt:
-        return found.doubt
+        return f"not sure yet ({found.doubt.split(': ', 1)[-1]})"
     numbers = [
         f"{name} {time_text(value, found.uncertainties[name])}"
         for name, value in found.values.items()
@@ -165,7 +168,7 @@ def so_far(found: LiveEstimate) -> str:
 
 async def _obeyed(words: list[str]) -> None:
     try:
-        process = await asyncio.create_subprocess_exec(*words)
+        process = await asyncio.create_subprocess_exec(*words, stdout=sys.stderr)
     except OSError as error:
         raise InstrumentError(
             f"[references] command '{words[0]}' cannot be run ({error.strerror}); correct it"

@@ -151,7 +151,7 @@ class _Session:
                 if (made := journal.file_of(number)) is not None:
                     self.live.keep(made)
             await asyncio.to_thread(self.live.settled)
-        with shown("triggers") as told:
+        with shown("triggers", notes) as told:
             person = Person(self.plan, told=told, notes=notes, is_silent=self.is_silent, live=self.live)
             with person.listening():
                 return await record_series(rig, series, attendant=person, journal=journal)

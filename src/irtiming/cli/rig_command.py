@@ -1,7 +1,7 @@
 """`irtiming rig`: the simulated rig over the wires of a real one, and words by which to meddle with it."""
 
+import signal
 import sys
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -96,8 +96,9 @@ def rig(
         notes.print(f"{'console':18} {words.port}", markup=False, soft_wrap=True)
         ends = "Ctrl-C ends it" if lasts_s is None else f"ends after {duration}"
         notes.print(f"the rig is ready, {speed:g} of its seconds in one of yours; {ends}", soft_wrap=True)
-        with suppress(KeyboardInterrupt):
-            bench.serve(lasts_s)
+        for number in (signal.SIGINT, signal.SIGTERM):  # a shell lets its jobs ignore the first
+            signal.signal(number, lambda *_: bench.end())
+        bench.serve(lasts_s)
     notes.print("the rig has ended")
 
 
@@ -137,7 +138,7 @@ def _plan(bench: "Bench", drawn: "SimulatedRig", *, console: int) -> str:
     lines = [
         f"[devices]\n{devices}speed = {bench.place.speed:g}   # seconds of the rig in one of yours; leave it out on a real rig\n",
         f'[camera]\ntype = "{kind}"\n',
-        f"[series]\nwheel_hz = {[3, 9] if kind == 'photon' else [3]}\nframe_hz = 30.303\nsamples = 500\n",
+        f"[series]\nwheel_hz = {[3, 9] if kind == 'photon' else [3]}\nframe_hz = 30.303\nsamples = 1000\n",
         f'[blackbody]\ntemperature = "{drawn.scene.radiance.blackbody_k:g} K"\n',
     ]
     if integration_s is not None:

@@ -13,6 +13,7 @@ from irtiming.gateware.register_map import BAUD
 
 _WRITE_TIMEOUT_S = 2.0
 _MOST_BYTES = 4096
+_OF_SIMULATIONS = "/dev/pts/"
 
 
 class Line(Protocol):
@@ -188,7 +189,12 @@ def _reason(error: Exception) -> str:
 
 
 def refuse_others(port: serial.Serial) -> None:
-    """Make the system refuse the port to programs that know no locks; only where there are terminals."""
+    """Make the system refuse the port to programs that know no locks; only where there are terminals.
+
+    Not a pseudo-terminal: that of a simulated device lives on, and would stay closed when its user is killed.
+    """
+    if str(port.port).startswith(_OF_SIMULATIONS):
+        return
     with suppress(ImportError, OSError):
         from fcntl import ioctl
         from termios import TIOCEXCL

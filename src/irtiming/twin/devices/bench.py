@@ -149,6 +149,10 @@ class Bench:
         """
         self._is_over.wait(duration_s)
 
+    def end(self) -> None:
+        """Let `serve` return."""
+        self._is_over.set()
+
     def unplug_generator(self) -> None:
         """Take the trigger generator's port away under its user's hands."""
         if self._generator_port is not None:

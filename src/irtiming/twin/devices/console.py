@@ -45,6 +45,7 @@ class Console:
     def __init__(self, bench: Bench, *, port: int = 0) -> None:
         self._bench = bench
         self._socket = socket.socket()
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a rig may be started again at once
         try:
             self._socket.bind(("127.0.0.1", port))
         except OSError as error:
@@ -165,7 +166,8 @@ def _fault(bench: Bench, text: str) -> str:
         setattr(faults, name, _converted(value.strip(), kinds[name]))
     except ValueError:
         return f"error: {device}.{name} = '{value.strip()}' cannot be; it is now {getattr(faults, name)!r}: write one like it"
-    return f"{device}.{name} = {getattr(faults, name)!r}"
+    held = getattr(faults, name)
+    return f"{device}.{name} = {sorted(held) if kinds[name] is frozenset else held!r}"
 
 
 def _converted(text: str, kind: type) -> Any:

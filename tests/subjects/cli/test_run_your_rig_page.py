@@ -1,0 +1,43 @@
+"""The page about running a rig against the program: its messages, its endings, its commands."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from irtiming.acquire.run import ENOUGH, INTERRUPTED
+from irtiming.archive.layout import NOT_TRUSTED
+from irtiming.archive.live_recording import COMPLETE
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "how-to" / "run-your-rig.md").read_text()
+
+
+def _texts():
+    """Every text of the program, with an ellipsis for each value that is put into it."""
+    for path in (ROOT / "src" / "irtiming").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.JoinedStr):
+                yield "".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in node.values)
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+
+
+@pytest.fixture(scope="module")
+def texts():
+    """Every text of the program."""
+    return list(_texts())
+
+
+def test_every_message_on_the_page_is_one_of_the_program(texts):
+    """Oracle: the texts in the source, values left out."""
+    quoted = re.findall(r"^\| `([^`]+)` \|", PAGE.split("## 6.")[1], flags=re.MULTILINE)
+    assert len(quoted) > 40
+    assert [message for message in quoted if not any(message in text for text in texts)] == []
+
+
+def test_every_ending_on_the_page_is_one_of_the_program():
+    """Oracle: the constants of the program."""
+    endings = re.findall(r"^\| `([^`]+)` \|", PAGE.split("## 5.")[1].split("## 6.")[0], flags=re.MULTILINE)
+    assert endings == [COMPLETE, ENOUGH, INTERRUPTED, f"{NOT_TRUSTED}…"]
