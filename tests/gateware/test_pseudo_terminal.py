@@ -62,6 +62,29 @@ def test_more_bytes_than_the_terminal_holds_wait_and_none_is_lost():
         os.close(port)
 
 
+def test_a_command_is_heard_when_it_comes_and_not_in_the_past():
+    """Oracle: the device has been run to the cycle at which it is given bytes, so its counter is not behind the clock."""
+    device = _Echo()
+    heard = []
+    exchange = device.exchange
+
+    def watched(received, *, until_cycle):
+        if received:
+            heard.append((device.until[-1], until_cycle))
+        return exchange(received, until_cycle=until_cycle)
+
+    device.exchange = watched
+    with PseudoTerminal(device) as terminal:
+        port = os.open(terminal.path, os.O_RDWR | os.O_NOCTTY)
+        for _ in range(5):
+            os.write(port, b"a")
+            assert _read(port, 1) == b"a"
+            time.sleep(0.003)
+        os.close(port)
+    assert len(heard) == 5
+    assert all(run_to == told for run_to, told in heard)
+
+
 def test_time_goes_on_at_the_speed_that_is_asked_for():
     """Oracle: the clock of this computer: 1 MHz at a tenth of the speed, never faster, and never backwards."""
     device = _Echo()

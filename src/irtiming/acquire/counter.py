@@ -7,6 +7,9 @@ from typing import final
 from irtiming.gateware.event_model import COUNTER_CYCLES
 from irtiming.instruments.protocols import TriggerGenerator
 
+_READINGS = 16
+"""Of which the one that says most counts; all within some seconds."""
+
 
 @final
 class Counter:
@@ -34,11 +37,12 @@ class Counter:
     def earliest_s(self, ticks: int) -> float:
         """Time of this computer, monotonic clock, before which the counter cannot have stood at a tick.
 
-        A reading says that its tick came after it was asked for. The readings next to a tick tell most about it, as no two
+        A reading says that its tick came after it was asked for, and a later tick came as much later as lies between, or still
+        later where a simulated device is held up. So readings after a tick tell nothing of it; nor do old ones, as no two
         clocks agree for long.
         """
         after = bisect_right(self._ticks, ticks)
-        near = range(max(0, after - 1), min(after + 1, len(self._ticks)))
+        near = range(max(0, after - _READINGS), max(1, after))
         return max(self._asked_s[k] + (ticks - self._ticks[k]) / self._ticks_per_s for k in near)
 
     def pace(self) -> float | None:

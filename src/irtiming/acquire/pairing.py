@@ -28,6 +28,9 @@ _ON_THE_LINE, _TIMES_USUAL = 0.02, 10
 _DRIFT, _HOST_S, _FEWEST_TO_DRIFT = 0.1, 5e-3, 64
 """By so much of a period, or of this computer's time, whichever is longer, frames may come later at the end of a run."""
 
+_STEADY = 0.5
+"""Part of a period within which nine latencies of ten must lie to be compared with those of another."""
+
 _NO_CLOCK = 0.5
 """Without a clock of the camera: part of a period within which all frames must arrive after their triggers."""
 
@@ -46,7 +49,7 @@ class Verdict:
     """Whether frames and triggers are paired beyond doubt: there are then no ``reasons`` against it.
 
     ``frames`` came, ``lost`` were made and did not come, ``missed`` triggers made none. ``latency_s`` is the usual time from a
-    trigger to its frame's arrival, in the rig's time; None where that is not proven.
+    trigger to its frame's arrival, in the rig's time; None where that is not proven, or it differs from frame to frame.
     """
 
     reasons: tuple[str, ...]
@@ -79,6 +82,8 @@ class Pairing:
         self._ids: list[int] = []
         self._device_ticks: list[int] = []
         self._host_s: list[float] = []
+        self._timed: tuple[int, int] | None = None  # number and ticks of the last frame that said when it was made
+        self._is_untimed = False
         self._lost = self._missed = 0
         self._reasons: list[str] = []
 
@@ -99,18 +104,20 @@ class Pairing:
         if ids < 1 or frame.frame_id >= 2 * self._n_triggers:
             self._against(f"frame {frame.frame_id} came after frame {before} of {self._n_triggers}")
             return None
-        periods = self._periods(frame, ids)
-        number = self.last_number + periods
+        number = self._number(frame, ids)
         if number >= self._n_triggers:
             self._against(f"a frame more than the {self._n_triggers} triggers came")
         lost = range(ids - 1)
         place = Place(number, tuple(self.last_number + 1 + k for k in lost), tuple(before + 1 + k for k in lost))
         self._lost += ids - 1
-        self._missed += periods - ids
+        self._missed += number - self.last_number - ids
         self._numbers.append(number)
         self._ids.append(frame.frame_id)
         self._device_ticks.append(frame.device_timestamp_ticks)
         self._host_s.append(frame.host_time_s)
+        if frame.device_timestamp_ticks:
+            self._timed = number, frame.device_timestamp_ticks
+        self._is_untimed |= frame.is_whole and not frame.device_timestamp_ticks
         return place
 
     def judge(
@@ -136,7 +143,11 @@ class Pairing:
             self._against(
                 f"no frame came for {made.size} triggers; check the camera's trigger line and its TriggerSource"
             )
-        elif timestamps.is_whole:
+        elif not timestamps.is_whole:
+            self._against(
+                f"timestamps were lost at {timestamps.lost_after_ticks.size} places; check the trigger generator's line"
+            )
+        else:
             warnings += self._check_ends(made.size)
             latencies_s = speed * self._latencies_s(made, earliest_s)
             if self._has_clock:
@@ -145,13 +156,8 @@ class Pairing:
                 self._check_arrivals(latencies_s)
                 self._check_drift(latencies_s, may_drift_s=self._may_drift_s(speed))
             if latencies_s.size:
-                latency_s = float(np.median(latencies_s))
-                if self.last_number < made.size - 1 and not self._is_first_proven(latency_s, usual_latency_s):
-                    usual = readable_time(float(f"{latency_s:.3g}"))
-                    self._against(
-                        f"{made.size - 1 - self.last_number} triggers at the beginning or the end made no frame, and the frames "
-                        f"came {usual} after their triggers: which were missed cannot be told"
-                    )
+                self._check_first(made.size, latencies_s, usual_latency_s)
+                latency_s = self._steady_s(latencies_s)
         return Verdict(
             reasons=tuple(self._reasons),
             warnings=tuple(warnings),
@@ -164,23 +170,26 @@ class Pairing:
 
     @property
     def _has_clock(self) -> bool:
-        ticks = self._device_ticks
-        return self._device_hz > 0 and all(a < b for a, b in pairwise(ticks))
+        """Whether the camera's clock told of every frame; of one that came damaged the time may be missing."""
+        ticks = [ticks for ticks in self._device_ticks if ticks]
+        return self._device_hz > 0 and not self._is_untimed and all(a < b for a, b in pairwise(ticks))
 
-    def _periods(self, frame: CameraFrame, ids: int) -> int:
-        """Trigger periods since the last frame, at least as many as frames."""
-        if not self._ids or self._device_hz <= 0:
-            return ids
-        passed = (frame.device_timestamp_ticks - self._device_ticks[-1]) / self._device_hz / self._period_s
+    def _number(self, frame: CameraFrame, ids: int) -> int:
+        """Trigger of a frame whose identifier is so many after the last one's: by the clock, at least so many further on."""
+        next_number = self.last_number + ids
+        if self._timed is None or not frame.device_timestamp_ticks or self._device_hz <= 0:
+            return next_number
+        number, ticks = self._timed
+        passed = (frame.device_timestamp_ticks - ticks) / self._device_hz / self._period_s
         if passed <= 0:
-            return ids  # a clock that stands is none
+            return next_number  # a clock that stands is none
         periods = round(passed)
-        if abs(passed - periods) > _NEAR or periods < ids:
+        if abs(passed - periods) > _NEAR or number + periods < next_number:
             self._against(
-                f"frame {frame.frame_id} was made {passed:.2f} trigger periods after the one {ids} before it: "
+                f"frame {frame.frame_id} was made {passed:.2f} trigger periods after the one {next_number - number} before it: "
                 "the camera makes frames without triggers; check TriggerMode and TriggerSource"
             )
-        return max(ids, min(periods, ids + self._n_triggers))
+        return max(next_number, min(number + periods, next_number + self._n_triggers))
 
     def _check_ends(self, n_made: int) -> list[str]:
         """More frames than triggers are refused; fewer are told."""
@@ -200,11 +209,31 @@ class Pairing:
         pairs = [(n, s) for n, s in zip(self._numbers, self._host_s, strict=True) if n < made.size]
         return np.array([host_s - earliest_s(int(made[number])) for number, host_s in pairs])
 
-    def _is_first_proven(self, latency_s: float, usual_latency_s: float | None) -> bool:
-        """Whether the first frame cannot belong to a later trigger: it would have come before that, or much sooner than usual."""
-        if 0 <= latency_s < self._period_s:
-            return True
-        return usual_latency_s is not None and abs(latency_s - usual_latency_s) < 2 * _NEAR * self._period_s
+    def _check_first(self, n_made: int, latencies_s: Array, usual_latency_s: float | None) -> None:
+        """Where triggers made no frame at one end, the first frame must not be able to belong to a later trigger.
+
+        It would then have come before that, or much sooner than usual.
+        """
+        if self.last_number >= n_made - 1:
+            return
+        latency_s, steady_s = float(np.median(latencies_s)), self._steady_s(latencies_s)
+        is_usual = (
+            usual_latency_s is not None
+            and steady_s is not None
+            and abs(steady_s - usual_latency_s) < 2 * _NEAR * self._period_s
+        )
+        if not is_usual and not 0 <= latency_s < self._period_s:
+            usual = readable_time(float(f"{latency_s:.3g}"))
+            self._against(
+                f"{n_made - 1 - self.last_number} triggers at the beginning or the end made no frame, and the frames "
+                f"came {usual} after their triggers: which were missed cannot be told"
+            )
+
+    def _steady_s(self, latencies_s: Array) -> float | None:
+        """The usual latency, None where there is none: a busy computer takes frames whenever it comes to it."""
+        if float(np.ptp(np.quantile(latencies_s, (0.05, 0.95)))) > _STEADY * self._period_s:
+            return None
+        return float(np.median(latencies_s))
 
     def _check_clock(self, made: Ticks, latencies_s: Array, *, may_drift_s: float) -> list[str]:
         """The camera's clock against the triggers over the whole run: one straight line.
@@ -215,7 +244,7 @@ class Pairing:
         known = [
             (number, ticks)
             for number, ticks in zip(self._numbers, self._device_ticks, strict=True)
-            if number < made.size
+            if ticks and number < made.size
         ]
         if len(known) < 3:
             return []

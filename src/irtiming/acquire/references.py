@@ -51,6 +51,19 @@ async def record_references(
         If a device fails, frames are missing, or the two do not differ.
     """
     await attendant.move_wheel("remove")
+    try:
+        found = await _two_stacks(rig, wishes, run=run, attendant=attendant)
+    except InstrumentError:
+        attendant.says("wheel and mask are still out of the way; bring them back before the next run")
+        raise
+    await attendant.move_wheel("insert")
+    return found
+
+
+async def _two_stacks(
+    rig: Rig, wishes: ReferenceWishes, *, run: PlannedRun, attendant: Attendant
+) -> NonuniformityReference | None:
+    """Frames at both temperatures, None if a person wants to leave."""
     stacks: list[Pixels] = []
     temperatures: list[float] = []
     for target_k in (wishes.low_k, wishes.high_k):
@@ -76,7 +89,6 @@ async def record_references(
             f"{celsius(temperatures[0])}, at a noise "
             f"of {noise:.2g} DN; take wheel and mask out of the way, or choose temperatures further apart"
         )
-    await attendant.move_wheel("insert")
     return found
 
 
@@ -110,7 +122,8 @@ async def _bare_frames(rig: Rig, run: PlannedRun, n_frames: int) -> Pixels:
     await camera.arm()
     stack: list[Pixels] = []
     frames = camera.frames()
-    patience_s = rig.host_s(_PATIENCE_S + 20 * run.scheme.camera_period_ticks / generator.clock_frequency_hz)
+    periods_s = 20 * run.scheme.camera_period_ticks / generator.clock_frequency_hz
+    patience_s = max(_PATIENCE_S, rig.host_s(_PATIENCE_S + periods_s))  # a fast simulated rig may be on a slow computer
     try:
         await generator.arm()
         await generator.start()

@@ -8,7 +8,7 @@ import asyncio
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import monotonic
+from time import monotonic, thread_time
 from typing import cast, final
 
 import numpy as np
@@ -39,14 +39,14 @@ ENOUGH = "enough: the wished uncertainty is reached"
 _QUIET_S, _QUIET_PERIODS = 0.3, 4
 """So long the armed camera must be silent before the first trigger, whichever is longer."""
 
-_SILENT_S, _SILENT_PERIODS = 2.0, 20
-"""So long no frame may come while triggers are made."""
+_SILENT_S, _SILENT_PERIODS, _SILENT_HOST_S = 2.0, 20, 1.0
+"""So long no frame may come while triggers are made; the last of this computer's time, as it may be busy."""
 
 _LAST_S, _LAST_PERIODS = 1.0, 4
 """So long after the last frame, and after the last trigger, more are waited for."""
 
 _TICKS_S, _TICKS_SHARE = 0.1, 20
-"""How often timestamps are fetched, at most one part in so many of the time."""
+"""How often timestamps are fetched, at most for one part in so many of the time."""
 
 _UNSURE_TICKS = 0.02
 """The youngest timestamps, s: the record after them may still say that they are wrong."""
@@ -182,6 +182,7 @@ class _Capture:
         try:
             timestamps = await self._trigger()
             await self._last_frames(timestamps)
+            await self._last_look(timestamps, beside)
             counts = await self._disarm(frames)
         except BaseException as error:
             if self._writer is not None:
@@ -266,13 +267,13 @@ class _Capture:
             await asyncio.sleep(pause_s)
             if self._writer is None:
                 continue
-            begun = monotonic()
+            begun = thread_time()
             so_far = self._rig.generator.captured()
             self._store(so_far)
             wrong = self._wheel.complaint(so_far)
             if wrong is not None:
                 self._ends(wrong)
-            pause_s = max(shortest_s, _TICKS_SHARE * (monotonic() - begun))
+            pause_s = max(shortest_s, _TICKS_SHARE * (thread_time() - begun))
 
     def _store(self, so_far: Timestamps) -> None:
         """Queue the timestamps that are new, the youngest excepted: they may still be taken back."""
@@ -296,7 +297,8 @@ class _Capture:
             self._ends(self._temperature.complaint)
         if writer is not None and self._pairing.last_number < self._n_triggers - 1:
             silent_s = (monotonic() - self._last_s) * self._rig.speed
-            if silent_s > max(_SILENT_S, _SILENT_PERIODS * self._period_s) + self._delay_s:
+            patience_s = max(_SILENT_S, _SILENT_PERIODS * self._period_s, _SILENT_HOST_S * self._rig.speed)
+            if silent_s > patience_s + self._delay_s:
                 self._ends(
                     f"{self._rig.camera.name} sent no frame for {readable_time(float(f'{silent_s:.2g}'))} while it "
                     "was triggered; check its "
@@ -323,9 +325,22 @@ class _Capture:
     async def _last_frames(self, timestamps: Timestamps) -> None:
         """Wait for frames that are on their way."""
         begun, made = monotonic(), timestamps.camera_trigger_ticks.size
-        patience_s = self._rig.host_s(max(_LAST_S, _LAST_PERIODS * self._period_s))
+        patience_s = max(_LAST_S, self._rig.host_s(max(_LAST_S, _LAST_PERIODS * self._period_s)))
         while self._pairing.last_number < made - 1 and monotonic() - max(begun, self._last_s) < patience_s:
             await asyncio.sleep(patience_s / 20)
+
+    async def _last_look(self, timestamps: Timestamps, beside: "list[asyncio.Task[None]]") -> None:
+        """Wheel and blackbody once more: what was asked for last may have been some time before the last frame."""
+        for task in beside:
+            task.cancel()
+        await asyncio.gather(*beside, return_exceptions=True)
+        wrong = self._wheel.complaint(timestamps) if timestamps.is_whole else None
+        if wrong is not None:
+            self._ends(wrong)
+        if self._temperature is not None and self._ending is None:
+            await self._temperature.ask_at_the_end()
+            if self._temperature.complaint is not None:
+                self._ends(self._temperature.complaint)
 
     async def _disarm(self, frames: "asyncio.Task[None]") -> StreamCounts:
         """End the acquisition, and take what has arrived."""
@@ -343,10 +358,6 @@ class _Capture:
         if writer.failure is not None:
             self._ends(str(writer.failure))
         verdict = self._verdict(timestamps, writer)
-        if not timestamps.is_whole:
-            self._ends(
-                f"timestamps were lost at {timestamps.lost_after_ticks.size} places; check the trigger generator's line"
-            )
         early = self._ending
         if verdict.reasons:
             why = "; ".join(verdict.reasons)

@@ -15,6 +15,10 @@ _POLL_S = 1.5
 """Of the rig's time; the SR-800R must not be asked for stability more often than once a second."""
 
 _SAME_TARGET_K = 0.005
+_MOST_SILENT = 2
+_SAME_K, _TRIES = 0.1, 4
+"""A temperature counts when it was said twice: a line without check sums may turn any digit into another."""
+
 _ZERO_CELSIUS_K = 273.15
 
 
@@ -67,6 +71,28 @@ async def settled(rig: Rig, target_k: float, *, wishes: BlackbodyWishes, attenda
     return state
 
 
+async def as_it_is(rig: Rig) -> BlackbodyState | None:
+    """State of the blackbody whatever its temperature is, which is asked for twice; None where there is none.
+
+    Raises
+    ------
+    InstrumentError
+        If it fails, or says another temperature each time.
+    """
+    if rig.blackbody is None:
+        return None
+    before = await rig.blackbody.state()
+    for _ in range(_TRIES):
+        state = await rig.blackbody.state()
+        if abs(state.temperature_k - before.temperature_k) <= _SAME_K:
+            return state
+        before, said = state, before
+    raise InstrumentError(
+        f"{rig.blackbody.name} says {celsius(said.temperature_k)} and then {celsius(state.temperature_k)}; wait until it is "
+        "stable, or see to its line"
+    )
+
+
 @final
 class TemperatureWatch:
     """Asks the blackbody during a run; ``complaint`` says when it has left its temperature, ``last`` where it was."""
@@ -75,28 +101,43 @@ class TemperatureWatch:
         self._rig = rig
         self._before = before
         self._tolerance_k = tolerance_k
+        self._silent = self._away = 0
         self.last = before
         self.complaint: str | None = None
 
     async def watch(self) -> None:
-        """Ask again and again until cancelled; an answer that fails to come once is asked for again."""
-        silent = 0
-        while self.complaint is None and self._rig.blackbody is not None:
+        """Ask again and again until cancelled."""
+        while self.complaint is None:
             await asyncio.sleep(self._rig.host_s(_POLL_S))
-            try:
-                self.last = await self._rig.blackbody.state()
-                silent = 0
-            except InstrumentError as error:
-                silent += 1
-                if silent > 2:
-                    self.complaint = str(error)
-                continue
-            if abs(self.last.temperature_k - self._before.temperature_k) > self._tolerance_k:
-                self.complaint = (
-                    f"the blackbody went from {celsius(self._before.temperature_k)} to "
-                    f"{celsius(self.last.temperature_k)} during the "
-                    f"run, {self._tolerance_k:g} K are allowed; wait until it is stable and record again"
-                )
+            await self._ask()
+
+    async def ask_at_the_end(self) -> None:
+        """Ask until it is clear whether the blackbody still has its temperature."""
+        told = False
+        while self.complaint is None and not told:
+            await self._ask()
+            told = self._silent == self._away == 0
+
+    async def _ask(self) -> None:
+        """An answer that fails to come is asked for again, and so is one that tells of another temperature."""
+        if self._rig.blackbody is None:
+            return
+        try:
+            self.last = await self._rig.blackbody.state()
+        except InstrumentError as error:
+            self._silent += 1
+            if self._silent > _MOST_SILENT:
+                self.complaint = str(error)
+            return
+        self._silent = 0
+        is_away = abs(self.last.temperature_k - self._before.temperature_k) > self._tolerance_k
+        self._away = self._away + 1 if is_away else 0
+        if self._away > 1:
+            self.complaint = (
+                f"the blackbody went from {celsius(self._before.temperature_k)} to "
+                f"{celsius(self.last.temperature_k)} during the "
+                f"run, {self._tolerance_k:g} K are allowed; wait until it is stable and record again"
+            )
 
 
 def celsius(temperature_k: float) -> str:

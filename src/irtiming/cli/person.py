@@ -3,7 +3,6 @@
 import asyncio
 import shlex
 import signal
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -22,6 +21,7 @@ from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
 from irtiming.report.rounding import time_text
 
+_STANDARD_ERROR = 2  # standard output is for names of files
 _MANY, _GROWS = 8, 2
 """Frames that wait for the disk: it is told when they are this many times more than when it was told last, and than so many."""
 
@@ -168,7 +168,7 @@ def so_far(found: LiveEstimate) -> str:
 
 async def _obeyed(words: list[str]) -> None:
     try:
-        process = await asyncio.create_subprocess_exec(*words, stdout=sys.stderr)
+        process = await asyncio.create_subprocess_exec(*words, stdout=_STANDARD_ERROR)
     except OSError as error:
         raise InstrumentError(
             f"[references] command '{words[0]}' cannot be run ({error.strerror}); correct it"

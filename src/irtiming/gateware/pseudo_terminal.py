@@ -107,7 +107,11 @@ class PseudoTerminal:
             if len(self._waiting) < _MOST_WAITING:
                 cycle += min(int((now - before) * rate), step)
             before = now
-            self._waiting += self._to_computer(self._device.exchange(received, until_cycle=cycle))
+            sent = self._device.exchange(
+                b"", until_cycle=cycle
+            )  # first, so that it hears a command now and not in its past
+            sent += self._device.exchange(received, until_cycle=cycle) if received else b""
+            self._waiting += self._to_computer(sent)
             is_slow = monotonic() - now > 2 * _TICK_S  # a command must not wait for long
             step = max(step // 2, 1) if is_slow else min(2 * step, most)
             self._write()

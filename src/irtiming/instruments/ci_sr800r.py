@@ -257,8 +257,11 @@ class SR800RBlackbody:
         )
 
     def _refuse_faults(self) -> None:
-        found = self._optional("bit_error")
-        if found is not None and not re.search(r"\bOK\b", found, re.IGNORECASE):
+        for _ in range(_TRIES):  # a word that came to harm is no fault; a fault stays
+            found = self._optional("bit_error")
+            if found is None or re.search(r"\bOK\b", found, re.IGNORECASE):
+                return
+        if found is not None:
             raise InstrumentRefused(
                 f"{self.name} reports a fault ({_short(found)}); see its manual, then switch it off and on"
             )

@@ -23,7 +23,8 @@ _TICK_FREQUENCY_HIGH, _TICK_FREQUENCY_LOW = 0x093C, 0x0940
 _DESCRIPTION_PLACES, _PLACE_BYTES = (0x0200, 0x0400), 512
 _VENDOR, _MODEL, _FIRMWARE, _SERIAL = (0x0048, 32), (0x0068, 32), (0x0088, 32), (0x00D8, 16)
 _RESEND_CAPABILITY = 0x4
-_STALE_CONTROL_S = 4.0  # a program that died keeps control until its heartbeat is missed: 3 s by the standard
+_LONGEST_SILENCE_MS = 5000  # the library is heard every 2 s, of 3 by the standard: a busy computer needs more room
+_STALE_CONTROL_S = 7.0  # a program that died keeps control until its heartbeat is missed
 _LONGEST_DESCRIPTION = 64 * 2**20
 
 
@@ -93,6 +94,7 @@ class GigeControl:
         self._client = GVCPClient(self.address)
         self._lock = RLock()
         self._is_gone = False
+        self._found_silence_ms = 0
 
     def open(self) -> None:
         """Take control.
@@ -108,7 +110,8 @@ class GigeControl:
         while True:
             try:
                 self._client.connect(force=False)
-                break
+                self._allow_silence()
+                return
             except GVCPError as error:
                 if error.status != _ACCESS_DENIED:
                     raise self._explained(error, "control") from error
@@ -248,8 +251,20 @@ class GigeControl:
 
     def close(self) -> None:
         """Give up control; again does no harm."""
+        if self._found_silence_ms:
+            with suppress(InstrumentError):
+                self.set_register(_HEARTBEAT_TIMEOUT, self._found_silence_ms)
+            self._found_silence_ms = 0
         with self._lock, suppress(OSError, GVCPError):
             self._client.disconnect()
+
+    def _allow_silence(self) -> None:
+        """Let the camera wait longer for this program's heartbeat, if it takes that; `close` sets it back."""
+        with suppress(InstrumentError):
+            found_ms = self.register(_HEARTBEAT_TIMEOUT)
+            if found_ms < _LONGEST_SILENCE_MS:
+                self.set_register(_HEARTBEAT_TIMEOUT, _LONGEST_SILENCE_MS)
+                self._found_silence_ms = found_ms
 
     def _require_there(self) -> None:
         if self._is_gone:

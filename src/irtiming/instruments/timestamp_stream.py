@@ -1,5 +1,6 @@
 """From records as they arrive to the timestamps of each channel: unwrapped, in order, and every loss marked."""
 
+from array import array
 from typing import NamedTuple, final
 
 import numpy as np
@@ -36,9 +37,7 @@ class TimestampStream:
 
     def __init__(self, *, counter_ticks: int) -> None:
         self._begin_ticks = counter_ticks
-        self._ticks: list[int] = []
-        self._numbers: list[int] = []
-        self._channels: list[int] = []
+        self._ticks, self._numbers, self._channels = array("q"), array("q"), array("q")  # for NumPy to copy at once
         self._lost_after: list[int] = []
         self._doubter: RecordMessage | None = None  # the record just before, if it was not believed
         self._saw_full_queue = False

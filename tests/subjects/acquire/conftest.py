@@ -44,13 +44,14 @@ class FakeGenerator:
     def now(self) -> int:
         return int((monotonic() - self.born) * SPEED * CLOCK_HZ)
 
-    def triggers(self) -> np.ndarray:
-        """Delayed triggers until now."""
+    def triggers(self, now: int | None = None) -> np.ndarray:
+        """Delayed triggers until now, which a computer that is busy elsewhere meanwhile may have to know."""
         if self.run is None or self.started == NEVER:
             return np.empty(0, np.int64)
         n = self.run.scheme.samples_per_turn * self.run.repeats
         made = self.started + np.arange(n) * self.run.scheme.camera_period_ticks + self.run.trigger_delay_ticks
-        return made[made <= (self.now() if self.stopped is None else self.stopped)]
+        until = self.now() if now is None else now
+        return made[made <= (until if self.stopped is None else self.stopped)]
 
     def _check(self) -> None:
         if self.now() - min(self.started, self.now()) >= self.gone_from:
@@ -95,14 +96,15 @@ class FakeGenerator:
         pass
 
     def _timestamps(self, *, whole: bool) -> Timestamps:
-        until = min(self.now() if self.stopped is None else self.stopped, self.started + self.gone_from)
+        now = self.now()
+        until = min(now if self.stopped is None else self.stopped, self.started + self.gone_from)
         period = int(self.run.scheme.control_slot_period_ticks * self.wheel_factor)
         slots = np.arange(self.armed // period + 1, until // period + 1) * period
         late = np.maximum(slots - self.started - self.slow_from, 0) if self.slow_from < NEVER else 0 * slots
         slots = slots + late // 10
         quarter = self.run.scheme.turn_period_ticks // 4
         edges = np.arange(self.armed // quarter + 1, until // quarter + 1) * quarter
-        delayed = self.triggers()
+        delayed = self.triggers(now)
         empty = np.empty(0, np.int64)
         return Timestamps(
             clock_frequency_hz=CLOCK_HZ,

@@ -1,5 +1,7 @@
 """Which trigger made which frame: every way in which the two can fall apart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -227,3 +229,51 @@ def test_of_thousand_random_faults_none_passes_silently():
             off = np.abs(np.array(numbers) - [at for _, at in come])
             assert off.max() <= (0.03 if about["device_hz"] else 0.5)
     assert trusted > 200
+
+
+@pytest.mark.parametrize("untimed", [0, 7, 19])
+def test_a_frame_that_came_without_its_first_packet_has_its_place_by_its_identifier(untimed):
+    """Oracle: by hand; the packet that says when the frame was made is lost, trigger 12 made no frame."""
+    made = [k for k in range(20) if k != 12]
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=20, device_frequency_hz=1e6)
+    frames = [_frame(i, at) for i, at in enumerate(made)]
+    frames = [
+        replace(frame, device_timestamp_ticks=0, packets_missing=1) if at == untimed else frame
+        for at, frame in zip(made, frames, strict=True)
+    ]
+    assert [pairing.take(frame).number for frame in frames] == made
+    verdict = pairing.judge(_timestamps(20), earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=None)
+    assert verdict.is_trusted
+    assert verdict.missed == 1
+
+
+def test_a_clock_that_stops_in_the_middle_proves_nothing():
+    """Oracle: from frame 30 on its time is 0 though all of it came; trigger 40 made none, so later ones are a period late."""
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=64, device_frequency_hz=1e6)
+    for i, at in enumerate(k for k in range(64) if k != 40):
+        frame = _frame(i, at)
+        pairing.take(frame if i < 30 else replace(frame, device_timestamp_ticks=0))
+    verdict = pairing.judge(_timestamps(64), earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=None)
+    assert "the camera has no clock to tell" in verdict.reasons[0]
+
+
+def test_frames_are_not_trusted_where_timestamps_were_lost():
+    """Oracle: which trigger is the fifth cannot be said where one may be missing before it."""
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=20, device_frequency_hz=1e6)
+    for k in range(20):
+        pairing.take(_frame(k, k))
+    lost = _timestamps(20, lost=np.array([520_000]))
+    verdict = pairing.judge(lost, earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=None)
+    assert verdict.reasons == ("timestamps were lost at 1 places; check the trigger generator's line",)
+    assert verdict.latency_s is None
+
+
+def test_frames_that_a_busy_computer_takes_have_no_usual_latency():
+    """Oracle: every third comes 8 ms late where the period is 10 ms: their median is near the usual, and proves nothing."""
+    made = list(range(19))
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=20, device_frequency_hz=1e6)
+    for k in made:
+        pairing.take(_frame(k, k, latency_s=0.023 + 0.008 * (k % 3 == 0)))
+    verdict = pairing.judge(_timestamps(20), earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=0.0228)
+    assert "which were missed cannot be told" in verdict.reasons[0]
+    assert verdict.latency_s is None

@@ -90,8 +90,8 @@ def test_no_frame_at_all_leaves_no_file(laboratory):
 
 
 def _long(laboratory):
-    """A run of 320 triggers, 1.7 s of this computer."""
-    laboratory.runs = (replace(laboratory.runs[0], repeats=20),)
+    """A run of 1280 triggers, 7 s of this computer: something ends it long before."""
+    laboratory.runs = (replace(laboratory.runs[0], repeats=80),)
     return laboratory
 
 
@@ -100,7 +100,7 @@ def _kept(outcome):
     (made,) = outcome.outcomes
     recording = reader.read(made.path)
     n = recording.frames.shape[0]
-    assert 5 < n < 320
+    assert 5 < n < 1280
     assert recording.frame_number.tolist() == list(range(n))
     assert recording.ending == made.ending
     return made
@@ -215,4 +215,45 @@ def test_lost_timestamps_are_not_a_complete_run(laboratory):
     """Oracle: a generator that says that records were lost."""
     laboratory.generator.loses_stamps = True
     (made,) = laboratory.recorded().outcomes
-    assert "timestamps were lost at 1 places" in made.ending
+    assert made.ending.startswith(f"{NOT_TRUSTED}timestamps were lost at 1 places")
+    with pytest.raises(ArchiveError, match="timestamps were lost"):
+        reader.read(made.path)
+
+
+def test_a_blackbody_that_leaves_its_temperature_at_the_end(with_blackbody, monkeypatch):
+    """Oracle: it is not asked during the run, and is 1 K warmer when it is asked after it."""
+    monkeypatch.setattr("irtiming.acquire.temperature._POLL_S", 60.0)
+    body = with_blackbody.blackbody
+
+    def enough_frames():
+        if with_blackbody.heard.numbers and body.temperature_k == 300.0:
+            body.temperature_k = 301.0
+        return False
+
+    with_blackbody.heard.leaves = enough_frames
+    (made,) = with_blackbody.recorded().outcomes
+    assert "the blackbody went from 26.85 °C to 27.85 °C" in made.ending
+
+
+def test_a_temperature_that_came_to_harm_ends_nothing(with_blackbody):
+    """Oracle: one answer of a line without check sums has another digit."""
+    body, state = with_blackbody.blackbody, with_blackbody.blackbody.state
+    answers = []
+
+    async def harmed():
+        answers.append(await state())
+        return replace(answers[-1], temperature_k=380.0) if len(answers) % 3 == 0 else answers[-1]
+
+    body.state = harmed
+    outcome = _long(with_blackbody).recorded()
+    assert outcome.ending == "complete"
+    assert len(answers) > 6
+    assert reader.read(outcome.outcomes[0].path).blackbody_temperature_k == 300.0
+
+
+def test_a_temperature_that_is_another_each_time_is_refused(with_blackbody):
+    """Oracle: the words; no file is made."""
+    with_blackbody.blackbody.drift_k = 1.0
+    outcome = with_blackbody.recorded()
+    assert "wait until it is stable, or see to its line" in outcome.ending
+    assert not outcome.outcomes

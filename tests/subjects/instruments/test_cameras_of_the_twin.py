@@ -16,6 +16,7 @@ from irtiming.instruments import aravis_library
 from irtiming.instruments.cameras import open_camera
 from irtiming.twin.devices.camera_faults import CameraFaults
 from irtiming.twin.devices.gige_camera import GigeCamera
+from irtiming.twin.devices.gige_registers import Address
 from irtiming.twin.driven_wheel import DrivenWheel
 from irtiming.twin.live_camera import LiveCamera
 from irtiming.twin.scene import paper_scene
@@ -150,5 +151,19 @@ def test_unplugged_camera_keeps_what_had_come():
                     await asyncio.wait_for(anext(taken), 8)
                 assert [frame.frame_id for frame in frames] == list(range(N))
                 assert (await camera.disarm()).frames == N
+
+    asyncio.run(asyncio.wait_for(test(Rig(CameraFaults())), 30))
+
+
+def test_a_busy_program_has_time_to_be_heard_and_the_camera_is_left_as_it_was():
+    """Oracle: the camera's own register: 3 s by the standard, more while this program has it."""
+
+    async def test(rig):
+        silence_ms = lambda: rig.device._registers.word(Address.HEARTBEAT_TIMEOUT)  # noqa: E731
+        with rig.camera, rig.device:
+            assert silence_ms() == 3000
+            async with open_camera(f"gige:{rig.host}"):
+                assert silence_ms() == 5000
+            assert silence_ms() == 3000
 
     asyncio.run(asyncio.wait_for(test(Rig(CameraFaults())), 30))

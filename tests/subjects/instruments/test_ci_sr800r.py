@@ -194,6 +194,13 @@ def test_a_fault_of_the_unit_is_told_before_it_is_heated():
     assert device.target_k == 298.15
 
 
+def test_a_word_on_faults_that_came_to_harm_is_asked_for_again():
+    """Oracle: a transcript by hand; the line turned O into an asterisk once."""
+    harmed = [("GETBITERROR", "*K"), ("GETBITERROR", "OK")]
+    with _transcript(("ECHO IRTIMING", "IRTIMING"), ("GETTEMPERATURE", "29.998"), *harmed) as controller:
+        SR800RBlackbody(controller)._identify()
+
+
 def test_a_fault_that_comes_later_is_told_before_it_is_heated():
     """Oracle: the words, and the target as it was, for a fan that fails after the unit was opened."""
     device = SimulatedBlackbody()

@@ -10,6 +10,7 @@ import serial
 
 from irtiming.errors import InstrumentError, InstrumentSilent
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
+from irtiming.instruments import serial_line
 from irtiming.instruments.visa_line import (
     Pace,
     Speech,
@@ -175,8 +176,9 @@ def test_a_port_that_another_program_has_is_told():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for the flag")
-def test_programs_that_know_no_locks_are_kept_out_too():
+def test_programs_that_know_no_locks_are_kept_out_too(monkeypatch):
     """Oracle: the flag that makes the system itself refuse a second program, read back from the terminal."""
+    monkeypatch.setattr(serial_line, "_OF_SIMULATIONS", "/dev/other")
     from fcntl import ioctl
     from struct import unpack
 
