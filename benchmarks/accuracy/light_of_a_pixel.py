@@ -50,8 +50,8 @@ def beyond_noise_only() -> Iterator[None]:
     """What a pixel shows beyond the model counts as far as it exceeds twice its uncertainty."""
     told = sector_fit._light
 
-    def shrunk(images: Any, numbers: Any) -> dict[str, Any]:
-        found, u = told(images, numbers), images.contrast(numbers).u
+    def shrunk(seen: Any, numbers: Any, *, view: Any) -> dict[str, Any]:
+        found, u = told(seen, numbers, view=view), seen.u
         left = found["excess"]
         kept = np.maximum(0.0, 1 - (_SIGNIFICANT * u) ** 2 / np.maximum(left**2, 1e-30))
         return found | {"excess": left * kept}

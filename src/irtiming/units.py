@@ -8,7 +8,7 @@ _FACTORS = {
     "": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9,
     "min": 60.0, "h": 3600.0,
 }  # fmt: skip
-_ZERO_CELSIUS_K = 273.15
+ZERO_CELSIUS_K = 273.15
 _COLDEST_K, _HOTTEST_K = 150.0, 1000.0
 _TEMPERATURE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(K|C|°C|degC)\s*")
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zµ]*)\s*")
@@ -41,7 +41,7 @@ def kelvin(text: str) -> float:
     match = _TEMPERATURE.fullmatch(text)
     if match is None:
         raise UnitError(f"'{text}' is not a temperature; write a number and K or C, such as '303 K' or '30 C'")
-    value = float(match[1]) + (0.0 if match[2] == "K" else _ZERO_CELSIUS_K)
+    value = float(match[1]) + (0.0 if match[2] == "K" else ZERO_CELSIUS_K)
     if not _COLDEST_K <= value <= _HOTTEST_K:
         raise UnitError(
             f"'{text}' is {value:g} K, must lie between {_COLDEST_K:g} K and {_HOTTEST_K:g} K; check the unit"

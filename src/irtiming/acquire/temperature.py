@@ -9,7 +9,7 @@ from irtiming.acquire.rig import Rig
 from irtiming.errors import InstrumentError
 from irtiming.records.instrument_state import BlackbodyState
 from irtiming.records.series_plan import BlackbodyWishes
-from irtiming.units import readable_time
+from irtiming.units import ZERO_CELSIUS_K, readable_time
 
 _POLL_S = 1.5
 """Of the rig's time; the SR-800R must not be asked for stability more often than once a second."""
@@ -18,8 +18,6 @@ _SAME_TARGET_K = 0.005
 _MOST_SILENT = 2
 _SAME_K, _TRIES = 0.1, 4
 """A temperature counts when it was said twice: a line without check sums may turn any digit into another."""
-
-_ZERO_CELSIUS_K = 273.15
 
 
 async def settled(rig: Rig, target_k: float, *, wishes: BlackbodyWishes, attendant: Attendant) -> BlackbodyState | None:
@@ -142,7 +140,7 @@ class TemperatureWatch:
 
 def celsius(temperature_k: float) -> str:
     """Temperature as people at a blackbody read it."""
-    return f"{temperature_k - _ZERO_CELSIUS_K:.2f} °C"
+    return f"{temperature_k - ZERO_CELSIUS_K:.2f} °C"
 
 
 def _is_there(state: BlackbodyState, target_k: float, wishes: BlackbodyWishes) -> bool:

@@ -254,21 +254,21 @@ async def _measured(
 def _wiring(
     falling: tuple[str, ...], glitch_filter: str, camera_pulse: str, clock_hz: int, camera_input: bool
 ) -> "Wiring":
-    from irtiming.gateware.register_map import Channel, Polarity
-    from irtiming.instruments.trigger_generator import Wiring
+    from irtiming.acquire.rig import wiring_of
+    from irtiming.gateware.register_map import Polarity
+    from irtiming.records.series_plan import WiringWishes
 
-    edges = Polarity(0)
     for name in falling:
         if name.upper() not in Polarity.__members__:
             lines = ", ".join(Polarity.__members__).lower()
             raise UnitError(f"--falling '{name}' is no line; name one of {lines}")
-        edges |= Polarity[name.upper()]
-    return Wiring(
-        falling_edges=edges,
-        filter_cycles=round(seconds(glitch_filter) * clock_hz),
+    wishes = WiringWishes(
+        falling=falling,
+        glitch_filter_s=seconds(glitch_filter),
         camera_pulse_s=seconds(camera_pulse),
-        also_recorded=Channel.CAMERA_INPUT if camera_input else Channel(0),
+        camera_input=camera_input,
     )
+    return wiring_of(wishes, clock_frequency_hz=clock_hz)
 
 
 def _lost(found: "Timestamps", out: Path) -> str:

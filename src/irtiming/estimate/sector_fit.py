@@ -131,10 +131,10 @@ def variations(
     images = _images(recordings, wheel, rig=rig, lag=lag, known=found)
     numbers = _numbers(found)
     varied = []
-    for k, step in enumerate(SHAPE_STEPS):
+    for step, one in zip(SHAPE_STEPS, np.eye(len(SHAPE_STEPS), numbers.size), strict=True):
         ahead, behind = (
-            replace(found, **_light(images, np.where(np.arange(numbers.size) == k, numbers + off, numbers)))
-            for off in (step, -step)
+            replace(found, **_light(images.contrast(moved), moved, view=images.view))
+            for moved in (numbers + step * one, numbers - step * one)
         )
         varied.append(Variation(ahead=ahead, behind=behind, distance=2 * step))
     return tuple(varied)
@@ -172,7 +172,7 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
     border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
     covariance, chi_square = known
     return SectorFit(
-        **_light(images, numbers),
+        **_light(seen, numbers, view=view),
         covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
         contrast=seen.light + seen.uneven + seen.plate + seen.residual,
         model_contrast=seen.light,
@@ -189,9 +189,8 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
     )
 
 
-def _light(images: _Images, numbers: Array) -> dict[str, Any]:
+def _light(seen: SeenContrast, numbers: Array, *, view: View) -> dict[str, Any]:
     """Where the light comes from: the fields of a `SectorFit` that say so."""
-    view, seen = images.view, images.contrast(numbers)
     summed = np.where(view.summed, 1.0, 0.0)
     mostly, dark = seen.light > 0.5, np.maximum(1 - seen.light, 0.02)
     beside_angle = (seen.centre_angle_rad - seen.light * seen.light_angle_rad) / dark

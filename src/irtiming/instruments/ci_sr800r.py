@@ -24,6 +24,7 @@ from irtiming.instruments.visa_line import (
     split_options,
 )
 from irtiming.records.instrument_state import BlackbodyState
+from irtiming.units import ZERO_CELSIUS_K
 
 _MODEL = "SR-800R"
 _SPEECH = Speech(baud=9600, quiet_s=0.1)  # the end of its answers is not known for every line
@@ -32,7 +33,6 @@ _STABLE_GAP_S = 1.0  # section 6.2.25
 _TIMING_S = 0.01  # by which two messages may come nearer to each other on their way
 _TRIES = 3
 _HELLO = "IRTIMING"
-_ICE_K = 273.15
 _LOWEST_DEGC, _HIGHEST_DEGC = -100.0, 1500.0  # nothing of the maker's goes beyond
 _STEP_DEGC = 0.001
 _NEAR_K = 0.5
@@ -227,8 +227,8 @@ class SR800RBlackbody:
     def _state(self) -> BlackbodyState:
         self._refuse_faults()
         target = self._optional("target_degc")
-        temperature_k = self._controller.temperature_degc + _ICE_K
-        target_k = None if target is None else target + _ICE_K
+        temperature_k = self._controller.temperature_degc + ZERO_CELSIUS_K
+        target_k = None if target is None else target + ZERO_CELSIUS_K
         is_near = target_k is None or abs(temperature_k - target_k) <= _NEAR_K
         return BlackbodyState(
             model=_MODEL,
@@ -238,11 +238,11 @@ class SR800RBlackbody:
         )
 
     def _set_target(self, temperature_k: float) -> None:
-        degc = temperature_k - _ICE_K
+        degc = temperature_k - ZERO_CELSIUS_K
         if not _LOWEST_DEGC <= degc <= _HIGHEST_DEGC:
             raise InstrumentRefused(
-                f"no {_MODEL} goes to {temperature_k:g} K; give a temperature from {_LOWEST_DEGC + _ICE_K:g} to "
-                f"{_HIGHEST_DEGC + _ICE_K:g} K"
+                f"no {_MODEL} goes to {temperature_k:g} K; give a temperature from {_LOWEST_DEGC + ZERO_CELSIUS_K:g} to "
+                f"{_HIGHEST_DEGC + ZERO_CELSIUS_K:g} K"
             )
         self._refuse_faults()
         held: float | None = None
