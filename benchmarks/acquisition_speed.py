@@ -2,8 +2,9 @@
 
 Frames of 640 x 480 pixels of 16 bits come at four times 30.303 Hz over GigE Vision. In turn, round after round, they are (a)
 recorded: received, given their triggers, compressed and written, with timestamps, to the closed file; (b) only received by our
-driver; (c) only received by pyGigEVision, which the driver takes its control channel from. The shares are of one core, from the
-first trigger on until the file is closed, or the last frame is there; the twin's is that of its whole process.
+driver; (c) only received by pyGigEVision, which the driver takes its control channel from. The pace is that of the frames as
+they arrive, from the first to the last. The shares are of one core, from before the first trigger until the file is closed, or
+the last frame is there; the twin's is that of its whole process.
 
     python benchmarks/acquisition_speed.py --frames 1000 --rounds 3
 """
@@ -66,6 +67,23 @@ class Found:
     damaged: int
     longest_queue: int
     stretch: Stretch
+    pace_hz: float
+
+
+class Arrivals:
+    """When the first and the last frame arrived."""
+
+    def __init__(self) -> None:
+        self.count, self.first_s, self.last_s = 0, 0.0, 0.0
+
+    def add(self) -> None:
+        self.last_s = time.monotonic()
+        self.first_s = self.first_s if self.count else self.last_s
+        self.count += 1
+
+    @property
+    def pace_hz(self) -> float:
+        return (self.count - 1) / (self.last_s - self.first_s) if self.count > 1 else 0.0
 
 
 def cpu_of(process: int) -> float:
@@ -104,13 +122,16 @@ def simulated_rig(folder: Path, address: str) -> Iterator[int]:
 
 
 class Watch(Attendant):
-    """Times a run from its first trigger to its closed file."""
+    """Times a run from before its first trigger to its closed file, and its frames."""
 
     def __init__(self, stretch: Stretch) -> None:
-        self._stretch = stretch
+        self._stretch, self.arrivals = stretch, Arrivals()
 
     def begins(self, run, *, number, path) -> None:
         self._stretch.begin()
+
+    def written(self, frame, *, number) -> None:
+        self.arrivals.add()
 
     def ended(self, outcome) -> None:
         self._stretch.end()
@@ -119,10 +140,11 @@ class Watch(Attendant):
 async def recorded(plan: SeriesPlan, triggers: TriggerPlan, folder: Path, twin: int) -> Found:
     """Received and written."""
     stretch = Stretch(twin)
+    watch = Watch(stretch)
     series = Series(plan=plan, triggers=triggers, folder=folder)
     journal = Journal.opened(folder, digest=digest_of(plan, triggers), n_runs=1)
     async with connected_rig(plan) as rig:
-        outcome = await record_series(rig, series, attendant=Watch(stretch), journal=journal)
+        outcome = await record_series(rig, series, attendant=watch, journal=journal)
     (run,) = outcome.outcomes
     n_read = reader.read(run.path).frames.shape[0]
     if not run.is_complete:
@@ -130,7 +152,7 @@ async def recorded(plan: SeriesPlan, triggers: TriggerPlan, folder: Path, twin: 
     run.path.unlink()
     lost = run.verdict.triggers - n_read
     longest = max(run.longest_queue, run.counts.longest_queue)
-    return Found(run.verdict.frames, lost, run.counts.frames_damaged, longest, stretch)
+    return Found(run.verdict.frames, lost, run.counts.frames_damaged, longest, stretch, watch.arrivals.pace_hz)
 
 
 async def triggered(rig: Rig, run: PlannedRun, stretch: Stretch, has_all: Event) -> None:
@@ -162,9 +184,12 @@ async def received(plan: SeriesPlan, run: PlannedRun, twin: int) -> Found:
         await at_speed(rig, run)
         await rig.camera.arm()
 
+        arrivals = Arrivals()
+
         async def take() -> int:
             count = 0
             async for frame in rig.camera.frames():
+                arrivals.add()
                 count += frame.is_whole
                 if count == n_frames:
                     has_all.set()
@@ -174,7 +199,7 @@ async def received(plan: SeriesPlan, run: PlannedRun, twin: int) -> Found:
         await triggered(rig, run, stretch, has_all)
         counts = await rig.camera.disarm()
         count = await taking
-    return Found(count, n_frames - count, counts.frames_damaged, counts.longest_queue, stretch)
+    return Found(count, n_frames - count, counts.frames_damaged, counts.longest_queue, stretch, arrivals.pace_hz)
 
 
 async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Found:
@@ -195,13 +220,14 @@ async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Fou
         client.write_reg(Address.PACKET_SIZE, PACKET_BYTES)
         client.write_reg(Address.TRIGGER_MODE, 1)
         client.write_reg(Address.TRIGGER_SOURCE, 1)
-        found, is_over = [0, 0], Event()
+        found, arrivals, is_over = [0, 0], Arrivals(), Event()
 
         def take() -> None:
             while not is_over.is_set():
                 got = other.get_frame_with_info(timeout=0.2)
                 if got is None:
                     continue
+                arrivals.add()
                 found[bool(got[1].get("missing_packets") or got[0].shape != (ROWS, COLUMNS))] += 1
                 if found[0] == n_frames:
                     has_all.set()
@@ -216,7 +242,7 @@ async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Fou
         thread.join()
         other.close()
         client.disconnect()
-    return Found(found[0], n_frames - found[0], found[1], 0, stretch)
+    return Found(found[0], n_frames - found[0], found[1], 0, stretch, arrivals.pace_hz)
 
 
 def main() -> None:
@@ -254,7 +280,7 @@ def main() -> None:
         shares = [one.stretch.ours_s / one.stretch.elapsed_s for one in rounds]
         share[label] = float(np.median(shares))
         twins = np.median([one.stretch.twins_s / one.stretch.elapsed_s for one in rounds])
-        pace = np.median([one.frames / one.stretch.elapsed_s for one in rounds])
+        pace = np.median([one.pace_hz for one in rounds])
         lost, damaged = (sum(getattr(one, what) for one in rounds) for what in ("lost", "damaged"))
         longest = max(one.longest_queue for one in rounds)
         each = 1e3 * np.median([one.stretch.ours_s / n_made for one in rounds])

@@ -16,6 +16,9 @@ Bytes: TypeAlias = Callable[[bytes], bytes]
 """What a line makes of bytes; called over and over, also with none, so that it may hold some back."""
 
 _TICK_S = 0.005
+_LONGEST_DEBT_S = 0.5
+"""So much of the time that a device was not let run it makes up for later; what is more it never lives through."""
+
 _MOST_BYTES = 4096
 _MOST_WAITING = 2**16
 """Bytes that wait for a reader; the device's time stands still while there are more."""
@@ -98,14 +101,16 @@ class PseudoTerminal:
 
     def _serve_until_unplugged(self) -> None:
         rate = self._device.clock_frequency_hz * self._speed
-        cycle, before = 0, monotonic()
+        cycle, owed, before = 0, 0, monotonic()
         most = step = int(2 * _TICK_S * rate)
         while not self._is_unplugged.is_set():
             select.select([self._ours], [self._ours] if self._waiting else [], [], _TICK_S)
             received = self._to_device(self._read())
             now = monotonic()
             if len(self._waiting) < _MOST_WAITING:
-                cycle += min(int((now - before) * rate), step)
+                owed = min(owed + int((now - before) * rate), int(_LONGEST_DEBT_S * rate))
+                lived = min(owed, step)
+                cycle, owed = cycle + lived, owed - lived
             before = now
             sent = self._device.exchange(
                 b"", until_cycle=cycle

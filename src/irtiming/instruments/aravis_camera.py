@@ -173,7 +173,7 @@ class AravisLink:
             library().arv_gv_device_set_stream_options(self._device, arv.ONLY_ORDINARY_SOCKETS)
         opened = call("arv_camera_create_stream", self._camera, None, None, camera=self.name)
         if self.is_network:
-            arv.enlarge_socket_buffer(opened)
+            arv.make_patient(opened)
         self._stream = _Stream(opened, self, payload=payload, shape=(setup.rows, setup.columns))
         self._stream.start(queue, numbers)
 

@@ -1,7 +1,7 @@
 """What is used of the Aravis library (0.8), declared for ctypes."""
 
 import ctypes
-from ctypes import POINTER, byref, c_char_p, c_int, c_size_t, c_uint, c_uint64, c_void_p
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_uint64, c_void_p
 from functools import cache
 from typing import Any, final
 
@@ -62,6 +62,8 @@ _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 ONLY_ORDINARY_SOCKETS = 1
 _FIXED_SOCKET_BUFFER = 0
 _SOCKET_BUFFER_BYTES = 16 * 2**20
+_MOST_RESENT, _FRAME_RETENTION_US = 1.0, 400_000
+"""Of a frame's packets, and how long the library waits for them."""
 
 
 @cache
@@ -112,16 +114,19 @@ def call(function: str, *arguments: Any, camera: str) -> Any:
     raise _explained(code if domain == _DEVICE_ERRORS else None, " ".join(text.split()), camera)
 
 
-def enlarge_socket_buffer(stream: Any) -> None:
-    """Let the system hold more packets of a network stream than one frame: the receiving thread may have to wait.
+def make_patient(stream: Any) -> None:
+    """Let the system hold more packets of a network stream than one frame, and any part of a frame be asked for again.
+
+    The receiving thread may have to wait, and answers too.
 
     Parameters
     ----------
     stream
         Of the library, before it starts.
     """
-    names = (b"socket-buffer", c_int(_FIXED_SOCKET_BUFFER), b"socket-buffer-size", c_int(_SOCKET_BUFFER_BYTES))
-    library().g_object_set(c_void_p(stream), *names, c_void_p())
+    buffer = (b"socket-buffer", c_int(_FIXED_SOCKET_BUFFER), b"socket-buffer-size", c_int(_SOCKET_BUFFER_BYTES))
+    resends = (b"packet-request-ratio", c_double(_MOST_RESENT), b"frame-retention", c_uint(_FRAME_RETENTION_US))
+    library().g_object_set(c_void_p(stream), *buffer, *resends, c_void_p())
 
 
 def text(value: bytes | None) -> str:

@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias, final, get_args
 
 import numpy as np
 import numpy.typing as npt
+from numba import njit
 
 from irtiming.records.arrays import Pixels
 from irtiming.twin.scene import Detector
@@ -93,7 +94,7 @@ def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Gene
     Parameters
     ----------
     signal_dn
-        Shape (row, column), DN of a mean pixel; overwritten.
+        Shape (row, column), DN of a mean pixel.
     pattern
         Gain, offset, noise and highest value.
     random
@@ -101,15 +102,38 @@ def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Gene
     out
         Shape (row, column).
     """
-    signal_dn *= pattern.gain
-    signal_dn += pattern.offset_dn
+    noise, row_noise = np.zeros(signal_dn.size, np.float32), np.zeros(signal_dn.shape[0], np.float32)
     if pattern.noise_dn > 0:
-        noise = random.standard_normal(signal_dn.shape, dtype=np.float32)
-        noise *= np.float32(pattern.noise_dn)
-        signal_dn += noise
+        noise = _normal(random, noise.size)
     if pattern.row_noise_dn > 0:
-        row_noise = random.standard_normal((signal_dn.shape[0], 1), dtype=np.float32)
-        signal_dn += row_noise * np.float32(pattern.row_noise_dn)
-    np.clip(signal_dn, 0, pattern.highest_dn, out=signal_dn)
-    signal_dn += np.float32(0.5)
-    out[...] = signal_dn
+        row_noise = _normal(random, row_noise.size) * np.float32(pattern.row_noise_dn)
+    _read_out(
+        (signal_dn, pattern.gain, pattern.offset_dn), noise.reshape(signal_dn.shape), row_noise,
+        (pattern.noise_dn, pattern.highest_dn), out,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def _normal(random: np.random.Generator, n: int) -> Values:
+    """Normal deviates: to the last bit those of NumPy's own call, which takes half as long again."""
+    deviates: Values = random.standard_normal(n, dtype=np.float32)
+    return deviates
+
+
+@njit(cache=True, nogil=True)
+def _read_out(
+    seen: tuple[Values, Values, Values],
+    noise: Values,
+    row_noise: npt.NDArray[np.float32],
+    limits: tuple[float, float],
+    out: Pixels,
+) -> None:
+    """Signal with gain, offset and noise, clipped and rounded, in one pass; numbers of 32 bits throughout."""
+    signal, gain, offset = seen
+    noise_dn, highest = np.float32(limits[0]), np.float32(limits[1])
+    lowest, half = np.float32(0), np.float32(0.5)
+    for row in range(signal.shape[0]):
+        for column in range(signal.shape[1]):
+            value = signal[row, column] * gain[row, column] + offset[row, column]
+            value = value + noise[row, column] * noise_dn + row_noise[row]
+            out[row, column] = np.uint16(min(max(value, lowest), highest) + half)

@@ -9,12 +9,16 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Array
+from irtiming.twin.kernels import wrapped
 from irtiming.twin.noise import Values
 from irtiming.twin.rays import Indices, Offsets, RayTable, trace
 from irtiming.twin.scene import Scene
 
 Weights: TypeAlias = npt.NDArray[np.float32]
 """DN that a pixel gains when all its rays get past the wheel; shape (n_live,)."""
+
+_GROUP = 16
+_CLOSED, _OPEN, _TOUCHED = 0, 1, 2
 
 
 @final
@@ -25,7 +29,8 @@ class Picture:
     ``closed_dn`` (row, column) is the signal behind solid wheel; ``opening_dn`` and ``plate_dn`` (n_live,)
     are what a pixel of the table gains where it sees the blackbody or the mask plate instead. ``open_rad``
     (3, 2) are the intervals of phi_A + theta - phi in [0, 2 pi) at which a cutout lies over phi. ``span_rad`` (n_live, 2)
-    are the smallest and largest offset of a pixel's rays.
+    are the smallest and largest offset of a pixel's rays, ``group_span_rad`` (n_group, 2) those of the rays of each
+    16 pixels in a row of the table, from the angle of the first of them.
     """
 
     table: RayTable
@@ -35,6 +40,7 @@ class Picture:
     open_rad: Array
     gate_rad: float
     span_rad: Offsets
+    group_span_rad: Array
 
 
 def picture(scene: Scene) -> Picture:
@@ -46,6 +52,7 @@ def picture(scene: Scene) -> Picture:
     edge = scene.wheel.cutout_edges_rad
     turn = 2 * math.pi
     opened = [(edge[3] - turn, edge[0]), (edge[1], edge[2]), (edge[3], edge[0] + turn)]
+    span = _spans(table.offset_rad, table.n_opening, table.n_plate)
     return Picture(
         table=table,
         closed_dn=closed,
@@ -53,7 +60,8 @@ def picture(scene: Scene) -> Picture:
         plate_dn=np.float32(radiance.level_dn(radiance.mask_k)) - behind,
         open_rad=np.array(opened),
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
-        span_rad=_spans(table.offset_rad, table.n_opening, table.n_plate),
+        span_rad=span,
+        group_span_rad=_group_spans(table.reference_rad, span),
     )
 
 
@@ -85,9 +93,9 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
     _add_open_rays(
         out.reshape(-1),
         (angles + shot.gate_rad, shot.open_rad),
-        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad, shot.span_rad),
-        (shot.opening_dn, shot.plate_dn),
-        1.0 / (table.rays_per_pixel * angles.size),
+        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad),
+        (shot.span_rad, shot.group_span_rad),
+        (shot.opening_dn, shot.plate_dn, 1.0 / (table.rays_per_pixel * angles.size)),
     )
 
 
@@ -95,33 +103,67 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
 def _add_open_rays(
     flat: Weights,
     wheel: tuple[Array, Array],
-    table: tuple[Indices, Array, Indices, Indices, Offsets, Offsets],
-    gain: tuple[Weights, Weights],
-    share: float,
+    table: tuple[Indices, Array, Indices, Indices, Offsets],
+    spans: tuple[Offsets, Array],
+    gain: tuple[Weights, Weights, float],
 ) -> None:
-    """Add to each live pixel what its rays past the wheel bring, averaged over the instants."""
+    """Add to each live pixel what its rays past the wheel bring, averaged over the instants.
+
+    Most groups of pixels see no edge: they gain all that is behind a cutout, or nothing.
+    """
     angles, opened = wheel
-    pixel, reference, n_opening, n_plate, offset, span = table
-    turn = 2 * math.pi
-    middle = 0.5 * (angles[0] + angles[-1])
-    swing = 0.5 * (angles[-1] - angles[0])
-    for live in range(pixel.size):
-        first, second = n_opening[live], n_opening[live] + n_plate[live]
-        low, high = span[live, 0], span[live, 1]
-        mean = (middle - reference[live]) / turn
-        mean = (mean - math.floor(mean)) * turn
-        if _untouched(opened, mean - swing - high, mean + swing - low):
-            if _is_open(opened, mean - 0.5 * (low + high)):
-                share_open = share * angles.size
-                flat[pixel[live]] += share_open * (first * gain[0][live] + n_plate[live] * gain[1][live])
+    pixel, reference, n_opening, n_plate, offset = table
+    opening_dn, plate_dn, share = gain
+    middle, swing = 0.5 * (angles[0] + angles[-1]), 0.5 * (angles[-1] - angles[0])
+    span, group_span = spans
+    for group in range(group_span.shape[0]):
+        begin, end = group * _GROUP, min((group + 1) * _GROUP, pixel.size)
+        mean = _in_turn(middle - reference[begin])
+        seen = _sight(opened, mean - group_span[group, 1], mean - group_span[group, 0], swing)
+        if seen == _CLOSED:
             continue
-        past_opening, past_plate = 0, 0
-        for angle in angles:
-            edge = (angle - reference[live]) / turn
-            edge = (edge - math.floor(edge)) * turn
-            past_opening += _count_open(offset[live, :first], opened, edge)
-            past_plate += _count_open(offset[live, first:second], opened, edge)
-        flat[pixel[live]] += share * (past_opening * gain[0][live] + past_plate * gain[1][live])
+        for live in range(begin, end):
+            first, second = n_opening[live], n_opening[live] + n_plate[live]
+            alone = seen
+            if seen == _TOUCHED:
+                mean = _in_turn(middle - reference[live])
+                alone = _sight(opened, mean - span[live, 1], mean - span[live, 0], swing)
+            if alone == _OPEN:
+                past_opening, past_plate = angles.size * first, angles.size * n_plate[live]
+            else:
+                past_opening, past_plate = 0, 0
+            if alone == _TOUCHED:
+                past_opening = _count_open(offset[live, :first], opened, angles, reference[live])
+                past_plate = _count_open(offset[live, first:second], opened, angles, reference[live])
+            flat[pixel[live]] += share * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
+
+
+@njit(cache=True, nogil=True)
+def _in_turn(angle: float) -> float:
+    """The same angle in [0, 2 pi)."""
+    turns = angle / (2 * math.pi)
+    return (turns - math.floor(turns)) * 2 * math.pi
+
+
+@njit(cache=True, nogil=True)
+def _sight(opened: Array, low: float, high: float, swing: float) -> int:
+    """What rays between two values of phi_A + theta - phi see while the wheel swings: cutout, wheel, or perhaps an edge."""
+    if not _untouched(opened, low - swing, high + swing):
+        return _TOUCHED
+    return _OPEN if _is_open(opened, 0.5 * (low + high)) else _CLOSED
+
+
+@njit(cache=True, nogil=True)
+def _group_spans(reference: Array, span: Offsets) -> Array:
+    """Smallest and largest angle of the rays of each group, from the reference angle of its first pixel."""
+    spans = np.empty((-(-reference.size // _GROUP), 2))
+    for group in range(spans.shape[0]):
+        low, high = math.inf, -math.inf
+        for live in range(group * _GROUP, min((group + 1) * _GROUP, reference.size)):
+            away = wrapped(reference[live] - reference[group * _GROUP])
+            low, high = min(low, away + span[live, 0]), max(high, away + span[live, 1])
+        spans[group, 0], spans[group, 1] = low, high
+    return spans
 
 
 @njit(cache=True, nogil=True)
@@ -165,28 +207,34 @@ def _is_open(opened: Array, seen: float) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _count_open(offset: Offsets, opened: Array, edge: float) -> int:
-    """Rays, given in order of angle, that lie within a cutout."""
+def _count_open(offset: Offsets, opened: Array, angles: Array, reference: float) -> int:
+    """Rays, given in order of angle, that lie within a cutout; summed over the instants."""
+    turn = 2 * math.pi
+    first = _in_turn(angles[0] - reference)
+    laps = int((first + abs(angles[-1] - angles[0])) / turn)
     count = 0
-    for interval in range(opened.shape[0]):
-        count += _count_up_to(offset, edge - opened[interval, 0])
-        count -= _count_up_to(offset, edge - opened[interval, 1])
+    for lap in range(-1, laps + 2):
+        ahead = first - angles[0] - lap * turn
+        for cutout in range(1, opened.shape[0]):
+            count += _count_passed(offset, angles, ahead - opened[cutout, 0])
+            count -= _count_passed(offset, angles, ahead - opened[cutout, 1])
     return count
 
 
 @njit(cache=True, nogil=True)
-def _count_up_to(offset: Offsets, limit: float) -> int:
-    """How many sorted values are at most the limit."""
-    n = offset.size
-    if n == 0 or limit < offset[0]:
+def _count_passed(offset: Offsets, angles: Array, ahead: float) -> int:
+    """How many sorted values are at most an instant's angle and what is ahead of it; summed over the instants."""
+    if offset.size == 0:
         return 0
-    if limit >= offset[n - 1]:
-        return n
-    low, high = 0, n - 1  # offset[low] <= limit < offset[high]
-    while high - low > 1:
-        middle = (low + high) // 2
-        if offset[middle] <= limit:
-            low = middle
-        else:
-            high = middle
-    return high
+    if max(angles[0], angles[-1]) + ahead < offset[0]:
+        return 0
+    if min(angles[0], angles[-1]) + ahead >= offset[-1]:
+        return offset.size * angles.size
+    count, at = 0, 0
+    for angle in angles:  # from one instant to the next an edge passes few rays
+        while at < offset.size and offset[at] <= angle + ahead:
+            at += 1
+        while at > 0 and offset[at - 1] > angle + ahead:
+            at -= 1
+        count += at
+    return count

@@ -41,6 +41,8 @@ _DISCOVERY, _FORCE_IP, _RESEND = 0x0002, 0x0004, 0x0040
 _READ_REGISTERS, _WRITE_REGISTERS, _READ_MEMORY, _WRITE_MEMORY = 0x0080, 0x0082, 0x0084, 0x0086
 _LONGEST_READ = 536
 _POLL_S = 0.05
+_QUEUE_POLL_S = 0.002
+_MOST_QUEUED = 8
 _EXCLUSIVE, _CONTROL = 1 << 0, 1 << 1
 _LATCH, _RESET = 1 << 1, 1 << 0
 _CONTINUOUS, _SINGLE_FRAME = 0, 1
@@ -282,7 +284,7 @@ class GigeCamera:
             self._acquisition = acquisition
         is_triggered = word(Address.TRIGGER_MODE) == 1
         self._camera.begin(
-            lambda frame: self._frames.put((acquisition, frame)),
+            lambda frame: self._queue(acquisition, frame),
             trigger="none" if not is_triggered else "line" if word(Address.TRIGGER_SOURCE) == 1 else "software",
             frame_rate_hz=self._registers.number(Address.FRAME_RATE),
             integration_time_s=self._exposure_time_s(),
@@ -308,6 +310,13 @@ class GigeCamera:
         _, block_id, first, last = struct.unpack(">HHII", content[:12])
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         self._stream.resend(block_id, range(first, last + 1), route=route)
+
+    def _queue(self, acquisition: "_Acquisition", frame: LiveFrame) -> None:
+        """Wait where the link is slower than the frames: whoever triggers, and with it the rig's time, then waits too."""
+        while self._frames.qsize() >= _MOST_QUEUED and self._acquisition is acquisition:
+            if self._is_over.wait(_QUEUE_POLL_S):
+                return
+        self._frames.put((acquisition, frame))
 
     def _send(self) -> None:
         """Frames as they come, with what may go wrong with them."""
