@@ -337,8 +337,8 @@ def _results(trial: Trial, witness: Witness, folder: Path) -> tuple[list[str], l
         ending = f"refused: {error}"
     except Exception:
         return [TRACEBACK], [traceback.format_exc()]
-    found = [judged(path, witness) for path in sorted(folder.glob("*.nxs"))]
-    left = [path.name for path in folder.glob("*.part")]
+    found = [judged(path, witness) for path in sorted(folder.rglob("*.nxs"))]
+    left = [path.name for path in folder.rglob("*.part")]
     said = [text for _, text in found] + [ending] + [f"left: {name}" for name in left]
     worst = [result for result, _ in found] or [REFUSED]
     if found and not ending.startswith(layout.COMPLETE) and worst[-1] == COMPLETE:

@@ -86,7 +86,7 @@ class Journal:
         """
         verdict = outcome.verdict
         self._content["runs"][str(outcome.order.number)] = {
-            "file": outcome.path.name,
+            "file": outcome.path.relative_to(self._path.parent).as_posix(),
             "ending": outcome.ending,
             "triggers": verdict.triggers,
             "frames": verdict.frames,

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import final
@@ -13,9 +13,9 @@ from irtiming.acquire.journal import Journal
 from irtiming.acquire.references import drift, record_references
 from irtiming.acquire.rig import Rig
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
+from irtiming.acquire.set_aside import free_path, recovered_parts, set_aside
 from irtiming.acquire.temperature import as_it_is, celsius, settled
 from irtiming.archive.live_recording import COMPLETE
-from irtiming.archive.recovery import recover
 from irtiming.archive.reference_file import add_reference, read_reference, write_reference
 from irtiming.errors import ArchiveError, InstrumentError, IrTimingError
 from irtiming.records.instrument_state import BlackbodyState
@@ -158,6 +158,8 @@ class _Made:
             usual_latency_s=self._latency_s,
         )
         outcome = await record_run(self._rig, order, attendant=self._attendant)
+        if outcome.ending not in (COMPLETE, ENOUGH):
+            outcome = replace(outcome, path=set_aside(outcome.path, attendant=self._attendant))
         self.outcomes.append(outcome)
         self._journal.add(outcome)
         if outcome.is_complete:
@@ -240,11 +242,7 @@ class _Made:
             run=f"{number:02d}",
             temperature="as-it-is" if target_k is None else celsius(target_k).replace(" °", ""),
         )
-        path, again = self._series.folder / name, 1
-        while path.exists() or path.with_name(f"{path.name}.part").exists():
-            again += 1
-            path = self._series.folder / f"{Path(name).stem}-{again}.nxs"
-        return path
+        return free_path(self._series.folder, name)
 
 
 async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
@@ -259,29 +257,6 @@ async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
         await rig.camera.set_feature("ExposureTime", value=f"{plan.camera.integration_time_s * _MICROSECONDS:.10g}")
     for name, value in plan.camera.features:
         await rig.camera.set_feature(name, value=value)
-
-
-def recovered_parts(folder: Path, *, journal: Journal, attendant: Attendant) -> tuple[Path, ...]:
-    """Finish recordings that a killed program left in a folder; their runs are made again all the same.
-
-    Parameters
-    ----------
-    folder
-        Of the series.
-    journal, attendant
-        Told of each.
-    """
-    found = []
-    for part in sorted(folder.glob("*.nxs.part")):
-        try:
-            found.append(recover(part))
-        except ArchiveError as error:
-            attendant.says(f"cannot be recovered: {error}")
-            journal.note(f"cannot be recovered: {error}")
-        else:
-            journal.note(f"recovered what an interrupted program left: {found[-1].name}")
-            attendant.says(f"recovered what an interrupted program left: {found[-1]}")
-    return tuple(found)
 
 
 def read_nothing(path: Path) -> bool:

@@ -11,6 +11,7 @@ from irtiming.acquire.references import drift
 from irtiming.acquire.run import INTERRUPTED
 from irtiming.archive import reader
 from irtiming.archive.live_recording import LiveRecording
+from irtiming.archive.unfinished import claimed
 from irtiming.errors import ArchiveError
 from irtiming.records.recording import NonuniformityReference
 from irtiming.records.series_plan import BlackbodyWishes, CameraWishes, ReferenceWishes, StopWishes
@@ -18,6 +19,10 @@ from irtiming.records.series_plan import BlackbodyWishes, CameraWishes, Referenc
 
 def _names(laboratory):
     return sorted(path.name for path in laboratory.folder.iterdir())
+
+
+def _journal(laboratory):
+    return json.loads((laboratory.folder / "series.json").read_text())
 
 
 @pytest.fixture
@@ -42,7 +47,11 @@ def test_runs_are_made_in_order_under_their_names(two_delays):
 def test_an_interrupted_series_goes_on(two_delays):
     """Oracle: the second run is made when the series is asked for again, the first is not touched; nothing is overwritten."""
     two_delays.heard.leaves = lambda: len(two_delays.heard.numbers) > 20
-    assert two_delays.recorded().ending == INTERRUPTED
+    short = two_delays.recorded()
+    assert short.ending == INTERRUPTED
+    assert short.outcomes[1].path == two_delays.folder / "set-aside" / "Model-7_100Hz_7.5ms_r02.nxs"
+    assert reader.read(short.outcomes[1].path).ending == INTERRUPTED
+    assert _journal(two_delays)["runs"]["2"]["file"] == "set-aside/Model-7_100Hz_7.5ms_r02.nxs"
     first = (two_delays.folder / _names(two_delays)[0]).read_bytes()
     two_delays.heard.leaves = lambda: False
     outcome = two_delays.recorded()
@@ -50,7 +59,7 @@ def test_an_interrupted_series_goes_on(two_delays):
     assert outcome.made_before == (1,)
     assert [made.order.number for made in outcome.outcomes] == [2]
     assert _names(two_delays) == [
-        "Model-7_100Hz_2.5ms_r01.nxs", "Model-7_100Hz_7.5ms_r02-2.nxs", "Model-7_100Hz_7.5ms_r02.nxs", "series.json",
+        "Model-7_100Hz_2.5ms_r01.nxs", "Model-7_100Hz_7.5ms_r02.nxs", "series.json", "set-aside",
     ]  # fmt: skip
     assert (two_delays.folder / _names(two_delays)[0]).read_bytes() == first
     assert two_delays.recorded().outcomes == ()
@@ -73,11 +82,35 @@ def test_what_a_killed_program_left_is_recovered_and_the_run_repeated(laboratory
     outcome = laboratory.recorded()
     assert outcome.is_good
     assert [path.name for path in outcome.recovered] == ["Model-7_100Hz_2.5ms_r01.nxs"]
-    assert [made.path.name for made in outcome.outcomes] == ["Model-7_100Hz_2.5ms_r01-2.nxs"]
+    assert outcome.recovered[0].parent == laboratory.folder / "set-aside"
+    assert [made.path.name for made in outcome.outcomes] == ["Model-7_100Hz_2.5ms_r01.nxs"]
     with h5py.File(outcome.recovered[0]) as file:
         assert file["entry/instrument/camera/data"].shape[0] == 16
     with pytest.raises(ArchiveError, match="not trusted"):
         reader.read(outcome.recovered[0])
+
+
+def test_what_cannot_be_recovered_is_set_aside_as_it_is(laboratory):
+    """Oracle: a file of which nothing is left is told of once, and its bytes are kept under another name each time."""
+    laboratory.folder.mkdir(exist_ok=True)
+    part = laboratory.folder / "Model-7_100Hz_2.5ms_r01.nxs.part"
+    for name in ("Model-7_100Hz_2.5ms_r01.nxs.part", "Model-7_100Hz_2.5ms_r01-2.nxs.part"):
+        part.write_bytes(name.encode())
+        laboratory.recorded()
+        assert (laboratory.folder / "set-aside" / name).read_bytes() == name.encode()
+        assert sum(f"(kept as set-aside/{name})" in text for text in laboratory.heard.sentences) == 1
+    assert _names(laboratory) == ["Model-7_100Hz_2.5ms_r01.nxs", "series.json", "set-aside"]
+
+
+def test_a_file_that_another_program_writes_is_left_alone(laboratory):
+    """Oracle: the lock of a recording in progress."""
+    laboratory.recorded()
+    (whole,) = laboratory.folder.glob("*.nxs")
+    part = laboratory.folder / "other.nxs.part"
+    part.write_bytes(whole.read_bytes())
+    with claimed(part):
+        laboratory.recorded()
+        assert part.exists()
 
 
 def _never(self, ended, *, frame_number=None):
