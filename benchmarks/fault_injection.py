@@ -37,8 +37,9 @@ from irtiming.acquire.checklist import complaints
 from irtiming.acquire.journal import Journal, digest_of
 from irtiming.acquire.rig import connected_rig
 from irtiming.acquire.series import Series, record_series
-from irtiming.archive import layout, live_recording, reader
-from irtiming.archive.live_file import set_ending
+from irtiming.archive import layout, reader
+from irtiming.archive.live import recording
+from irtiming.archive.live.growing_file import set_ending
 from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.gateware.register_map import Channel
 from irtiming.records.recording import Recording
@@ -255,7 +256,7 @@ def happening(trial: Trial) -> Iterator[None]:
     for thread in threads:
         thread.start()
     try:
-        with patch.object(live_recording.os, "statvfs", room):
+        with patch.object(recording.os, "statvfs", room):
             yield
     finally:
         is_over.set()

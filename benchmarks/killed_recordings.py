@@ -20,10 +20,10 @@ import numpy as np
 from irtiming.archive import reader
 from irtiming.archive.finding import Complaint
 from irtiming.archive.hdf5_file import opened
-from irtiming.archive.live_head import RecordingHead
-from irtiming.archive.live_recording import LiveRecording
-from irtiming.archive.recovery import recover
-from irtiming.archive.unfinished import frames_there, part_of
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.recording import LiveRecording
+from irtiming.archive.live.recovery import recover
+from irtiming.archive.live.unfinished import frames_there, part_of
 from irtiming.errors import ArchiveError
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme

@@ -25,8 +25,8 @@ import numpy as np
 from irtiming.archive import reader
 from irtiming.archive.finding import Complaint
 from irtiming.archive.hdf5_file import opened
-from irtiming.archive.recovery import recover
-from irtiming.archive.unfinished import frames_there
+from irtiming.archive.live.recovery import recover
+from irtiming.archive.live.unfinished import frames_there
 from irtiming.errors import ArchiveError
 
 ROWS, COLUMNS, SPEED, N_RUNS, N_FRAMES = 48, 64, 4.0, 2, 120

@@ -18,7 +18,7 @@ from unittest.mock import patch
 import h5py
 import numpy as np
 
-from irtiming.archive.live_recording import LiveRecording
+from irtiming.archive.live.recording import LiveRecording
 from irtiming.records.camera_frame import CameraFrame
 from killed_recordings import head, trigger_ticks
 

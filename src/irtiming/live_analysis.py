@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, final
 
-from irtiming.archive.live_reader import read_so_far
+from irtiming.archive.live.so_far import read_so_far
 from irtiming.errors import IrTimingError
 from irtiming.measurement import (
     Analysis,

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from emulated_pico import FIRMWARE
 
-from irtiming.instruments.trigger_generator import connected
+from irtiming.instruments.generator.trigger_generator import connected
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 
 HERE = Path(__file__).parent

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from irtiming.archive import reader, writer
-from irtiming.archive.live_head import RecordingHead
-from irtiming.archive.live_recording import LiveRecording
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.recording import LiveRecording
 from irtiming.live_analysis import FEWEST_FRAMES, Analyst, LiveAnalysis, LiveEstimate, told_of
 from irtiming.measurement import analyse
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup

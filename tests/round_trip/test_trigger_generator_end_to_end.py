@@ -12,8 +12,8 @@ from irtiming.archive import reader, writer
 from irtiming.archive.verify import verify
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
-from irtiming.instruments.register_link import Patience
-from irtiming.instruments.trigger_generator import connected
+from irtiming.instruments.generator.register_link import Patience
+from irtiming.instruments.generator.trigger_generator import connected
 from irtiming.measurement import analyse
 from irtiming.plan.schedule import schedule
 from irtiming.plan.search import search

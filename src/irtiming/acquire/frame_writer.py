@@ -10,8 +10,8 @@ from typing import TypeVar, final
 import numpy as np
 
 from irtiming.acquire.attendant import Attendant
-from irtiming.archive.live_head import RecordingHead
-from irtiming.archive.live_recording import LiveRecording, TickStream
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.recording import LiveRecording, TickStream
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.records.camera_frame import CameraFrame

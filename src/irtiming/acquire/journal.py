@@ -9,7 +9,7 @@ from typing import Any, Self, final
 from uuid import uuid4
 
 from irtiming.acquire.run import ENOUGH, RunOutcome
-from irtiming.archive.live_recording import COMPLETE
+from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.result_file import write_result
 from irtiming.errors import ArchiveError
 from irtiming.records.series_plan import SeriesPlan

@@ -8,9 +8,9 @@ from typing import final
 from irtiming.errors import InstrumentError
 from irtiming.gateware.register_map import Channel, Polarity
 from irtiming.instruments.device_address import BLACKBODIES, CAMERAS, CHOPPERS, connect
+from irtiming.instruments.generator.register_link import Patience
+from irtiming.instruments.generator.trigger_generator import Wiring, connected
 from irtiming.instruments.protocols import Blackbody, Camera, Chopper, TriggerGenerator
-from irtiming.instruments.register_link import Patience
-from irtiming.instruments.trigger_generator import Wiring, connected
 from irtiming.records.series_plan import DeviceAddresses, SeriesPlan, WiringWishes
 
 _POLL_S = 0.2

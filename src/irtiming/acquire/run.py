@@ -22,8 +22,8 @@ from irtiming.acquire.temperature import TemperatureWatch
 from irtiming.acquire.trigger_train import Accompaniment, trigger, wheel_at_speed
 from irtiming.acquire.wheel_watch import WheelWatch
 from irtiming.archive.layout import NOT_TRUSTED
-from irtiming.archive.live_head import RecordingHead
-from irtiming.archive.live_recording import COMPLETE, TickStream
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.recording import COMPLETE, TickStream
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame, CameraSetup, StreamCounts
 from irtiming.records.instrument_state import BlackbodyState

@@ -15,7 +15,7 @@ from irtiming.acquire.rig import Rig
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
 from irtiming.acquire.set_aside import free_path, recovered_parts, set_aside
 from irtiming.acquire.temperature import as_it_is, celsius, settled
-from irtiming.archive.live_recording import COMPLETE
+from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.reference_file import add_reference, read_reference, write_reference
 from irtiming.errors import ArchiveError, InstrumentError, IrTimingError
 from irtiming.records.instrument_state import BlackbodyState

@@ -5,8 +5,8 @@ from pathlib import Path
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.journal import Journal
 from irtiming.archive.layout import PART
-from irtiming.archive.recovery import recover
-from irtiming.archive.unfinished import is_claimed
+from irtiming.archive.live.recovery import recover
+from irtiming.archive.live.unfinished import is_claimed
 from irtiming.errors import ArchiveError
 
 FOLDER = "set-aside"

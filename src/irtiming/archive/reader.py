@@ -16,7 +16,7 @@ from irtiming.archive.finding import Complaint, archive_error, refuse
 from irtiming.archive.frame_stack import FileFrames
 from irtiming.archive.hdf5_file import damage_at, opened
 from irtiming.archive.layout import Field
-from irtiming.archive.unfinished import unfinished
+from irtiming.archive.live.unfinished import unfinished
 from irtiming.records.arrays import Array, Ticks, read_only
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.recording import FrameStack, NonuniformityReference, Recording

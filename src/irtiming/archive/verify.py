@@ -17,9 +17,9 @@ from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
+from irtiming.archive.live.unfinished import unfinished
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.tick_checks import check_ticks, duration
-from irtiming.archive.unfinished import unfinished
 from irtiming.errors import ArchiveError
 
 Progress: TypeAlias = Callable[[int, int], None]

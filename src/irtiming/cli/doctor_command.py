@@ -267,10 +267,10 @@ def _device(kind: str, address: str) -> Check:
 
 async def _asked(kind: str, address: str) -> str:
     """What a device says of itself."""
-    from irtiming.instruments import trigger_generator
     from irtiming.instruments.blackbodies import open_blackbody
     from irtiming.instruments.choppers import open_chopper
     from irtiming.instruments.device_address import CAMERAS, connect
+    from irtiming.instruments.generator import trigger_generator
 
     if kind == "chopper":
         async with open_chopper(address) as chopper:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from irtiming.cli.progress import Told
     from irtiming.gateware.model_device import SimulatedDevice, Wheel
-    from irtiming.instruments.trigger_generator import Identity, Wiring
+    from irtiming.instruments.generator.trigger_generator import Identity, Wiring
     from irtiming.records.timestamps import Timestamps
     from irtiming.records.trigger_plan import PlannedRun, TriggerPlan
 
@@ -225,7 +225,7 @@ def _device(wheel: "Wheel", clock_hz: int, *, is_model: bool) -> "Iterator[Simul
 
 async def _registers(port: str) -> "tuple[Identity, dict[str, int]]":
     from irtiming.gateware.register_map import REGISTERS
-    from irtiming.instruments.trigger_generator import connected
+    from irtiming.instruments.generator.trigger_generator import connected
 
     async with connected(port) as generator:
         return generator.identity, {register.name: await generator.register(register.name) for register in REGISTERS}
@@ -236,7 +236,7 @@ async def _measured(
 ) -> "tuple[Timestamps | None, InstrumentError | None]":
     """Timestamps, and what went wrong; both where something arrived before it did."""
     from irtiming.acquire.trigger_train import measure
-    from irtiming.instruments.trigger_generator import connected
+    from irtiming.instruments.generator.trigger_generator import connected
 
     clock = plan.clock_frequency_hz
     async with connected(port, wiring=wiring) as generator:

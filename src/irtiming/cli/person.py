@@ -13,7 +13,7 @@ from rich.console import Console
 
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOutcome
-from irtiming.archive.live_recording import COMPLETE
+from irtiming.archive.live.recording import COMPLETE
 from irtiming.cli.progress import Told
 from irtiming.errors import InstrumentError
 from irtiming.live_analysis import LiveAnalysis, LiveEstimate

@@ -31,7 +31,7 @@ def recover(
     from rich.console import Console
     from rich.markup import escape
 
-    from irtiming.archive.recovery import recover as recover_file
+    from irtiming.archive.live.recovery import recover as recover_file
     from irtiming.archive.verify import verify
     from irtiming.cli.progress import shown
 

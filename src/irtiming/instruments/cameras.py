@@ -48,14 +48,14 @@ def find(*, hosts: Sequence[str] = (), timeout_s: float = 1.0) -> tuple[list[Cam
     complaints: list[str] = []
     network_is_known = False
     try:
-        from irtiming.instruments.gige_discovery import answering
+        from irtiming.instruments.genicam.gige_discovery import answering
 
         cameras += answering(hosts=hosts, timeout_s=timeout_s)
         network_is_known = True
     except ImportError as error:
         complaints.append(f"GigE Vision cameras were not looked for: {error}; pip install 'irtiming[rig]'")
     try:
-        from irtiming.instruments.aravis_camera import listed
+        from irtiming.instruments.genicam.aravis_camera import listed
 
         cameras += [camera for protocol, camera in listed() if protocol != "GigEVision" or not network_is_known]
     except (ImportError, InstrumentError) as error:

@@ -10,8 +10,8 @@ from irtiming.errors import InstrumentError
 CAMERAS, CHOPPERS, BLACKBODIES = "irtiming.cameras", "irtiming.choppers", "irtiming.blackbodies"
 _BUILT_IN = {
     CAMERAS: {
-        "gige": "irtiming.instruments.gige_vision_camera:connected",
-        "aravis": "irtiming.instruments.aravis_camera:connected",
+        "gige": "irtiming.instruments.genicam.gige_vision_camera:connected",
+        "aravis": "irtiming.instruments.genicam.aravis_camera:connected",
     },
     CHOPPERS: {"mc2000b": "irtiming.instruments.thorlabs_mc2000b:connected"},
     BLACKBODIES: {"sr800r": "irtiming.instruments.ci_sr800r:connected"},

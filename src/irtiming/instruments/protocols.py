@@ -3,7 +3,7 @@
 from collections.abc import AsyncIterator
 from typing import Protocol
 
-from irtiming.instruments.timestamp_stream import Stamp
+from irtiming.instruments.generator.timestamp_stream import Stamp
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
 from irtiming.records.instrument_state import BlackbodyState, ChopperState
 from irtiming.records.timestamps import Timestamps

@@ -8,7 +8,7 @@ import pytest
 
 from irtiming.acquire.run import ENOUGH, INTERRUPTED, NOT_TRUSTED
 from irtiming.archive import reader
-from irtiming.archive.live_recording import LiveRecording
+from irtiming.archive.live.recording import LiveRecording
 from irtiming.errors import ArchiveError
 
 

@@ -10,8 +10,8 @@ import pytest
 from irtiming.acquire.references import drift
 from irtiming.acquire.run import INTERRUPTED
 from irtiming.archive import reader
-from irtiming.archive.live_recording import LiveRecording
-from irtiming.archive.unfinished import claimed
+from irtiming.archive.live.recording import LiveRecording
+from irtiming.archive.live.unfinished import claimed
 from irtiming.errors import ArchiveError
 from irtiming.records.recording import NonuniformityReference
 from irtiming.records.series_plan import BlackbodyWishes, CameraWishes, ReferenceWishes, StopWishes

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from irtiming.archive.live_head import RecordingHead
-from irtiming.archive.live_recording import LiveRecording
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.recording import LiveRecording
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
 from irtiming.records.instrument_state import BlackbodyState, ChopperState
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme

@@ -14,10 +14,10 @@ from live_run import CLOCK_HZ, COLUMNS, PERIOD, ROWS, START, TURN, append_edges,
 
 from irtiming.archive import reader, writer
 from irtiming.archive.frame_stack import ArrayFrames
-from irtiming.archive.live_reader import read_so_far
-from irtiming.archive.live_recording import LiveRecording
-from irtiming.archive.recovery import recover
-from irtiming.archive.unfinished import part_of
+from irtiming.archive.live.recording import LiveRecording
+from irtiming.archive.live.recovery import recover
+from irtiming.archive.live.so_far import read_so_far
+from irtiming.archive.live.unfinished import part_of
 from irtiming.archive.verify import verify
 from irtiming.errors import ArchiveError, InstrumentSilent
 from irtiming.records.recording import NonuniformityReference

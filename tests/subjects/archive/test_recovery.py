@@ -14,9 +14,9 @@ from live_run import append_edges, append_frames, frame, head, pixels
 from typer.testing import CliRunner
 
 from irtiming.archive import reader
-from irtiming.archive.live_reader import read_so_far
-from irtiming.archive.live_recording import LiveRecording
-from irtiming.archive.recovery import recover
+from irtiming.archive.live.recording import LiveRecording
+from irtiming.archive.live.recovery import recover
+from irtiming.archive.live.so_far import read_so_far
 from irtiming.archive.verify import verify
 from irtiming.cli.recover_command import recover as recover_command
 from irtiming.errors import ArchiveError

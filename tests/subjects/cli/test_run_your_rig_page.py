@@ -8,7 +8,7 @@ import pytest
 
 from irtiming.acquire.run import ENOUGH, INTERRUPTED
 from irtiming.archive.layout import NOT_TRUSTED
-from irtiming.archive.live_recording import COMPLETE
+from irtiming.archive.live.recording import COMPLETE
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "how-to" / "run-your-rig.md").read_text()

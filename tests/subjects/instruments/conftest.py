@@ -11,7 +11,7 @@ from irtiming.gateware.event_model import PinChanges
 from irtiming.gateware.messages import RecordMessage
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.register_map import Channel
-from irtiming.instruments.message_stream import MessageStream
+from irtiming.instruments.generator.message_stream import MessageStream
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 
 CLOCK_HZ = 48_000_000

@@ -10,8 +10,8 @@ pytest.importorskip("genicam", reason="the extra irtiming[rig] is not installed"
 from gige_responder import COLUMNS, ROWS, Responder, aravis_fake, image
 
 from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
-from irtiming.instruments import aravis_camera, aravis_library
-from irtiming.instruments.aravis_camera import connected
+from irtiming.instruments.genicam import aravis_camera, aravis_library
+from irtiming.instruments.genicam.aravis_camera import connected
 
 
 @pytest.fixture(scope="module", autouse=True)

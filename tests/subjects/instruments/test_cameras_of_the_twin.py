@@ -12,8 +12,8 @@ pytest.importorskip("genicam", reason="the extra irtiming[rig] is not installed"
 pytest.importorskip("pyGigEVision", reason="the extra irtiming[rig] is not installed")
 
 from irtiming.errors import InstrumentError, InstrumentSilent
-from irtiming.instruments import aravis_library
 from irtiming.instruments.cameras import open_camera
+from irtiming.instruments.genicam import aravis_library
 from irtiming.twin.devices.camera_faults import CameraFaults
 from irtiming.twin.devices.gige_camera import GigeCamera
 from irtiming.twin.devices.gige_registers import Address

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("genicam", reason="the extra irtiming[rig] is not installed")
 
 from irtiming.errors import InstrumentRefused, InstrumentSilent
-from irtiming.instruments.genicam_features import Features
+from irtiming.instruments.genicam.features import Features
 
 HEAD = (
     '<RegisterDescription ModelName="M" VendorName="V" StandardNameSpace="None" SchemaMajorVersion="1" '

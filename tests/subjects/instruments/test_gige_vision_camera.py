@@ -12,9 +12,9 @@ pytest.importorskip("pyGigEVision", reason="the extra irtiming[rig] is not insta
 from gige_responder import COLUMNS, ROWS, Responder, aravis_fake, image
 
 from irtiming.errors import InstrumentRefused, InstrumentSilent
-from irtiming.instruments import gige_assembly, gige_control, gige_datagrams, gige_stream
-from irtiming.instruments.gige_control import parse_place
-from irtiming.instruments.gige_vision_camera import connected
+from irtiming.instruments.genicam import gige_assembly, gige_control, gige_datagrams, gige_stream
+from irtiming.instruments.genicam.gige_control import parse_place
+from irtiming.instruments.genicam.gige_vision_camera import connected
 from irtiming.records.camera_frame import CameraIdentity
 
 
@@ -446,9 +446,9 @@ def test_strangers_packets_change_nothing():
 
 def test_frames_that_nobody_takes_are_counted(monkeypatch):
     """Oracle: a queue for four frames and seven that come: the first four stay, the others are counted and leave a gap."""
-    from irtiming.instruments import genicam_camera
+    from irtiming.instruments.genicam import camera
 
-    monkeypatch.setattr(genicam_camera, "frames_that_fit", lambda frame_bytes: 4)
+    monkeypatch.setattr(camera, "frames_that_fit", lambda frame_bytes: 4)
     with Responder() as camera:
         frames, counts = asyncio.run(_stream(camera, lambda: [camera.say(n, image(n)) for n in range(1, 8)]))
     assert [frame.frame_id for frame in frames] == [0, 1, 2, 3]

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from irtiming.gateware.messages import RecordMessage, ReplyMessage, pack_record, pack_reply
-from irtiming.instruments.message_stream import MessageStream
+from irtiming.instruments.generator.message_stream import MessageStream
 
 REPLIES = st.builds(
     ReplyMessage,

@@ -14,9 +14,9 @@ from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.instruments import serial_line
-from irtiming.instruments.register_link import Patience
+from irtiming.instruments.generator.register_link import Patience
+from irtiming.instruments.generator.trigger_generator import connected
 from irtiming.instruments.serial_line import open_line
-from irtiming.instruments.trigger_generator import connected
 
 CLOCK_HZ = 48_000_000
 TELL_EXCLUSIVE = 0x80045440  # TIOCGEXCL of Linux, which Python does not name

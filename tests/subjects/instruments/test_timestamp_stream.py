@@ -6,7 +6,7 @@ import pytest
 from irtiming.gateware.event_model import Latencies
 from irtiming.gateware.messages import RecordMessage
 from irtiming.gateware.register_map import Channel
-from irtiming.instruments.timestamp_stream import TimestampStream
+from irtiming.instruments.generator.timestamp_stream import TimestampStream
 
 LATENCIES = Latencies(input_cycles=2, output_cycles=1, filter_cycles=5)
 

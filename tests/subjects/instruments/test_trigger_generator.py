@@ -10,8 +10,8 @@ from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
 from irtiming.gateware.messages import Operation, pack_reply, unpack_command
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.register_map import ADDRESS, Channel, Command, Polarity, Status
-from irtiming.instruments.register_link import Patience
-from irtiming.instruments.trigger_generator import SerialTriggerGenerator, Wiring
+from irtiming.instruments.generator.register_link import Patience
+from irtiming.instruments.generator.trigger_generator import SerialTriggerGenerator, Wiring
 from irtiming.records.trigger_plan import TriggerScheme
 
 CLOCK_HZ = 48_000_000

@@ -10,8 +10,8 @@ from irtiming.acquire.trigger_train import measure
 from irtiming.errors import InstrumentError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.register_map import Channel
-from irtiming.instruments.register_link import Patience
-from irtiming.instruments.trigger_generator import SerialTriggerGenerator
+from irtiming.instruments.generator.register_link import Patience
+from irtiming.instruments.generator.trigger_generator import SerialTriggerGenerator
 
 CLOCK_HZ = 48_000_000
 

@@ -9,7 +9,7 @@ from select import select
 
 from pyGigEVision import discover
 
-from irtiming.instruments.gige_control import GVCP_PORT
+from irtiming.instruments.genicam.gige_control import GVCP_PORT
 from irtiming.records.camera_frame import CameraIdentity
 
 _REQUEST = struct.pack(">BBHHH", 0x42, 0x11, 0x0002, 0, 0xFFFF)  # harmless: a camera answers and changes nothing

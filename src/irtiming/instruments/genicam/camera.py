@@ -6,10 +6,10 @@ from contextlib import asynccontextmanager, suppress
 from typing import Protocol, TypeVar, final
 
 from irtiming.errors import InstrumentError, InstrumentRefused
-from irtiming.instruments.camera_trigger import FoundTriggers, found_triggers, prepare_trigger, restore_triggers
-from irtiming.instruments.frame_numbers import FrameNumbers
 from irtiming.instruments.frame_queue import FrameQueue, frames_that_fit
-from irtiming.instruments.genicam_features import Features
+from irtiming.instruments.genicam.camera_trigger import FoundTriggers, found_triggers, prepare_trigger, restore_triggers
+from irtiming.instruments.genicam.features import Features
+from irtiming.instruments.genicam.frame_numbers import FrameNumbers
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
 
 Result = TypeVar("Result")

@@ -8,11 +8,11 @@ from threading import Event, Thread
 from typing import final
 
 from irtiming.errors import InstrumentError
-from irtiming.instruments.frame_numbers import FrameNumbers
 from irtiming.instruments.frame_queue import FrameQueue
-from irtiming.instruments.gige_assembly import FrameAssembly, MissingPackets
-from irtiming.instruments.gige_control import GVCP_PORT, GigeControl, local_address
-from irtiming.instruments.gige_datagrams import datagrams, enlarge_queue
+from irtiming.instruments.genicam.frame_numbers import FrameNumbers
+from irtiming.instruments.genicam.gige_assembly import FrameAssembly, MissingPackets
+from irtiming.instruments.genicam.gige_control import GVCP_PORT, GigeControl, local_address
+from irtiming.instruments.genicam.gige_datagrams import datagrams, enlarge_queue
 from irtiming.records.camera_frame import CameraFrame
 
 _HOST_PORT, _PACKET_SIZE, _DESTINATION = 0x0D00, 0x0D04, 0x0D18

@@ -10,7 +10,7 @@ from irtiming.archive.contents import checked, read_contents
 from irtiming.archive.finding import refuse
 from irtiming.archive.frame_status import with_untimed
 from irtiming.archive.hdf5_file import opened
-from irtiming.archive.live_file import set_ending
+from irtiming.archive.live.growing_file import set_ending
 from irtiming.archive.nexus import bring_to_disk
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks

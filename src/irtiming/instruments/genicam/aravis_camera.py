@@ -10,12 +10,12 @@ from typing import Any, final
 import numpy as np
 
 from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
-from irtiming.instruments import aravis_library as arv
-from irtiming.instruments.aravis_library import call, library
-from irtiming.instruments.frame_numbers import FrameNumbers
 from irtiming.instruments.frame_queue import FrameQueue
-from irtiming.instruments.genicam_camera import GenicamCamera, connected_by
-from irtiming.instruments.genicam_features import Features
+from irtiming.instruments.genicam import aravis_library as arv
+from irtiming.instruments.genicam.aravis_library import call, library
+from irtiming.instruments.genicam.camera import GenicamCamera, connected_by
+from irtiming.instruments.genicam.features import Features
+from irtiming.instruments.genicam.frame_numbers import FrameNumbers
 from irtiming.records.arrays import Pixels
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
 

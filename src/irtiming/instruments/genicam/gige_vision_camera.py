@@ -3,12 +3,12 @@
 from contextlib import AbstractAsyncContextManager
 from typing import final
 
-from irtiming.instruments.frame_numbers import FrameNumbers
 from irtiming.instruments.frame_queue import FrameQueue
-from irtiming.instruments.genicam_camera import GenicamCamera, connected_by
-from irtiming.instruments.genicam_features import Features
-from irtiming.instruments.gige_control import GigeControl
-from irtiming.instruments.gige_stream import GigeStream
+from irtiming.instruments.genicam.camera import GenicamCamera, connected_by
+from irtiming.instruments.genicam.features import Features
+from irtiming.instruments.genicam.frame_numbers import FrameNumbers
+from irtiming.instruments.genicam.gige_control import GigeControl
+from irtiming.instruments.genicam.gige_stream import GigeStream
 from irtiming.records.camera_frame import CameraSetup
 
 

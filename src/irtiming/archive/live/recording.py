@@ -8,14 +8,15 @@ from typing import Any, Literal, Self, final, get_args
 import h5py
 import numpy as np
 
-from irtiming.archive import frame_status, layout, live_file
+from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.layout import Field
-from irtiming.archive.live_finish import conclude, give_name, require_free_name
-from irtiming.archive.live_head import RecordingHead
+from irtiming.archive.live import growing_file
+from irtiming.archive.live.finish import conclude, give_name, require_free_name
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.unfinished import claimed, part_of
 from irtiming.archive.result_file import unwritable
-from irtiming.archive.unfinished import claimed, part_of
 from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.records.camera_frame import CameraFrame
@@ -34,7 +35,7 @@ _RESERVE_BYTES = 16 * 2**20
 """Left free on the disk when frames are refused: timestamps still come, and the file must be finished."""
 
 _COLUMNS = (*layout.PER_FRAME, layout.FRAME_STATUS)
-_FIELDS: dict[str, Field] = {field.name: field for field in live_file.STREAMS}
+_FIELDS: dict[str, Field] = {field.name: field for field in growing_file.STREAMS}
 _TICKS_OF: dict[TickStream, str] = {"application_edges": "application_edge_ticks"}
 
 
@@ -43,7 +44,7 @@ class LiveRecording:
     """Frames and timestamps of one run as they come, into one file; use it in a ``with`` statement, from one thread.
 
     The file has the suffix ``.part`` until `finish`. It can be read at any time by other processes
-    (`live_reader.read_so_far`), and after a kill -9 it has all but the last frame (`irtiming recover`).
+    (`so_far.read_so_far`), and after a kill -9 it has all but the last frame (`irtiming recover`).
 
     ``path`` is the file to make, with suffix ``.nxs``. Nothing is ever overwritten: a file of that name, or one
     of an interrupted run (``.part``), is refused.
@@ -77,12 +78,12 @@ class LiveRecording:
             cure = "finish that with irtiming recover, or choose another name"
             raise ArchiveError(f"{self._part}: exists already: a recording that was interrupted; {cure}")
         try:
-            live_file.create(self._part, self._head)
-            self._file = live_file.open_for_writing(self._part)
+            growing_file.create(self._part, self._head)
+            self._file = growing_file.open_for_writing(self._part)
             self._held.enter_context(claimed(self._part))
         except OSError as error:
             raise unwritable(self._path, error) from error
-        growing = (layout.FRAMES, *_COLUMNS, *live_file.STREAMS)
+        growing = (layout.FRAMES, *_COLUMNS, *growing_file.STREAMS)
         self._datasets = {field: self._file[field.path] for field in growing}
         return self
 
@@ -263,7 +264,7 @@ class LiveRecording:
         if self._trouble:
             raise ArchiveError(self._trouble)
         try:
-            live_file.extend(self._datasets[field], values)
+            growing_file.extend(self._datasets[field], values)
         except H5_ERRORS as error:
             self._trouble = f"{self._part}: {field.path} could not be written ({reason_of(error)}); is the disk full?"
             raise ArchiveError(self._trouble) from error

@@ -17,7 +17,8 @@ import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.layout import Field
-from irtiming.archive.live_head import RecordingHead
+from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.unfinished import NOT_FINISHED
 from irtiming.archive.nexus import (
     create_stack,
     describe_for_viewers,
@@ -26,7 +27,6 @@ from irtiming.archive.nexus import (
     set_temperature,
     set_units,
 )
-from irtiming.archive.unfinished import NOT_FINISHED
 from irtiming.archive.writer import identity_values
 from irtiming.errors import ArchiveError
 

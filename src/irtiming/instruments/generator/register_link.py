@@ -10,7 +10,7 @@ from typing import final
 from irtiming.errors import InstrumentError, InstrumentRefused, InstrumentSilent
 from irtiming.gateware.messages import CommandMessage, Operation, RecordMessage, ReplyMessage, pack_command
 from irtiming.gateware.register_map import ADDRESS, REGISTERS, Refusal
-from irtiming.instruments.message_stream import Message, MessageStream
+from irtiming.instruments.generator.message_stream import Message, MessageStream
 from irtiming.instruments.serial_line import Line
 
 _TAGS = 256

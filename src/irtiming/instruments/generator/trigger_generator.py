@@ -12,9 +12,9 @@ from irtiming.errors import InstrumentError, InstrumentRefused
 from irtiming.gateware.event_model import COUNTER_CYCLES, Latencies
 from irtiming.gateware.messages import RecordMessage
 from irtiming.gateware.register_map import IDENTITY, VERSION, Channel, Command, Polarity, Status
-from irtiming.instruments.register_link import Patience, RegisterLink
+from irtiming.instruments.generator.register_link import Patience, RegisterLink
+from irtiming.instruments.generator.timestamp_stream import Stamp, TimestampStream
 from irtiming.instruments.serial_line import Line, open_line
-from irtiming.instruments.timestamp_stream import Stamp, TimestampStream
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 

@@ -12,7 +12,7 @@ from irtiming.archive.contents import Checked, checked
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import opened
-from irtiming.archive.unfinished import NOT_FINISHED, frames_there, part_of
+from irtiming.archive.live.unfinished import NOT_FINISHED, frames_there, part_of
 from irtiming.errors import ArchiveError
 from irtiming.records.recording import Recording
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irtiming.errors import InstrumentRefused
-from irtiming.instruments.frame_numbers import FrameNumbers
+from irtiming.instruments.genicam.frame_numbers import FrameNumbers
 from irtiming.records.camera_frame import CameraFrame
 
 _HEADER, _EXTENDED_HEADER, _EXTENDED = 8, 20, 0x80
