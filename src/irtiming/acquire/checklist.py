@@ -55,8 +55,7 @@ def _of_clock(rig: Rig, series: Series) -> Iterator[str]:
     if planned != clock:
         yield (
             f"the plan is for a clock of {planned} Hz, the trigger generator at {rig.generator.name} has {clock} Hz; "
-            "plan again with "
-            f"irtiming plan --clock-hz {clock}"
+            f"plan again with irtiming plan --clock-hz {clock}"
         )
 
 
@@ -66,8 +65,7 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
     if wishes.serial_number and serial != wishes.serial_number:
         yield (
             f"{camera.name} is number {serial or 'unknown'}, the plan is for {wishes.serial_number}; connect that "
-            "one, or correct "
-            "serial_number"
+            "one, or correct serial_number"
         )
     names = [name for name, _ in wishes.features]
     if wishes.integration_time_s is not None:
@@ -83,15 +81,13 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
     if window_s >= shortest_s:
         yield (
             f"the integration time is {readable_time(window_s)}, the camera is triggered every "
-            f"{readable_time(shortest_s)}; integrate "
-            "shorter, or plan a lower frame rate"
+            f"{readable_time(shortest_s)}; integrate shorter, or plan a lower frame rate"
         )
     fastest_hz = await _frame_rate_hz(rig)
     if fastest_hz is not None and shortest_s * fastest_hz < 1 - 1e-9:
         yield (
             f"{camera.name} makes {fastest_hz:.6g} frames per second at most as it is set, the plan asks for "
-            f"{1 / shortest_s:.6g}; plan a "
-            "lower frame rate, or a smaller window"
+            f"{1 / shortest_s:.6g}; plan a lower frame rate, or a smaller window"
         )
 
 
@@ -129,8 +125,7 @@ async def _of_chopper(rig: Rig, series: Series) -> AsyncIterator[str]:
     if (state.harmonic_multiplier, state.harmonic_divider) != (1, 1):
         yield (
             f"{rig.chopper.name} turns at {state.harmonic_multiplier}/{state.harmonic_divider} of its reference, it "
-            "must follow its "
-            f"{slots[0]} control slots one to one; stop the wheel, and it will be set"
+            f"must follow its {slots[0]} control slots one to one; stop the wheel, and it will be set"
         )
 
 
@@ -170,6 +165,5 @@ async def _of_disk(rig: Rig, series: Series, *, journal: Journal) -> AsyncIterat
     if free < needed:
         yield (
             f"{place}: {free / 1e9:.3g} GB are free, {n_frames} frames need {float(needed) / 1e9:.3g} GB even if "
-            "they compress well; make "
-            "room, or name another disk with --out"
+            "they compress well; make room, or name another disk with --out"
         )

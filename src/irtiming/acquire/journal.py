@@ -47,8 +47,7 @@ class Journal:
         if known != digest:
             raise ArchiveError(
                 f"{path}: belongs to another series (its plan or the camera's settings differ); name another folder, "
-                "or go on with "
-                "the plan that it was begun with"
+                "or go on with the plan that it was begun with"
             )
         return cls(path, content)
 

@@ -257,8 +257,7 @@ class Pairing:
             which = known[int(np.argmax(off_s))][0]
             self._against(
                 f"by the camera's clock the frame of trigger {which} was made "
-                f"{readable_time(float(f'{off_s.max():.3g}'))} from where "
-                "the others say: no trigger made it"
+                f"{readable_time(float(f'{off_s.max():.3g}'))} from where the others say: no trigger made it"
             )
         if abs(slope - 1) * made_s[-1] > may_drift_s:
             self._check_drift(latencies_s, may_drift_s=may_drift_s)
@@ -288,8 +287,7 @@ class Pairing:
             least, most = (readable_time(float(f"{found:.3g}")) for found in (latencies_s.min(), latencies_s.max()))
             self._against(
                 f"the frames came from {least} to {most} after their triggers: a trigger may have been missed or a "
-                "frame made without, "
-                "and the camera has no clock to tell"
+                "frame made without, and the camera has no clock to tell"
             )
 
     def _against(self, reason: str) -> None:

@@ -86,8 +86,8 @@ async def _two_stacks(
     if not step > _CLEARLY * noise:
         raise InstrumentError(
             f"the bare blackbody at {celsius(temperatures[1])} is {step:.4g} DN brighter than at "
-            f"{celsius(temperatures[0])}, at a noise "
-            f"of {noise:.2g} DN; take wheel and mask out of the way, or choose temperatures further apart"
+            f"{celsius(temperatures[0])}, at a noise of {noise:.2g} DN; take wheel and mask out of the way, or "
+            "choose temperatures further apart"
         )
     return found
 

@@ -214,8 +214,8 @@ class _Capture:
         if self._early:
             raise InstrumentError(
                 f"{self._rig.camera.name} made {self._early} frames before the first trigger: it does not wait for "
-                "triggers; check "
-                f"TriggerMode, and TriggerSource (it is {self._setup.trigger_source}), and the camera's trigger line"
+                f"triggers; check TriggerMode, and TriggerSource (it is {self._setup.trigger_source}), and the "
+                "camera's trigger line"
             )
         chopper = None if self._rig.chopper is None else await self._rig.chopper.state()
         camera = self._order.camera
@@ -301,8 +301,7 @@ class _Capture:
             if silent_s > patience_s + self._delay_s:
                 self._ends(
                     f"{self._rig.camera.name} sent no frame for {readable_time(float(f'{silent_s:.2g}'))} while it "
-                    "was triggered; check its "
-                    "cable, its trigger line and TriggerSource"
+                    "was triggered; check its cable, its trigger line and TriggerSource"
                 )
         return self._ending is not None
 

@@ -133,8 +133,8 @@ class TemperatureWatch:
         if self._away > 1:
             self.complaint = (
                 f"the blackbody went from {celsius(self._before.temperature_k)} to "
-                f"{celsius(self.last.temperature_k)} during the "
-                f"run, {self._tolerance_k:g} K are allowed; wait until it is stable and record again"
+                f"{celsius(self.last.temperature_k)} during the run, {self._tolerance_k:g} K are allowed; wait until "
+                "it is stable and record again"
             )
 
 

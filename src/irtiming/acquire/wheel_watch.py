@@ -47,6 +47,5 @@ class WheelWatch:
             return None
         return (
             f"the wheel lost its lock: a turn lasted {readable_time(worst / clock)}, it must last "
-            f"{readable_time(turn / clock)}; check "
-            "the chopper and its reference line"
+            f"{readable_time(turn / clock)}; check the chopper and its reference line"
         )
