@@ -61,13 +61,15 @@ def _triggers_within(contents: "Contents") -> Iterator[Finding]:
         edges: Ticks | None = contents.get(field)
         if edges is None:
             continue
-        outside = int(np.count_nonzero((triggers < edges[0]) | (triggers > edges[-1])))
+        before, after = int(np.count_nonzero(triggers < edges[0])), int(np.count_nonzero(triggers > edges[-1]))
+        outside = before + after
         if outside:
+            change = "start the timestamps before the first" if before else "stop the timestamps after the last"
             yield Finding(
                 severity="error" if outside == triggers.size else "warning",
                 where=layout.CAMERA_TRIGGER.path,
                 what=f"has {outside} of {triggers.size} triggers outside the ticks of {field.path}",
-                cure="start the timestamps before the first trigger and stop them after the last",
+                cure=f"{change} trigger",
             )
 
 

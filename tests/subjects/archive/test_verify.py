@@ -84,7 +84,11 @@ CASES = {
     "triggers outside": (
         _replace(f"{CLOCK}/control_slot", lambda ticks: ticks[:250]),
         "warning",
-        ["camera_trigger has 4 of 20 triggers outside the ticks of", "control_slot", "start the timestamps"],
+        [
+            "camera_trigger has 4 of 20 triggers outside the ticks of",
+            "control_slot",
+            "stop the timestamps after the last trigger",
+        ],
     ),
     "missing control slot": (
         _replace(f"{CLOCK}/control_slot", lambda ticks: np.delete(ticks, 130)),
