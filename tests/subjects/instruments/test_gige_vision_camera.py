@@ -166,7 +166,7 @@ def test_frame_ids_count_from_0_and_never_wrap(wide):
 
 
 @pytest.mark.parametrize("wide", [False, True], ids=["16 bit", "64 bit"])
-@pytest.mark.parametrize("lose", [(1,), (0,), (2, 3), (0, 1, 2, 3, 4), (5,)])
+@pytest.mark.parametrize("lose", [(1,), (0,), (2, 3), (0, 1, 2, 3, 4), (5,), (0, 1, 2, 3, 4, 5)])
 def test_lost_packets_are_asked_for_again(lose, wide, small_packets):
     """Oracle: the responder, which holds every packet ready: the frame is whole in the end, and in its order."""
     with Responder(largest_packet=576) as camera:
@@ -181,8 +181,35 @@ def test_lost_packets_are_asked_for_again(lose, wide, small_packets):
     assert all(frame.is_whole and np.array_equal(frame.pixels, image(i + 1)) for i, frame in enumerate(frames))
     if lose != (5,):  # the trailer, which holds nothing
         assert {number for number, _, _ in camera.asked} == {2}
-        assert counts.packets_resent == len([i for i in lose if i > 0])
+        assert counts.packets_resent == len([i for i in lose if 0 < i < 5])
     assert counts.packets_missing == 0
+
+
+@pytest.mark.parametrize("wide", [False, True], ids=["16 bit", "64 bit"])
+def test_frames_lost_as_a_whole_are_asked_for(wide, small_packets):
+    """Oracle: the responder, which holds every packet ready; three frames in a row, the numbers of 16 bits wrap among them."""
+    numbers = [65533, 65534, 65535, *((65536, 65537) if wide else (1, 2))]
+    with Responder(largest_packet=576) as camera:
+
+        def send():
+            for n in numbers:
+                camera.say(n, image(n), wide=wide, ticks=7 * n, lose=range(6) if n in numbers[1:4] else ())
+
+        frames, counts = asyncio.run(_stream(camera, send))
+    assert [frame.frame_id for frame in frames] == [0, 1, 2, 3, 4]
+    assert [frame.device_timestamp_ticks for frame in frames] == [7 * n for n in numbers]
+    assert all(np.array_equal(f.pixels, image(n)) for f, n in zip(frames, numbers, strict=True))
+    assert (counts.frames, counts.packets_resent, counts.packets_missing) == (5, 12, 0)
+
+
+def test_a_first_frame_that_is_lost_is_asked_for(small_packets):
+    """Oracle: the responder; by the standard the first number of an acquisition is 1."""
+    with Responder(largest_packet=576) as camera:
+        frames, _ = asyncio.run(
+            _stream(camera, lambda: (camera.say(1, image(1), lose=range(6)), camera.say(2, image(2))))
+        )
+    assert [frame.frame_id for frame in frames] == [0, 1]
+    assert all(frame.is_whole and np.array_equal(frame.pixels, image(i + 1)) for i, frame in enumerate(frames))
 
 
 def test_packets_that_the_camera_no_longer_has_leave_zeros(small_packets):

@@ -51,6 +51,22 @@ class FrameNumbers:
         step = (number - newest) % self._period
         return frame_id + step - (self._period if step > self._period // 2 else 0)
 
+    def number_of(self, frame_id: int, *, is_wide: bool) -> int:
+        """Number on the wire of a frame before the newest.
+
+        Parameters
+        ----------
+        frame_id
+            At most `newest_id`, and not before the first frame of the acquisition.
+        is_wide
+            Whether it has 64 bits and never wraps.
+        """
+        number = self.last_number - (self.newest_id - frame_id)
+        if is_wide:
+            return number
+        lowest = _NARROW - self._period
+        return (number - lowest) % self._period + lowest
+
     def saw(self, number: int, *, frame_id: int) -> None:
         """A frame of this number came.
 

@@ -22,6 +22,7 @@ _PATIENCE_S = {True: 0.1, False: 0.02}  # with packets that are asked for again,
 _STALLED_S = 0.5
 _ASK_AGAIN_S, _MOST_REQUESTS = 0.03, 3
 _FARTHEST = 1000  # frames that may be lost in one go; a packet that says more is not of this stream
+_STILL_KEPT = 8  # frames of which a camera may still have every packet
 
 Bytes = NDArray[np.uint8]
 Ints = NDArray[np.int64]
@@ -74,6 +75,10 @@ class _Block:
     @property
     def is_whole(self) -> bool:
         return self.timestamp_ticks is not None and bool(self.has.all())
+
+    @property
+    def has_nothing(self) -> bool:
+        return self.timestamp_ticks is None and not self.has_trailer and not self.has.any()
 
 
 @final
@@ -238,8 +243,18 @@ class FrameAssembly:
             return None
         self.numbers.saw(number, frame_id=frame_id)
         if frame_id not in self._blocks:
+            self._expect_before(frame_id, is_extended=is_extended, now_s=now_s)
             self._blocks[frame_id] = self._new_block(number, is_extended=is_extended, now_s=now_s)
         return self._blocks[frame_id]
+
+    def _expect_before(self, frame_id: int, *, is_extended: bool, now_s: float) -> None:
+        """Frames of which nothing has come, so that they are asked for as a whole."""
+        if self._ask_again is None:
+            return
+        for lost in range(max(self._next_id, frame_id - _STILL_KEPT), frame_id):
+            if lost not in self._blocks:
+                number = self.numbers.number_of(lost, is_wide=is_extended)
+                self._blocks[lost] = self._new_block(number, is_extended=is_extended, now_s=now_s)
 
     def _read_leader(self, block: _Block, leader: bytes) -> None:
         kind = int.from_bytes(leader[2:4], "big")
@@ -282,6 +297,8 @@ class FrameAssembly:
         if not block.has.all():
             block.pixels.reshape(block.has.size, self._share)[~block.has] = 0
         self._next_id = frame_id + 1
+        if block.has_nothing:
+            return
         frame = CameraFrame(
             pixels=block.pixels[: self._bytes].view("<u2").reshape(self._shape),
             frame_id=frame_id,
