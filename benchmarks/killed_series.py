@@ -94,7 +94,7 @@ def kill_once(plan: Path, folder: Path, seed: int) -> Left:
         lines += child.stdout.read().split("\n")[:-1]  # the last one may be cut
         said = child.stderr.read() if child.stderr is not None else ""
     begins = [k for k, line in enumerate(lines) if line.startswith("begin")]
-    reported = len(lines) - begins[-1] - 1 if begins else 0
+    reported = sum(line.startswith("frame") for line in lines[begins[-1] :]) if begins else 0
     left = look_at(folder, reported, has_begun=bool(begins))
     if "Traceback" in said:
         left.problems.append("traceback before the kill")

@@ -71,7 +71,7 @@ def rays_along_pixel(optics: Optics, n_pixels: int) -> int:
 
 
 def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
-    """Rays of one pixel, point-symmetric about its centre, so that blur shifts no image.
+    """Rays of one pixel, the same in a mirror along either axis and along the diagonal: blur shifts and tilts no image.
 
     Parameters
     ----------
@@ -80,10 +80,9 @@ def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
     blur_px
         Standard deviation of the Gaussian blur along each axis, px.
     """
-    order = np.arange(along_pixel * along_pixel, dtype=np.int32)
-    sub_row, sub_column = order // along_pixel, order % along_pixel
+    sub_row, sub_column = np.divmod(np.arange(along_pixel * along_pixel, dtype=np.int32), along_pixel)
     place = (np.stack([sub_row, sub_column], axis=1) + 0.5) / along_pixel
-    smear = blur_px * _gaussian_pairs(order.size)
+    smear = blur_px * _gaussian_pairs(along_pixel)
     aperture = np.mod(place - smear, 1.0)  # aperture point + smear = place + whole pixels
     steps = np.rint(aperture + smear - place).astype(np.int32)
     return RayPattern(
@@ -95,15 +94,27 @@ def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
     )
 
 
-def _gaussian_pairs(n: int) -> Array:
-    """Normal deviates, shape (n, 2), of variance exactly 1, the second half the mirror image of the first."""
-    half = n // 2
+def _gaussian_pairs(along_pixel: int) -> Array:
+    """Normal deviates of variance exactly 1 along rows and columns for each sub-pixel in order, shape (n_ray, 2).
+
+    Those of an eighth of the pixel are mirrored into the others. Its middle lines are mirrors of themselves: there none is
+    moved across.
+    """
+    half = (along_pixel + 1) // 2
     plastic = 1.3247179572447460  # its powers fill the square evenly
-    even = np.mod(0.5 + np.arange(1, half + 1)[:, None] / np.array([plastic, plastic**2]), 1.0)
-    pairs = ndtri(np.random.Generator(np.random.SFC64(0)).permutation(even))
-    middle = np.zeros((n - 2 * half, 2))
-    both = np.concatenate([pairs, middle, -pairs[::-1]])
-    return both / np.sqrt(np.mean(both**2, axis=0)) if half else both
+    even = np.mod(0.5 + np.arange(1, half * half + 1)[:, None] / np.array([plastic, plastic**2]), 1.0)
+    corner = ndtri(np.random.Generator(np.random.SFC64(0)).permutation(even)).reshape(half, half, 2)
+    low, high = np.tril_indices(half)
+    corner[low, high] = corner[high, low, ::-1]  # from the other side of the diagonal, rows and columns exchanged
+    corner[np.arange(half), np.arange(half), 1] = corner[np.arange(half), np.arange(half), 0]
+    place = np.arange(along_pixel)
+    mirror = np.minimum(place, along_pixel - 1 - place)
+    side = np.sign(2 * place - (along_pixel - 1)).astype(np.float64)  # 0 in the middle line
+    pairs = corner[mirror[:, None], mirror[None, :]].copy()
+    pairs[..., 0] *= side[:, None]
+    pairs[..., 1] *= side[None, :]
+    spread = float(np.sqrt(np.mean(pairs**2)))
+    return np.asarray(pairs.reshape(-1, 2) / spread if spread > 0 else pairs.reshape(-1, 2))
 
 
 def trace(scene: Scene) -> RayTable:

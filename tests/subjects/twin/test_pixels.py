@@ -69,15 +69,22 @@ def test_blur_moves_light_and_keeps_its_sum(small_scene: Scene) -> None:
         assert np.abs(_frame(soft, theta) - _frame(sharp, theta)).max() > 500
 
 
-def test_blur_has_the_stated_width_and_shifts_nothing() -> None:
-    """Oracle: variance of a unit square plus that of the Gaussian; symmetry about the pixel's centre."""
-    rays = ray_pattern(16, 1.1)
-    row = rays.row_step + (rays.sub_row + 0.5) / 16 - 0.5
-    column = rays.column_step + (rays.sub_column + 0.5) / 16 - 0.5
-    for place in (row, column):
-        assert place.mean() == pytest.approx(0, abs=1e-12)
-        assert place.var() == pytest.approx(1 / 12 + 1.1**2, rel=0.03)
-    assert np.mean(row * column) == pytest.approx(0, abs=0.05)
+@pytest.mark.parametrize(("along", "blur_px"), [(32, 0.5), (32, 1.1), (16, 1.1), (10, 0.8), (7, 0.8), (2, 1.0)])
+def test_blur_shifts_and_tilts_nothing(along: int, blur_px: float) -> None:
+    """Oracle: an even Gaussian: no mean, no covariance of rows and columns, and as wide along the ones as along the others."""
+    rays = ray_pattern(along, blur_px)
+    row = rays.row_step + (rays.sub_row + 0.5) / along - 0.5
+    column = rays.column_step + (rays.sub_column + 0.5) / along - 0.5
+    assert (row.mean(), column.mean(), np.mean(row * column)) == pytest.approx((0, 0, 0), abs=1e-12)
+    assert row.var() == pytest.approx(column.var(), rel=1e-12)
+
+
+@pytest.mark.parametrize("blur_px", [0.5, 0.8, 1.1, 1.4])
+def test_blur_has_the_stated_width(blur_px: float) -> None:
+    """Oracle: variance of a unit square plus that of the Gaussian."""
+    rays = ray_pattern(32, blur_px)
+    row = rays.row_step + (rays.sub_row + 0.5) / 32 - 0.5
+    assert row.var() == pytest.approx(1 / 12 + blur_px**2, rel=0.06)
 
 
 def test_fast_count_equals_a_count_ray_by_ray(small_scene: Scene) -> None:
@@ -130,6 +137,7 @@ def test_mask_appears_where_roll_and_distortion_put_it(small_scene: Scene, roll:
         small_scene.optics,
         roll_rad=roll,
         distortion=distortion,
+        rays_along_pixel=32,
         wheel_centre_row_px=31.5,
         wheel_centre_column_px=39.5,
     )
