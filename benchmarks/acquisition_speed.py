@@ -38,7 +38,7 @@ from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan
 from irtiming.twin.devices.gige_registers import Address
 
-ROWS, COLUMNS, SPEED, RATE_HZ = 480, 640, 4.0, 30.303
+ROWS, COLUMNS, SPEED = 480, 640, 4.0
 PACKET_BYTES, HEADERS_BYTES, PATIENCE_S = 9000, 28, 2.0
 
 
@@ -62,7 +62,6 @@ class Stretch:
 
 @dataclass
 class Found:
-    frames: int
     lost: int
     damaged: int
     longest_queue: int
@@ -152,7 +151,7 @@ async def recorded(plan: SeriesPlan, triggers: TriggerPlan, folder: Path, twin: 
     run.path.unlink()
     lost = run.verdict.triggers - n_read
     longest = max(run.longest_queue, run.counts.longest_queue)
-    return Found(run.verdict.frames, lost, run.counts.frames_damaged, longest, stretch, watch.arrivals.pace_hz)
+    return Found(lost, run.counts.frames_damaged, longest, stretch, watch.arrivals.pace_hz)
 
 
 async def triggered(rig: Rig, run: PlannedRun, stretch: Stretch, has_all: Event) -> None:
@@ -199,7 +198,7 @@ async def received(plan: SeriesPlan, run: PlannedRun, twin: int) -> Found:
         await triggered(rig, run, stretch, has_all)
         counts = await rig.camera.disarm()
         count = await taking
-    return Found(count, n_frames - count, counts.frames_damaged, counts.longest_queue, stretch, arrivals.pace_hz)
+    return Found(n_frames - count, counts.frames_damaged, counts.longest_queue, stretch, arrivals.pace_hz)
 
 
 async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Found:
@@ -209,7 +208,6 @@ async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Fou
         await at_speed(rig, run)
         await rig.camera.arm()
         await rig.camera.disarm()  # it is set up now
-        generator = rig.generator
         host = plan.devices.camera.partition(":")[2]
         await rig.camera.close()
         client = GVCPClient(host)
@@ -236,13 +234,13 @@ async def received_by_other(plan: SeriesPlan, run: PlannedRun, twin: int) -> Fou
         thread = Thread(target=take)
         thread.start()
         client.write_reg(Address.ACQUISITION_START, 1)
-        await triggered(replace(rig, generator=generator), run, stretch, has_all)
+        await triggered(rig, run, stretch, has_all)
         client.write_reg(Address.ACQUISITION_STOP, 1)
         is_over.set()
         thread.join()
         other.close()
         client.disconnect()
-    return Found(found[0], n_frames - found[0], found[1], 0, stretch, arrivals.pace_hz)
+    return Found(n_frames - found[0], found[1], 0, stretch, arrivals.pace_hz)
 
 
 def main() -> None:

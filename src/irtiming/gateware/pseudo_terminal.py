@@ -112,9 +112,7 @@ class PseudoTerminal:
                 lived = min(owed, step)
                 cycle, owed = cycle + lived, owed - lived
             before = now
-            sent = self._device.exchange(
-                b"", until_cycle=cycle
-            )  # first, so that it hears a command now and not in its past
+            sent = self._device.exchange(b"", until_cycle=cycle)  # so that it hears a command now and not in its past
             sent += self._device.exchange(received, until_cycle=cycle) if received else b""
             self._waiting += self._to_computer(sent)
             is_slow = monotonic() - now > 2 * _TICK_S  # a command must not wait for long

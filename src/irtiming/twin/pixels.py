@@ -128,11 +128,11 @@ def _add_open_rays(
             if seen == _TOUCHED:
                 mean = _in_turn(middle - reference[live])
                 alone = _sight(opened, mean - span[live, 1], mean - span[live, 0], swing)
+            if alone == _CLOSED:
+                continue
             if alone == _OPEN:
                 past_opening, past_plate = angles.size * first, angles.size * n_plate[live]
             else:
-                past_opening, past_plate = 0, 0
-            if alone == _TOUCHED:
                 past_opening = _count_open(offset[live, :first], opened, angles, reference[live])
                 past_plate = _count_open(offset[live, first:second], opened, angles, reference[live])
             flat[pixel[live]] += share * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
@@ -215,7 +215,7 @@ def _count_open(offset: Offsets, opened: Array, angles: Array, reference: float)
     count = 0
     for lap in range(-1, laps + 2):
         ahead = first - angles[0] - lap * turn
-        for cutout in range(1, opened.shape[0]):
+        for cutout in range(1, opened.shape[0]):  # the first is the last, a lap before
             count += _count_passed(offset, angles, ahead - opened[cutout, 0])
             count -= _count_passed(offset, angles, ahead - opened[cutout, 1])
     return count
