@@ -26,6 +26,8 @@ Indices: TypeAlias = npt.NDArray[np.int32]
 
 _RAY_BUDGET = 3.4e7
 _MOST_ALONG_PIXEL = 32
+_SCALES = np.linspace(0.8, 1.2, 81)
+"""Smears are tried longer and shorter: so few of them spread a little more or less than what they are drawn from."""
 
 
 @final
@@ -82,9 +84,10 @@ def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
     """
     sub_row, sub_column = np.divmod(np.arange(along_pixel * along_pixel, dtype=np.int32), along_pixel)
     place = (np.stack([sub_row, sub_column], axis=1) + 0.5) / along_pixel
-    smear = blur_px * _gaussian_pairs(along_pixel)
-    aperture = np.mod(place - smear, 1.0)  # aperture point + smear = place + whole pixels
-    steps = np.rint(aperture + smear - place).astype(np.int32)
+    # A ray smeared into sub-pixel `place` came from `place - smear`: the pixel that owns it lies that much back.
+    deviates, wanted = _gaussian_pairs(along_pixel), 1 / 12 + blur_px**2
+    trials = [-np.floor(place - scale * blur_px * deviates).astype(np.int32) for scale in _SCALES]
+    steps = min(trials, key=lambda steps: abs(float(np.var(steps + place)) - wanted))
     return RayPattern(
         row_step=steps[:, 0],
         column_step=steps[:, 1],
