@@ -2,7 +2,7 @@
 
 Every rig is one of those of rolling_coverage.py, with quiet and even pixels, so that what is left is no noise. Each is analysed
 as the program does, and with what it did before: light beside the sector as points without width, and only as far as it exceeds
-twice a pixel's uncertainty.
+twice a pixel's uncertainty; the wheel's mirror image made of hills that all stand within the region and have a mean.
 
     .venv/bin/python benchmarks/accuracy/light_of_a_pixel.py --rigs 12 --figure light-of-a-pixel.svg
 """
@@ -10,7 +10,7 @@ twice a pixel's uncertainty.
 import argparse
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from irtiming.estimate import row_light, sector_fit
+from irtiming.estimate import row_light, sector_fit, sector_image
 from irtiming.measurement import analyse_rolling
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import BolometerTiming
@@ -29,6 +29,7 @@ from rolling_coverage import draw
 
 _QUIET_DN = 2.0
 _SIGNIFICANT = 2.0
+_NODES_BEFORE = 7
 
 
 @contextmanager
@@ -61,17 +62,39 @@ def beyond_noise_only() -> Iterator[None]:
 
 
 @contextmanager
-def as_before() -> Iterator[None]:
-    """Both."""
-    with without_width(), beyond_noise_only():
+def hills_within() -> Iterator[None]:
+    """The smooth field is made of hills from end to end of the region, none beyond, and its mean is free."""
+
+    def hills(view: sector_image.View) -> np.ndarray:
+        along = []
+        for places in (view.rows.ravel(), view.columns.ravel()):
+            nodes = np.linspace(places[0], places[-1], _NODES_BEFORE)
+            along.append(np.exp(-0.5 * ((places - nodes[:, None]) / (nodes[1] - nodes[0])) ** 2))
+        return np.einsum("ar,bc->abrc", *along).reshape(-1, view.rows.size, view.columns.size)
+
+    with (
+        patch.object(sector_image.View, "field_terms", property(hills)),
+        patch.object(sector_image, "_about_their_mean", lambda terms, _: terms),
+    ):
         yield
+
+
+def together(*ways: Callable[[], Any]) -> Callable[[], Any]:
+    """Several at once."""
+
+    @contextmanager
+    def all_of_them() -> Iterator[None]:
+        with ExitStack() as stack:
+            for way in ways:
+                stack.enter_context(way())
+            yield
+
+    return all_of_them
 
 
 @contextmanager
 def _wide_in_the_image() -> Iterator[None]:
     """The contrast image keeps the width that the rows lose."""
-    from irtiming.estimate import sector_image
-
     with patch.object(sector_image, "blurred_sector", _Kept(sector_image.blurred_sector)):
         yield
 
@@ -89,10 +112,11 @@ class _Kept:
 _SMEAR = row_light.blurred_sector.pixel_smear
 
 WAYS: dict[str, Callable[[], Any]] = {
-    "as it was": as_before,
-    "light as wide as a pixel": beyond_noise_only,
-    "all that a pixel shows": without_width,
-    "both, as it is": as_now,
+    "as it was": together(without_width, beyond_noise_only, hills_within),
+    "light as wide as a pixel": together(beyond_noise_only, hills_within),
+    "all that a pixel shows": together(without_width, hills_within),
+    "both": hills_within,
+    "a field that meets its ends: as it is": as_now,
 }
 
 
@@ -150,7 +174,10 @@ def _draw(told: list[dict[str, np.ndarray]], seeds: list[int], path: Path) -> No
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(2, 1, figsize=(7.2, 4.8), sharex=True, layout="constrained")
-    for way, marker, colour in (("as it was", "o", "#b35806"), ("both, as it is", "s", "#2166ac")):
+    for way, marker, colour in (
+        ("as it was", "o", "#b35806"),
+        ("a field that meets its ends: as it is", "s", "#2166ac"),
+    ):
         errors = np.array([one[way] for one in told])
         for axis, values in zip(axes, errors.T, strict=True):
             axis.plot(range(len(seeds)), values, marker, color=colour, label=way, markersize=5)

@@ -94,24 +94,21 @@ def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> Secto
 
 
 def _harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
+    """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
     points, blur_px = blurred_sector.light_points(sector.shape), sector.shape.blur_px
     inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=HARMONICS)
-    return inside + _beyond_harmonics(sector, row_px)
+    return (1 - sector.plate) * inside + _of_pixels(sector, row_px)
 
 
-def _beyond_harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
-    """Plate, excess and uneven brightness, by row: in each pixel light about its own angle, as wide as pixel and blur."""
+def _of_pixels(sector: SectorFit, row_px: Ticks) -> ComplexArray:
+    """Ring and excess, by row: in each pixel light about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     smear = [
         blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(HARMONICS + 1)
     ]
     out = np.zeros((row_px.size, HARMONICS + 1), complex)
-    for light, angle in (
-        (sector.plate, sector.plate_angle_rad),
-        (sector.uneven, sector.uneven_angle_rad),
-        (sector.excess, sector.excess_angle_rad),
-    ):
+    for light, angle in ((sector.ring, sector.ring_angle_rad), (sector.excess, sector.excess_angle_rad)):
         turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
         for order in range(HARMONICS + 1):
             out[:, order] += np.einsum("yx,yx->y", wave, smear[order])

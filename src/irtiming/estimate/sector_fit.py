@@ -152,7 +152,7 @@ def _images(
         good=good,
         summed=_summed(first),
         mirrored=rig.wheel.rotation == "counterclockwise",
-        field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.hills, *_FIELD_PRIORS)),
+        field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.unevenness, *_FIELD_PRIORS)),
     )
     imperfect = np.full(good.shape, _FIRST_SCATTER) if known is None else _imperfect(known)
     return _Images(seen=seen, view=view, along=[np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen])
@@ -174,9 +174,9 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
     return SectorFit(
         **_light(seen, numbers, view=view),
         covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
-        contrast=seen.light + seen.uneven + seen.plate + seen.residual,
+        contrast=(1 - seen.plate) * seen.light + seen.ring * (seen.plate + seen.field) + seen.residual,
         model_contrast=seen.light,
-        hills=seen.hills,
+        unevenness=seen.unevenness,
         gain_scatter=_scatter(seen.residual[inside], seen.u),
         border_scatter=_scatter((seen.residual / _border_weight(seen.light))[border], seen.u),
         phase_rad=float(numbers[PHASE]),
@@ -192,16 +192,13 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
 def _light(seen: SeenContrast, numbers: Array, *, view: View) -> dict[str, Any]:
     """Where the light comes from: the fields of a `SectorFit` that say so."""
     summed = np.where(view.summed, 1.0, 0.0)
-    mostly, dark = seen.light > 0.5, np.maximum(1 - seen.light, 0.02)
-    beside_angle = (seen.centre_angle_rad - seen.light * seen.light_angle_rad) / dark
     return {
         "shape": shape_of(numbers, view.mirrored, image=view.image),
-        "plate": seen.plate * summed,
-        "plate_angle_rad": np.where(mostly, seen.centre_angle_rad, beside_angle),
-        "uneven": seen.uneven * summed,
-        "uneven_angle_rad": seen.centre_angle_rad,
+        "plate": seen.plate,
+        "ring": seen.ring * (seen.plate + seen.field) * summed,
+        "ring_angle_rad": seen.centre_angle_rad,
         "excess": seen.residual * summed,
-        "excess_angle_rad": np.where(mostly, seen.light_angle_rad, seen.centre_angle_rad),
+        "excess_angle_rad": np.where(seen.light > 0.5, seen.light_angle_rad, seen.centre_angle_rad),
     }
 
 

@@ -17,7 +17,7 @@ from scipy.special import ndtr
 
 from irtiming.estimate.row_light import shape_of
 from irtiming.estimate.row_timing import HARMONICS
-from irtiming.physics import blurred_sector, first_order_lag
+from irtiming.physics import blurred_sector, first_order_lag, smooth_field
 from irtiming.physics.wheel import TURN, WheelModel
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
@@ -29,7 +29,6 @@ _TABLE = 8192
 _CENTRE_STEPS = 9
 _FIRST_BLUR_PX = 0.7
 _CUTOUT_MARGIN_PX = 1.5
-_FIELD_NODES = 7  # along rows and along columns
 
 
 @final
@@ -50,12 +49,8 @@ class View:
 
     @cached_property
     def field_terms(self) -> Array:
-        """Hills on a grid over the region, of which a smooth field is made; shape (n, roi rows, roi columns)."""
-        hills = []
-        for places in (self.rows.ravel(), self.columns.ravel()):
-            nodes = np.linspace(places[0], places[-1], _FIELD_NODES)
-            hills.append(np.exp(-0.5 * ((places[None, :] - nodes[:, None]) / (nodes[1] - nodes[0])) ** 2))
-        return np.asarray(np.einsum("ar,bc->abrc", *hills).reshape(-1, self.rows.size, self.columns.size))
+        """Hills over the region, of which a smooth field is made; shape (n, roi rows, roi columns)."""
+        return smooth_field.hills(self.rows.ravel(), self.columns.ravel())
 
     @property
     def rows(self) -> Array:
@@ -102,7 +97,7 @@ class Fitted:
     ``misfit`` (2 n_good + prior,) holds the deviations of the good pixels along and across their phase, and of the field from
     its prior, over their uncertainties; ``left_dn`` (roi rows, roi columns) those along the phase, measured minus model, DN.
     ``full_dn`` is a pixel wholly in the light, ``plate`` the plate's contrast as a share of it, ``field`` (roi rows, roi
-    columns) the smooth one and ``hills`` the root mean square of its hills.
+    columns) the smooth one and ``unevenness`` its standard deviation over the ring.
     """
 
     misfit: Array
@@ -110,7 +105,7 @@ class Fitted:
     full_dn: float
     plate: float
     field: Array
-    hills: float
+    unevenness: float
 
 
 @final
@@ -119,16 +114,16 @@ class SeenContrast:
     """Contrast in the terms of the sector; arrays of shape (roi rows, roi columns).
 
     ``light`` is the sector's share in each pixel, ``ring`` that of the ring that the cutouts sweep, ``plate`` the plate's
-    contrast, ``uneven`` that of the smooth field (``hills`` the height of its hills), ``residual`` what is left of the measured
-    contrast beyond the model, with standard uncertainty ``u``; ``light_angle_rad`` is the mean polar angle of the sector's
-    light in a pixel, ``centre_angle_rad`` that of its centre, both from the bisector.
+    contrast as a share of the opening's, ``field`` the smooth one with ``unevenness`` as its standard deviation over the ring,
+    ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty ``u``; ``light_angle_rad`` is
+    the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of its centre, both from the bisector.
     """
 
     light: Array
     ring: Array
-    plate: Array
-    uneven: Array
-    hills: float
+    plate: float
+    field: Array
+    unevenness: float
     residual: Array
     u: float
     light_angle_rad: Array
@@ -193,7 +188,8 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
     along, across = 1 / u_along_dn[view.good], 1 / look.u_dn
     two = np.stack([lit, ring - lit])[:, view.good]
     levels = np.concatenate([two.real * along, two.imag * across], axis=1)
-    hills = (view.field_terms * ring)[:, view.good] * along  # they lie along the phase
+    terms = _about_their_mean(view.field_terms, lit.real)
+    hills = (terms * ring)[:, view.good] * along  # they lie along the phase
     target = np.concatenate([seen[view.good].real * along, seen[view.good].imag * across])
     n_good, scale = along.size, float(levels[0] @ target) / float(levels[0] @ levels[0])
     prior = 1 / (view.field_prior * abs(scale))
@@ -202,7 +198,7 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
     found = np.linalg.solve(normal, np.concatenate([levels @ target, hills @ target[:n_good]]))
     misfit = found[:2] @ levels - target
     misfit[:n_good] += found[2:] @ hills
-    model = np.einsum("k,kij->ij", found[2:], view.field_terms)
+    model = np.einsum("k,kij->ij", found[2:], terms)
     left = seen.real - (found[0] * lit + found[1] * (ring - lit)).real - model * ring
     return Fitted(
         misfit=np.concatenate([misfit, prior * found[2:]]),
@@ -210,8 +206,20 @@ def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitt
         full_dn=float(found[0]),
         plate=float(found[1] / found[0]),
         field=model / found[0],
-        hills=float(np.sqrt(np.mean(found[2:] ** 2))) / abs(float(found[0])),
+        unevenness=_unevenness(model / found[0], ring * view.good),
     )
+
+
+def _about_their_mean(terms: Array, light: Array) -> Array:
+    """Terms less their mean over the light: a field that is even is the contrast, which lies where the sector's light does."""
+    mean = terms.reshape(len(terms), -1) @ light.ravel() / light.sum()
+    return np.asarray(terms - mean[:, None, None])
+
+
+def _unevenness(field: Array, ring: Array) -> float:
+    """Standard deviation of the field over the ring's good pixels."""
+    mean = float(np.average(field, weights=ring))
+    return float(np.sqrt(np.average((field - mean) ** 2, weights=ring)))
 
 
 def _ring(radius: Array, numbers: Array) -> Array:
@@ -232,13 +240,12 @@ def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[A
     ])  # fmt: skip
     share = weights / weights.sum()
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
-    ring = _ring(radius, numbers)
     return SeenContrast(
         light=np.asarray(light),
-        ring=ring,
-        plate=float(share @ [model.plate for model in models]) * (ring - light),
-        uneven=ring * sum(w * model.field for w, model in zip(share, models, strict=True)),
-        hills=float(share @ [model.hills for model in models]),
+        ring=_ring(radius, numbers),
+        plate=float(share @ [model.plate for model in models]),
+        field=np.sum([w * model.field for w, model in zip(share, models, strict=True)], axis=0),
+        unevenness=float(share @ [model.unevenness for model in models]),
         residual=_stood_in(np.asarray(left), view.good),
         u=float(1 / np.sqrt(weights.sum())),
         light_angle_rad=np.asarray(np.where(light > 1e-3, moment / np.maximum(light, 1e-3), centre), dtype=float),

@@ -50,13 +50,15 @@ class SectorFit:
         Shape (roi rows, roi columns); how much each pixel takes part, as measured: about 1 for a pixel wholly in the light.
     model_contrast
         The same by the sector alone.
-    plate, plate_angle_rad
-        What the mask plate beside the opening adds (it is seen where the wheel is cut out, and need not be as warm as the
-        wheel), and the polar angle from the bisector at which it acts; shape (roi rows, roi columns).
-    uneven, uneven_angle_rad
-        A smooth field where the cutouts pass, since the solid wheel mirrors the camera unevenly; same shape.
-    hills
-        Root mean square height of the hills that the field is made of.
+    plate
+        Contrast of the mask plate beside the opening, as a share of the opening's: it is seen where the wheel is cut out, and
+        need not be as warm as the wheel.
+    ring, ring_angle_rad
+        What the ring that the cutouts sweep adds everywhere, and the polar angle from the bisector at which it acts: the plate's
+        contrast, and a smooth field, since the solid wheel mirrors the camera unevenly; shape (roi rows, roi columns). The
+        sector's light is then only what the opening shows beyond the plate.
+    unevenness
+        Standard deviation of that field over the ring, as a share of the contrast.
     excess, excess_angle_rad
         What is left beyond that and beyond noise, pixel gains that differ and burrs of the mask; same shape.
     gain_scatter, border_scatter
@@ -79,11 +81,10 @@ class SectorFit:
     covariance: Array
     contrast: Array
     model_contrast: Array
-    plate: Array
-    plate_angle_rad: Array
-    uneven: Array
-    uneven_angle_rad: Array
-    hills: float
+    plate: float
+    ring: Array
+    ring_angle_rad: Array
+    unevenness: float
     excess: Array
     excess_angle_rad: Array
     gain_scatter: float

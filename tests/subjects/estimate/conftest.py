@@ -273,17 +273,16 @@ def sector_of() -> Callable[..., SectorFit]:
         maps = (
             "contrast",
             "model_contrast",
-            "plate",
-            "uneven",
+            "ring",
             "excess",
-            "plate_angle_rad",
-            "uneven_angle_rad",
+            "ring_angle_rad",
             "excess_angle_rad",
         )
         values = dict.fromkeys(maps, nothing) | {
             "shape": camera.shape,
             "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4]) ** 2),
-            "hills": 0.0,
+            "plate": 0.0,
+            "unevenness": 0.0,
             "gain_scatter": 0.0,
             "border_scatter": 0.0,
             "phase_rad": 0.0,

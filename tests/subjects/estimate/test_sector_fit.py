@@ -68,7 +68,7 @@ def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute
     light = camera.light[1].sum(axis=0)
     inside = light > 0.99
     assert found.gain_scatter == pytest.approx(0.03, rel=0.2)
-    seen = (found.excess + found.uneven + found.plate)[inside]
+    seen = (found.contrast - found.model_contrast)[inside]
     np.testing.assert_allclose(seen - seen.mean(), (gain[inside] - gain[inside].mean()), atol=0.012)
     assert np.all(np.abs(_pulls(found, camera)) < 4)
 

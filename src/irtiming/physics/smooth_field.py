@@ -1,0 +1,27 @@
+"""A smooth field over a part of the image, made of broad Gaussian hills: what a solid wheel mirrors of the camera, say."""
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+
+_STEPS = 4  # from end to end of the region, along rows and along columns
+
+
+def hills(rows: Array, columns: Array) -> Array:
+    """Gaussian hills on a grid, as wide as its steps; without those a step beyond the region its ends could not be met.
+
+    Parameters
+    ----------
+    rows, columns
+        Places of the region's pixels along each axis, ascending, shape (r,) and (c,).
+
+    Returns
+    -------
+    Shape (n, r, c); each hill is 1 at its top.
+    """
+    along = []
+    for places in (rows, columns):
+        step = (places[-1] - places[0]) / _STEPS
+        tops = places[0] + step * np.arange(-1, _STEPS + 2)
+        along.append(np.exp(-0.5 * ((places - tops[:, None]) / step) ** 2))
+    return np.asarray(np.einsum("ar,bc->abrc", *along).reshape(-1, rows.size, columns.size))

@@ -1,0 +1,31 @@
+"""Hills of which a smooth field is made."""
+
+import numpy as np
+import pytest
+
+from irtiming.physics import smooth_field
+
+ROWS, COLUMNS = np.arange(8.0, 62.0), np.arange(41.0, 110.0)
+
+
+def test_hills_stand_on_a_grid():
+    """Oracle: Gaussians as wide as the grid's steps, from a step before the region to a step after it; flat when summed."""
+    terms = smooth_field.hills(ROWS, COLUMNS)
+    n = round(len(terms) ** 0.5)
+    assert terms.shape == (n * n, 54, 69)
+    grid = terms.reshape(n, n, 54, 69)
+    corners = [grid[1, 1, 0, 0], grid[1, -2, 0, -1], grid[-2, 1, -1, 0], grid[-2, -2, -1, -1]]
+    assert corners == pytest.approx([1, 1, 1, 1])
+    assert grid[0, 1, 0, 0] == pytest.approx(np.exp(-0.5))
+    assert terms.max() <= 1
+    whole = terms.sum(axis=0)
+    assert whole.max() / whole.min() < 1.3
+
+
+@pytest.mark.parametrize("width_px", [15.0, 21.0, 30.0, 60.0])
+def test_mirror_image_of_a_camera(width_px):
+    """Oracle: a Gaussian beside the region's middle, met to 0.5 % of its height everywhere, in the corners too."""
+    terms = smooth_field.hills(ROWS, COLUMNS).reshape(-1, 54 * 69)
+    mirrored = np.exp(-0.5 * ((ROWS[:, None] - 59.5) ** 2 + (COLUMNS - 79.5) ** 2) / width_px**2).ravel()
+    heights, *_ = np.linalg.lstsq(terms.T, mirrored, rcond=1e-9)
+    assert np.abs(heights @ terms - mirrored).max() < 5e-3
