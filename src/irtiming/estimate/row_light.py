@@ -101,14 +101,18 @@ def _harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
 
 
 def _of_pixels(sector: SectorFit, row_px: Ticks) -> ComplexArray:
-    """Ring and excess, by row: in each pixel light about its own angle, as wide as pixel and blur."""
+    """Ring, excess and what dead pixels borrow, by row: in each pixel light about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     smear = [
         blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(HARMONICS + 1)
     ]
     out = np.zeros((row_px.size, HARMONICS + 1), complex)
-    for light, angle in ((sector.ring, sector.ring_angle_rad), (sector.excess, sector.excess_angle_rad)):
+    for light, angle in (
+        (sector.ring, sector.ring_angle_rad),
+        (sector.borrowed, sector.borrowed_angle_rad),
+        (sector.excess, sector.excess_angle_rad),
+    ):
         turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
         for order in range(HARMONICS + 1):
             out[:, order] += np.einsum("yx,yx->y", wave, smear[order])

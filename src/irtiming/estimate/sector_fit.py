@@ -192,14 +192,26 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
 def _light(seen: SeenContrast, numbers: Array, *, view: View) -> dict[str, Any]:
     """Where the light comes from: the fields of a `SectorFit` that say so."""
     summed = np.where(view.summed, 1.0, 0.0)
+    ring = seen.ring * (seen.plate + seen.field)
     return {
         "shape": shape_of(numbers, view.mirrored, image=view.image),
         "plate": seen.plate,
-        "ring": seen.ring * (seen.plate + seen.field) * summed,
+        "ring": ring * summed,
         "ring_angle_rad": seen.centre_angle_rad,
+        "borrowed": _borrowed((1 - seen.plate) * seen.light + ring, view.good) * summed,
+        "borrowed_angle_rad": seen.light_angle_rad,
         "excess": seen.residual * summed,
         "excess_angle_rad": np.where(seen.light > 0.5, seen.light_angle_rad, seen.centre_angle_rad),
     }
+
+
+def _borrowed(light: Array, good: Mask) -> Array:
+    """What dead pixels do not show of the light, and what their stand-ins show in their place."""
+    out = np.zeros(light.shape)
+    for row, column, beside in sector_image.stand_ins(good):
+        out[row, column] -= light[row, column]
+        out[row, beside] += light[row, beside] / max(len(beside), 1)
+    return out
 
 
 def _scatter(residual: Array, u: float) -> float:

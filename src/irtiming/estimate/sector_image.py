@@ -253,14 +253,20 @@ def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[A
     )
 
 
-def _stood_in(value: Array, good: Mask) -> Array:
-    """A dead pixel has the mean of the nearest good neighbours in its row, as the row sums have it."""
-    out = value.copy()
-    for row, column in np.argwhere(~good):
+def stand_ins(good: Mask) -> list[tuple[int, int, list[int]]]:
+    """Row and column of each dead pixel, and the columns of the nearest good ones in its row: the row sums have their mean."""
+    found = []
+    for row, column in np.argwhere(~good).tolist():
         left, right = np.flatnonzero(good[row, :column]), np.flatnonzero(good[row, column + 1 :])
-        beside = [value[row, left[-1]]] if left.size else []
-        beside += [value[row, column + 1 + right[0]]] if right.size else []
-        out[row, column] = np.mean(beside) if beside else 0.0
+        found.append((row, column, [*left[-1:].tolist(), *(column + 1 + right[:1]).tolist()]))
+    return found
+
+
+def _stood_in(value: Array, good: Mask) -> Array:
+    """A dead pixel has the mean of its stand-ins."""
+    out = value.copy()
+    for row, column, beside in stand_ins(good):
+        out[row, column] = value[row, beside].mean() if beside else 0.0
     return out
 
 

@@ -59,6 +59,8 @@ class SectorFit:
         sector's light is then only what the opening shows beyond the plate.
     unevenness
         Standard deviation of that field over the ring, as a share of the contrast.
+    borrowed, borrowed_angle_rad
+        What dead pixels do not show of all that, and what their neighbours in the row show in their place; same shape.
     excess, excess_angle_rad
         What is left beyond that and beyond noise, pixel gains that differ and burrs of the mask; same shape.
     gain_scatter, border_scatter
@@ -85,6 +87,8 @@ class SectorFit:
     ring: Array
     ring_angle_rad: Array
     unevenness: float
+    borrowed: Array
+    borrowed_angle_rad: Array
     excess: Array
     excess_angle_rad: Array
     gain_scatter: float

@@ -276,6 +276,8 @@ def sector_of() -> Callable[..., SectorFit]:
             "ring",
             "excess",
             "ring_angle_rad",
+            "borrowed",
+            "borrowed_angle_rad",
             "excess_angle_rad",
         )
         values = dict.fromkeys(maps, nothing) | {

@@ -43,7 +43,7 @@ def test_rows_of_a_bare_sector_are_those_of_the_blurred_sector(sector, bare):
     np.testing.assert_allclose(found.harmonics, whole[lit])
 
 
-@pytest.mark.parametrize("kind", ["ring", "excess"])
+@pytest.mark.parametrize("kind", ["ring", "borrowed", "excess"])
 def test_what_lies_beyond_the_sector_acts_at_its_own_angle(sector, bare, kind):
     """Oracle: by hand; light L at angle a, r from the axle, adds L exp(-i m a) exp(-m^2 (blur^2 + 1/12) / 2 r^2) to its row."""
     light, angle = np.zeros((36, 64)), np.zeros((36, 64))

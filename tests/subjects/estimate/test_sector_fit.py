@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_fit
-from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
 from irtiming.records.rig import Measured
 
 
@@ -71,6 +71,25 @@ def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute
     seen = (found.contrast - found.model_contrast)[inside]
     np.testing.assert_allclose(seen - seen.mean(), (gain[inside] - gain[inside].mean()), atol=0.012)
     assert np.all(np.abs(_pulls(found, camera)) < 4)
+
+
+def test_a_dead_pixel_on_the_border_shows_its_neighbours(camera, lag, brute_rows, rig_with):
+    """Oracle: the light that was summed, with the mean of left and right in place of the dead pixel, as the row sums have it."""
+    rows = brute_rows(camera, noise_dn=0.5)
+    angles, light = camera.light
+    border = [(row, int(np.flatnonzero(light[:, row].sum(axis=0) > 0.5)[0])) for row in (12, 16, 20)]
+    good, shown = np.ones((36, 64), bool), light.copy()
+    for row, column in border:
+        good[row, column] = False
+        shown[:, row, column] = (light[:, row, column - 1] + light[:, row, column + 1]) / 2
+    dead = replace(rows, contrast=replace(rows.contrast, good=good))
+    seen = row_light(rows.row_px, _twice(dead, camera, lag, rig=rig_with()))
+    waves = np.exp(-1j * np.multiply.outer(np.arange(7), angles))
+    for row, _ in border:
+        found = seen.harmonics[np.searchsorted(seen.row_px, row), :7]
+        expected, own = (waves @ one[:, row].sum(axis=1) for one in (shown, light))
+        off = np.abs(found / found[0] - expected / expected[0]).max()
+        assert off < 0.3 * np.abs(own / own[0] - expected / expected[0]).max()
 
 
 def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows, rig_with):
