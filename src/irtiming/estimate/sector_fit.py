@@ -174,7 +174,7 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
     return SectorFit(
         **_light(seen, numbers, view=view),
         covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
-        contrast=(1 - seen.plate) * seen.light + seen.ring * (seen.plate + seen.field) + seen.residual,
+        contrast=seen.model + seen.residual,
         model_contrast=seen.light,
         unevenness=seen.unevenness,
         gain_scatter=_scatter(seen.residual[inside], seen.u),
@@ -192,25 +192,24 @@ def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> Sec
 def _light(seen: SeenContrast, numbers: Array, *, view: View) -> dict[str, Any]:
     """Where the light comes from: the fields of a `SectorFit` that say so."""
     summed = np.where(view.summed, 1.0, 0.0)
-    ring = seen.ring * (seen.plate + seen.field)
     return {
         "shape": shape_of(numbers, view.mirrored, image=view.image),
         "plate": seen.plate,
-        "ring": ring * summed,
+        "ring": seen.over_ring * summed,
         "ring_angle_rad": seen.centre_angle_rad,
-        "borrowed": _borrowed((1 - seen.plate) * seen.light + ring, view.good) * summed,
+        "borrowed": _borrowed(seen.model, view) * summed,
         "borrowed_angle_rad": seen.light_angle_rad,
         "excess": seen.residual * summed,
         "excess_angle_rad": np.where(seen.light > 0.5, seen.light_angle_rad, seen.centre_angle_rad),
     }
 
 
-def _borrowed(light: Array, good: Mask) -> Array:
+def _borrowed(light: Array, view: View) -> Array:
     """What dead pixels do not show of the light, and what their stand-ins show in their place."""
     out = np.zeros(light.shape)
-    for row, column, beside in sector_image.stand_ins(good):
+    for row, column, beside in view.stand_ins:
         out[row, column] -= light[row, column]
-        out[row, beside] += light[row, beside] / max(len(beside), 1)
+        out[row, beside] += light[row, beside] / len(beside)
     return out
 
 

@@ -52,6 +52,15 @@ class View:
         """Hills over the region, of which a smooth field is made; shape (n, roi rows, roi columns)."""
         return smooth_field.hills(self.rows.ravel(), self.columns.ravel())
 
+    @cached_property
+    def stand_ins(self) -> list[tuple[int, int, list[int]]]:
+        """Row and column of each dead pixel, and columns of the nearest good ones in its row: the row sums have their mean."""
+        found = []
+        for row, column in np.argwhere(~self.good).tolist():
+            left, right = np.flatnonzero(self.good[row, :column]), np.flatnonzero(self.good[row, column + 1 :])
+            found.append((row, column, [*left[-1:].tolist(), *(column + 1 + right[:1]).tolist()]))
+        return found
+
     @property
     def rows(self) -> Array:
         """Image rows of the region, as a column."""
@@ -128,6 +137,16 @@ class SeenContrast:
     u: float
     light_angle_rad: Array
     centre_angle_rad: Array
+
+    @property
+    def over_ring(self) -> Array:
+        """What plate and field add wherever the cutouts pass."""
+        return self.ring * (self.plate + self.field)
+
+    @property
+    def model(self) -> Array:
+        """All but the residual: the sector's light is what the opening shows beyond the plate."""
+        return (1 - self.plate) * self.light + self.over_ring
 
 
 def looks(recordings: Sequence[ReducedRows], wheel: WheelModel, *, lag: tuple[Array, float]) -> list[Look]:
@@ -246,26 +265,17 @@ def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[A
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),
-        residual=_stood_in(np.asarray(left), view.good),
+        residual=_stood_in(np.asarray(left), view),
         u=float(1 / np.sqrt(weights.sum())),
         light_angle_rad=np.asarray(np.where(light > 1e-3, moment / np.maximum(light, 1e-3), centre), dtype=float),
         centre_angle_rad=centre,
     )
 
 
-def stand_ins(good: Mask) -> list[tuple[int, int, list[int]]]:
-    """Row and column of each dead pixel, and the columns of the nearest good ones in its row: the row sums have their mean."""
-    found = []
-    for row, column in np.argwhere(~good).tolist():
-        left, right = np.flatnonzero(good[row, :column]), np.flatnonzero(good[row, column + 1 :])
-        found.append((row, column, [*left[-1:].tolist(), *(column + 1 + right[:1]).tolist()]))
-    return found
-
-
-def _stood_in(value: Array, good: Mask) -> Array:
+def _stood_in(value: Array, view: View) -> Array:
     """A dead pixel has the mean of its stand-ins."""
     out = value.copy()
-    for row, column, beside in stand_ins(good):
+    for row, column, beside in view.stand_ins:
         out[row, column] = value[row, beside].mean() if beside else 0.0
     return out
 
