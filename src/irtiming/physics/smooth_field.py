@@ -4,16 +4,16 @@ import numpy as np
 
 from irtiming.records.arrays import Array
 
-_STEPS = 4  # from end to end of the region, along rows and along columns
 
-
-def hills(rows: Array, columns: Array) -> Array:
+def hills(rows: Array, columns: Array, *, steps: int = 4) -> Array:
     """Gaussian hills on a grid, as wide as its steps; without those a step beyond the region its ends could not be met.
 
     Parameters
     ----------
     rows, columns
         Places of the region's pixels along each axis, ascending, shape (r,) and (c,).
+    steps
+        From end to end of the region, along rows and along columns.
 
     Returns
     -------
@@ -21,7 +21,7 @@ def hills(rows: Array, columns: Array) -> Array:
     """
     along = []
     for places in (rows, columns):
-        step = (places[-1] - places[0]) / _STEPS
-        tops = places[0] + step * np.arange(-1, _STEPS + 2)
+        step = (places[-1] - places[0]) / steps
+        tops = places[0] + step * np.arange(-1, steps + 2)
         along.append(np.exp(-0.5 * ((places - tops[:, None]) / step) ** 2))
     return np.asarray(np.einsum("ar,bc->abrc", *along).reshape(-1, rows.size, columns.size))

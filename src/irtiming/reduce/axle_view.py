@@ -5,6 +5,9 @@ over the wheel angle is therefore twice its polar angle about the axle, whatever
 needed to find the centre. The mask's own two edges then give its bisector. Where the mask's centre is not the axle, the
 mean angle of the light that comes through differs from the bisector, and the opening fraction is shifted by as much.
 
+How much a pixel swings with the wheel is its contrast, in the opening and on the plate beside it. Frames on plateaus would not
+do: in some of them an edge of the wheel stands beside the opening, and the plate seems to fade away from it.
+
 All of these are angles in the plane that the lens has not distorted (`physics.lens`). Where the axle is not in the middle of the
 image the same phases tell the distortion; where it is, what rig.toml states of it holds, and matters little.
 """
@@ -16,6 +19,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import least_squares
 
+from irtiming.physics import smooth_field
 from irtiming.physics.covariance import of_correlated_scores
 from irtiming.physics.lens import HIGHEST, LOWEST, Lens
 from irtiming.records.arrays import Array, Mask, Ticks
@@ -27,9 +31,10 @@ _U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated
 _FIRMEST = 1e-5  # uncertainty of a distortion that counts as exact
 _ROUNDS = 3
 _CLUSTER_PX = 3.0
-_FAINTEST = 0.7  # of the light, to be evened out
-_U_EVENED = 0.3  # of what evening out turns the bisector by: the plate beside the opening mirrors the camera too
-_DEGREE = 4  # of the polynomial that evens the light out
+_U_EVENED = 0.1  # of what the field turns the bisector by: with a plate that mirrors as the wheel does it was 0.08
+_STEPS = 10  # of the field's hills from end to end: the mirror image of a small aperture is a narrow one
+_FLATNESS = 1e-2  # squared noise of a pixel over squared height of a hill
+_FIRMNESS = 1e-2  # the opening's light beyond the plate's is about all of it, should no pixel tell
 _WAVE_PX = 6
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 
@@ -53,22 +58,26 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     None where the opening has too few pixels to tell.
     """
     row0, row1, column0, column1 = opening.roi
-    step = opening.open_frame_dn - opening.covered_frame_dn
-    scale = opening.peaks_dn[1] - opening.peaks_dn[0]
     good = pixel_gain > 0
-    contrast = _mended((step / scale)[row0:row1, column0:column1], good)
     inside = _well_inside(opening) & good
     if inside.sum() < 50:
         return None
     rows, columns = np.mgrid[row0:row1, column0:column1].astype(float)
-    sense = 1.0 if rig.wheel.rotation == "clockwise" else -1.0
-    phase = sense * np.arctan2(harmonic[1], harmonic[0])
+    swing = pixel_gain * (harmonic[0] + (1j if rig.wheel.rotation == "clockwise" else -1j) * harmonic[1])
     places = (rows[inside], columns[inside])
     image = opening.mask.shape
-    seen = _centre(phase[inside], places, image=image, distortion=rig.camera.distortion)
+    seen = _centre(np.angle(swing[inside]), places, image=image, distortion=rig.camera.distortion)
+    down, across = seen.from_axle(rows, columns)
+    contrast = _mended(_contrast(swing, np.arctan2(down, across), inside), good)
+    beside = _beside(opening, good, radius=np.hypot(down, across), inside=inside)
     summed = opening.weight > 0
-    light = np.where(summed | (~good & ndimage.binary_dilation(summed)), contrast, 0.0)
-    region = _Region(light=light, evened=_even(light, inside), inside=inside, corner=(row0, column0))
+    summed |= ~good & ndimage.binary_dilation(summed)
+    region = _Region(
+        light=np.where(summed, contrast, 0.0),
+        share=np.where(summed, _share(contrast, inside, beside), 0.0),
+        inside=inside,
+        corner=(row0, column0),
+    )
     told = _mask(seen, region)
     u_view = _by_view(seen, told, region)
     u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
@@ -84,6 +93,28 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
         distortion=float(seen.place[2]),
         u_distortion=float(np.sqrt(seen.covariance[2, 2])),
     )
+
+
+def _contrast(swing: Array, polar: Array, inside: Mask) -> Array:
+    """By how much each pixel swings with the wheel, along the phase of its polar angle; its median is 1 inside the opening."""
+    turned = swing * np.exp(-2j * polar)
+    along = turned * np.exp(-1j * np.angle(turned[inside].sum()))
+    return np.asarray(along.real / np.median(along.real[inside]))
+
+
+def _beside(opening: Opening, good: Mask, *, radius: Array, inside: Mask) -> Mask:
+    """Pixels of the plate beside the opening's two straight edges, where the cutouts pass too but no blur of it reaches."""
+    row0, row1, column0, column1 = opening.roi
+    away = ndimage.distance_transform_edt(~opening.mask[row0:row1, column0:column1])
+    low, high = _span(radius[inside])
+    near = (away > opening.border_px - 2) & (away <= opening.border_px + 4)
+    return np.asarray(near & (radius > low) & (radius < high) & good)
+
+
+def _span(radius: Array) -> tuple[float, float]:
+    """Radii between which the mask's edges are traced."""
+    low, high = np.quantile(radius, [0.02, 0.98])
+    return float(low + _EDGE_SPAN[0] * (high - low)), float(low + _EDGE_SPAN[1] * (high - low))
 
 
 def _mended(contrast: Array, good: Mask) -> Array:
@@ -219,13 +250,13 @@ class _Mask:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Region:
-    """Contrast of the region that begins at ``corner``, the same evened out, and the pixels well inside the opening.
+    """Contrast of the region that begins at ``corner``, each pixel's share in the opening, and the pixels well inside it.
 
     Shapes (roi rows, roi columns).
     """
 
     light: Array
-    evened: Array
+    share: Array
     inside: Mask
     corner: tuple[int, int]
 
@@ -235,12 +266,10 @@ def _mask(view: _View, region: _Region) -> _Mask:
     light = region.light
     rows, columns = np.mgrid[: light.shape[0], : light.shape[1]].astype(float)
     down, across = view.from_axle(rows + region.corner[0], columns + region.corner[1])
-    polar, radius = np.arctan2(down, across), np.hypot(down, across)[region.inside]
-    low, high = np.quantile(radius, [0.02, 0.98])
-    span = (float(low + _EDGE_SPAN[0] * (high - low)), float(low + _EDGE_SPAN[1] * (high - low)))
+    polar, span = np.arctan2(down, across), _span(np.hypot(down, across)[region.inside])
     middle = float(np.angle(np.sum(light * np.exp(1j * polar))))
     offset = np.mod(polar - middle + np.pi, 2 * np.pi) - np.pi
-    ends = _ends(region.evened, view, corner=region.corner, middle=middle, radii=span)
+    ends = _ends(region.share, view, corner=region.corner, middle=middle, radii=span)
     uneven = _ends(light, view, corner=region.corner, middle=middle, radii=span)
     return _Mask(
         bisector_rad=float(middle + ends.direction_rad.mean()),
@@ -250,13 +279,21 @@ def _mask(view: _View, region: _Region) -> _Mask:
     )
 
 
-def _even(light: Array, inside: Mask) -> Array:
-    """Light over its own smooth course within the opening: the wheel mirrors the camera unevenly, and edges look displaced."""
-    rows, columns = (np.linspace(-1, 1, n) for n in light.shape)
-    terms = [np.multiply.outer(rows**a, columns**b) for a in range(_DEGREE + 1) for b in range(_DEGREE + 1 - a)]
-    found, *_ = np.linalg.lstsq(np.array([term[inside] for term in terms]).T, light[inside], rcond=None)
-    course = np.einsum("k,kij->ij", found, np.array(terms))
-    return np.asarray(light / np.clip(course, _FAINTEST, 2 - _FAINTEST))
+def _share(contrast: Array, inside: Mask, beside: Mask) -> Array:
+    """Share of each pixel that is in the opening: from 0 on the plate beside it to 1 within.
+
+    A pixel swings by what it sees, plate or blackbody, less the solid wheel. The wheel mirrors the camera, here more, there
+    less: a smooth field that both have. What the opening has beyond the plate is the same everywhere.
+    """
+    rows, columns = (np.arange(n, dtype=float) for n in contrast.shape)
+    hills = smooth_field.hills(rows, columns, steps=_STEPS)
+    hills -= hills[:, inside].mean(axis=1)[:, None, None]
+    known = inside | beside
+    terms = np.vstack([hills[:, known], np.ones(known.sum()), inside[known]])
+    firm = np.diag(np.append(np.full(len(hills), _FLATNESS), [0.0, _FIRMNESS]))
+    found = np.linalg.solve(terms @ terms.T + firm, terms @ contrast[known] + firm[-1])
+    plate = found[-2] + np.einsum("k,kij->ij", found[:-2], hills)
+    return np.asarray((contrast - plate) / found[-1])
 
 
 def _by_view(view: _View, told: _Mask, region: _Region) -> float:
