@@ -11,7 +11,9 @@ and 68 % of the pulls should lie within 1, 95 % within 2. The Birge ratio is tha
 """
 
 import argparse
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -51,20 +53,26 @@ def recordings(options: argparse.Namespace, scene: Scene, seed: int) -> list[Rec
     ]
 
 
-def gather(found: dict[str, Pairs], analysis: Analysis, scene: Scene) -> None:
+def one_rig(options: argparse.Namespace, seed: int) -> dict[str, Pairs]:
     """Errors and standard uncertainties of one rig, s."""
+    rig = drawn(options, seed)
+    scene = rig.scene
+    analysis = analyse_snapshot(recordings(options, scene, seed), rig.measured)
     start_s, window_s = scene.timing.trigger_delay_s, scene.timing.integration_time_s
     truth = {"trigger_delay": start_s, "integration_time": window_s}
+    found: dict[str, Pairs] = {}
     for method, result in (("", analysis.best), (", as published", analysis.as_published)):
         names, values, us = result.estimate.names, result.estimate.values, result.estimate.standard_uncertainties
         for name, true in truth.items():
             if name in names:
                 k = names.index(name)
-                found.setdefault(name + method, []).append((float(values[k]) - true, float(us[k])))
+                found[name + method] = [(float(values[k]) - true, float(us[k]))]
         split = np.array([(n == "trigger_delay_falling") - float(n == "trigger_delay_rising") for n in names])
         u_split = float(np.sqrt(max(split @ result.estimate.covariance @ split, 0.0)))
-        found.setdefault("falling - rising" + method, []).append((float(split @ values), u_split))
-        found.setdefault("relative delay" + method, []).extend(relative(result, analysis))
+        found["falling - rising" + method] = [(float(split @ values), u_split)]
+        if apart := relative(result, analysis):
+            found["relative delay" + method] = apart
+    return found
 
 
 def relative(result: DelayResult, analysis: Analysis) -> Pairs:
@@ -94,6 +102,7 @@ def main() -> None:
     options.add_argument("--runs", type=int, default=1)
     options.add_argument("--rigs", type=int, default=40)
     options.add_argument("--seed", type=int, default=1000)
+    options.add_argument("--workers", type=int, default=2, help="rigs at a time")
     options.add_argument("--any", action="store_true")
     options.add_argument("--tell", action="store_true", help="print the table after every rig")
     given = options.parse_args()
@@ -102,15 +111,18 @@ def main() -> None:
         f"{given.columns} x {given.rows} pixels, {given.wheel_hz} Hz, {given.delays_ms} ms, {given.runs} run(s) each"
         + (", blur and window drawn" if given.any else "")
     )
-    for n, seed in enumerate(range(given.seed, given.seed + given.rigs), start=1):
-        rig = drawn(given, seed)
-        gather(found, analyse_snapshot(recordings(given, rig.scene, seed), rig.measured), rig.scene)
-        if given.tell or n == given.rigs:
-            print(f"\n{n} rigs from seed {given.seed} on, {head}\n")
-            print("| quantity | number | rms error / us | largest | rms u / us | rms pull | within 1 u | within 2 u |")
-            print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
-            for name in sorted(found, reverse=True):
-                if found[name]:
+    seeds = range(given.seed, given.seed + given.rigs)
+    with ProcessPoolExecutor(given.workers) as pool:
+        for n, one in enumerate(pool.map(partial(one_rig, given), seeds), start=1):
+            for name, pairs in one.items():
+                found.setdefault(name, []).extend(pairs)
+            if given.tell or n == given.rigs:
+                print(f"\n{n} rigs from seed {given.seed} on, {head}\n")
+                print(
+                    "| quantity | number | rms error / us | largest | rms u / us | rms pull | within 1 u | within 2 u |"
+                )
+                print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+                for name in sorted(found, reverse=True):
                     print(row(name, found[name]), flush=True)
 
 

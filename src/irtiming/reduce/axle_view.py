@@ -19,22 +19,21 @@ import numpy as np
 from scipy import ndimage
 from scipy.optimize import least_squares
 
-from irtiming.physics import smooth_field
 from irtiming.physics.covariance import of_correlated_scores
 from irtiming.physics.lens import HIGHEST, LOWEST, Lens
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.reduced import AxleView, Opening
 from irtiming.records.rig import Measured, Rig
+from irtiming.reduce import mask_shape, opening_share
 
 _ENOUGH_PIXELS = 200
 _U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated images of 160 to 640 columns showed
 _FIRMEST = 1e-5  # uncertainty of a distortion that counts as exact
 _ROUNDS = 3
 _CLUSTER_PX = 3.0
-_U_EVENED = 0.1  # of what the field turns the bisector by: with a plate that mirrors as the wheel does it was 0.08
-_STEPS = 10  # of the field's hills from end to end: the mirror image of a small aperture is a narrow one
-_FLATNESS = 1e-2  # squared noise of a pixel over squared height of a hill
-_FIRMNESS = 1e-2  # the opening's light beyond the plate's is about all of it, should no pixel tell
+_U_FIELD = (
+    0.03  # of what the mirroring wheel would turn the bisector by: fields that hills or a skewed slope do not make
+)
 _WAVE_PX = 6
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 
@@ -67,26 +66,16 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     places = (rows[inside], columns[inside])
     image = opening.mask.shape
     seen = _centre(np.angle(swing[inside]), places, image=image, distortion=rig.camera.distortion)
-    down, across = seen.from_axle(rows, columns)
-    contrast = _mended(_contrast(swing, np.arctan2(down, across), inside), good)
-    beside = _beside(opening, good, radius=np.hypot(down, across), inside=inside)
-    summed = opening.weight > 0
-    summed |= ~good & ndimage.binary_dilation(summed)
-    region = _Region(
-        light=np.where(summed, contrast, 0.0),
-        share=np.where(summed, _share(contrast, inside, beside), 0.0),
-        inside=inside,
-        corner=(row0, column0),
-    )
+    region = _region(swing, seen, opening=opening, good=good)
     told = _mask(seen, region)
-    u_view = _by_view(seen, told, region)
+    u_view, u_light = _by_view(seen, told, region), _by_light(seen, told, region)
     u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
     return AxleView(
         row_px=float(seen.place[0]),
         column_px=float(seen.place[1]),
         u_centre_px=float(np.sqrt(max(seen.covariance[0, 0], seen.covariance[1, 1]))),
         bisector_rad=told.bisector_rad,
-        u_bisector_rad=float(np.linalg.norm([u_ends, u_view, _U_EVENED * told.evened_rad])),
+        u_bisector_rad=float(np.linalg.norm([u_ends, u_view, u_light])),
         mean_angle_rad=told.mean_angle_rad,
         edge_miss_px=(float(told.ends.miss_px[0]), float(told.ends.miss_px[1])),
         u_edge_miss_px=float(np.hypot(told.ends.u_miss_px.max(), _U_STRAIGHT_PX)),
@@ -102,13 +91,12 @@ def _contrast(swing: Array, polar: Array, inside: Mask) -> Array:
     return np.asarray(along.real / np.median(along.real[inside]))
 
 
-def _beside(opening: Opening, good: Mask, *, radius: Array, inside: Mask) -> Mask:
+def _beside(mask: Mask, border_px: int, *, radius: Array, inside: Mask) -> Mask:
     """Pixels of the plate beside the opening's two straight edges, where the cutouts pass too but no blur of it reaches."""
-    row0, row1, column0, column1 = opening.roi
-    away = ndimage.distance_transform_edt(~opening.mask[row0:row1, column0:column1])
+    away = ndimage.distance_transform_edt(~mask)
     low, high = _span(radius[inside])
-    near = (away > opening.border_px - 2) & (away <= opening.border_px + 4)
-    return np.asarray(near & (radius > low) & (radius < high) & good)
+    near = (away > border_px - 2) & (away <= border_px + 4)
+    return np.asarray(near & (radius > low) & (radius < high))
 
 
 def _span(radius: Array) -> tuple[float, float]:
@@ -239,11 +227,11 @@ class _Ends:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Mask:
-    """Direction of the bisector, by how much evening the light out turned it, mean angle of the light, and the edges."""
+    """Direction of the bisector, mean angle of the light, and the edges, traced between two radii ``span_px``."""
 
     bisector_rad: float
-    evened_rad: float
     mean_angle_rad: float
+    span_px: tuple[float, float]
     ends: _Ends
 
 
@@ -252,13 +240,36 @@ class _Mask:
 class _Region:
     """Contrast of the region that begins at ``corner``, each pixel's share in the opening, and the pixels well inside it.
 
-    Shapes (roi rows, roi columns).
+    Shapes (roi rows, roi columns). ``doubt`` is by how much the shares change with one u of the plate's mirroring.
     """
 
     light: Array
     share: Array
+    doubt: Array
     inside: Mask
     corner: tuple[int, int]
+
+
+def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask) -> _Region:
+    """Contrast and shares of the pixels of the summed region."""
+    row0, row1, column0, column1 = opening.roi
+    mask, inside = opening.mask[row0:row1, column0:column1], _well_inside(opening) & good
+    rows, columns = np.mgrid[row0:row1, column0:column1].astype(float)
+    down, across = seen.from_axle(rows, columns)
+    contrast = _mended(_contrast(swing, np.arctan2(down, across), inside), good)
+    border_px = min(opening.border_px, mask_shape.border_px(contrast, mask) + 1)
+    within = inside | ndimage.binary_erosion(mask, iterations=max(1, border_px - 2))
+    beside = _beside(mask, border_px, radius=np.hypot(down, across), inside=inside)
+    share, doubt = opening_share.of_pixels(contrast, inside=within & good, beside=beside & good)
+    summed = opening.weight > 0
+    summed |= ~good & ndimage.binary_dilation(summed)
+    return _Region(
+        light=np.where(summed, contrast, 0.0),
+        share=np.where(summed, share, 0.0),
+        doubt=np.where(summed, doubt, 0.0),
+        inside=inside,
+        corner=(row0, column0),
+    )
 
 
 def _mask(view: _View, region: _Region) -> _Mask:
@@ -270,30 +281,12 @@ def _mask(view: _View, region: _Region) -> _Mask:
     middle = float(np.angle(np.sum(light * np.exp(1j * polar))))
     offset = np.mod(polar - middle + np.pi, 2 * np.pi) - np.pi
     ends = _ends(region.share, view, corner=region.corner, middle=middle, radii=span)
-    uneven = _ends(light, view, corner=region.corner, middle=middle, radii=span)
     return _Mask(
         bisector_rad=float(middle + ends.direction_rad.mean()),
-        evened_rad=float(np.mean(ends.direction_rad - uneven.direction_rad)),
         mean_angle_rad=middle + float(np.sum(light * offset) / np.sum(light)),
+        span_px=span,
         ends=ends,
     )
-
-
-def _share(contrast: Array, inside: Mask, beside: Mask) -> Array:
-    """Share of each pixel that is in the opening: from 0 on the plate beside it to 1 within.
-
-    A pixel swings by what it sees, plate or blackbody, less the solid wheel. The wheel mirrors the camera, here more, there
-    less: a smooth field that both have. What the opening has beyond the plate is the same everywhere.
-    """
-    rows, columns = (np.arange(n, dtype=float) for n in contrast.shape)
-    hills = smooth_field.hills(rows, columns, steps=_STEPS)
-    hills -= hills[:, inside].mean(axis=1)[:, None, None]
-    known = inside | beside
-    terms = np.vstack([hills[:, known], np.ones(known.sum()), inside[known]])
-    firm = np.diag(np.append(np.full(len(hills), _FLATNESS), [0.0, _FIRMNESS]))
-    found = np.linalg.solve(terms @ terms.T + firm, terms @ contrast[known] + firm[-1])
-    plate = found[-2] + np.einsum("k,kij->ij", found[:-2], hills)
-    return np.asarray((contrast - plate) / found[-1])
 
 
 def _by_view(view: _View, told: _Mask, region: _Region) -> float:
@@ -306,6 +299,17 @@ def _by_view(view: _View, told: _Mask, region: _Region) -> float:
     ]
     moved = [(one.mean_angle_rad - one.bisector_rad) - (told.mean_angle_rad - told.bisector_rad) for one in others]
     return float(np.linalg.norm(moved))
+
+
+def _by_light(view: _View, told: _Mask, region: _Region) -> float:
+    """Uncertainty of the bisector because the wheel mirrors the camera, and the plate may, rad."""
+    middle = told.bisector_rad - float(told.ends.direction_rad.mean())
+
+    def turned_by(light: Array) -> float:
+        ends = _ends(light, view, corner=region.corner, middle=middle, radii=told.span_px)
+        return float(np.mean(ends.direction_rad - told.ends.direction_rad))
+
+    return float(np.hypot(turned_by(region.share + region.doubt), _U_FIELD * turned_by(region.light)))
 
 
 def _possible(distortion: float) -> float:

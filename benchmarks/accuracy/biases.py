@@ -1,0 +1,220 @@
+"""The biases of the snapshot photon camera's delays, one by one: each rig analysed as the program does, and as it did before.
+
+A rig has its own random imperfections, but what one wheel speed cannot tell is as rig.toml says: gates, mask angle, cutout edges,
+slots. What is left is the bias under study, and noise.
+
+    .venv/bin/python benchmarks/accuracy/biases.py --rigs 6 --figure biases.svg
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from irtiming import measurement
+from irtiming.estimate import joint_fit, pixel_sum_model, wheel_geometry
+from irtiming.reduce import axle_view, cooled
+from irtiming.twin import rig as twin
+from irtiming.twin.rig import SimulatedRig, Tolerances
+from irtiming.twin.scene import Faults, Scene, paper_scene, with_wheel_speed
+
+_DEGREE = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bias:
+    """A bias: which number it touches, on which scene, and what the program did before."""
+
+    name: str
+    quantity: str
+    before: Callable[[], Any]
+    scene: Callable[[], Scene] = lambda: paper_scene(120, 160)
+    wheel_hz: tuple[float, ...] = (3.0,)
+
+
+def beside_the_middle(rows: int, columns: int) -> Scene:
+    """Axle a tenth of the rows below the image's middle and an eighth of them to the left, a lens with k = -0.05."""
+    scene = paper_scene(rows, columns)
+    optics = replace(
+        scene.optics,
+        wheel_centre_row_px=scene.optics.wheel_centre_row_px + 0.1 * rows,
+        wheel_centre_column_px=scene.optics.wheel_centre_column_px - 0.125 * rows,
+        distortion=-0.05,
+    )
+    return replace(scene, optics=optics)
+
+
+@contextmanager
+def as_now() -> Iterator[None]:
+    """Nothing changed."""
+    yield
+
+
+def without_mask_shift() -> Any:
+    """The mean angle of the light is taken for the bisector of the mask."""
+    return patch.object(wheel_geometry, "_mask_shift", lambda _: (0.0, None))
+
+
+def without_shares() -> Any:
+    """Each frame counts alike in the pixels' phases, whatever frames are lost beside it."""
+    return patch.object(cooled, "_share_of_turn", lambda angle, _: np.isfinite(angle).astype(float))
+
+
+@contextmanager
+def field_taken_for_light() -> Iterator[None]:
+    """The mask's edges are traced in the contrast as it is, mirror image and plate included."""
+    with patch.object(axle_view.opening_share, "of_pixels", lambda contrast, **_: (contrast, np.zeros_like(contrast))):
+        yield
+
+
+@contextmanager
+def plateau_frames() -> Iterator[None]:
+    """Contrast from open and covered frames, evened out by a polynomial that is fitted within the opening."""
+    locate, seen = axle_view.locate, []
+
+    def located(harmonic: Any, opening: Any, **named: Any) -> Any:
+        seen[:] = [opening]
+        return locate(harmonic, opening, **named)
+
+    def contrast(*_: Any) -> np.ndarray:
+        row0, row1, column0, column1 = seen[0].roi
+        step = seen[0].open_frame_dn - seen[0].covered_frame_dn
+        return np.asarray((step / (seen[0].peaks_dn[1] - seen[0].peaks_dn[0]))[row0:row1, column0:column1])
+
+    def evened(light: np.ndarray, *, inside: np.ndarray, **_: Any) -> tuple[np.ndarray, np.ndarray]:
+        rows, columns = (np.linspace(-1, 1, n) for n in light.shape)
+        terms = [np.multiply.outer(rows**a, columns**b) for a in range(_DEGREE + 1) for b in range(_DEGREE + 1 - a)]
+        found, *_ = np.linalg.lstsq(np.array([term[inside] for term in terms]).T, light[inside], rcond=None)
+        return light / np.einsum("k,kij->ij", found, np.array(terms)), np.zeros_like(light)
+
+    with (
+        patch.object(axle_view, "locate", located),
+        patch.object(axle_view, "_contrast", contrast),
+        patch.object(axle_view.opening_share, "of_pixels", evened),
+    ):
+        yield
+
+
+@contextmanager
+def edges_through_the_axle() -> Iterator[None]:
+    """The mask's straight edges are held to point to the axle."""
+    with (
+        patch.object(pixel_sum_model, "leans_in_image", lambda *_, **__: (np.zeros(2), 1e-9)),
+        patch.object(joint_fit, "_LEAST_U_LEAN_RAD", 1e-9),
+    ):
+        yield
+
+
+BIASES = (
+    Bias(name="mask beside the axle", quantity="trigger_delay", before=without_mask_shift),
+    Bias(
+        name="mirror image on one end of the opening",
+        quantity="trigger_delay",
+        before=field_taken_for_light,
+        scene=lambda: beside_the_middle(256, 320),
+    ),
+    Bias(
+        name="mask traced on plateau frames",
+        quantity="trigger_delay",
+        before=plateau_frames,
+        scene=lambda: beside_the_middle(256, 320),
+    ),
+    Bias(
+        name="100 lost frames in the pixels' phases",
+        quantity="trigger_delay",
+        before=without_shares,
+        scene=lambda: replace(paper_scene(120, 160), faults=Faults(lost_frames=100)),
+    ),
+    Bias(
+        name="mask edges that miss the axle",
+        quantity="integration_time",
+        before=edges_through_the_axle,
+        wheel_hz=(3.0, 5.0, 8.0, 12.0),
+    ),
+)
+
+
+def drawn(bias: Bias, seed: int) -> SimulatedRig:
+    """A rig whose gates, mask angle, cutout edges and slots are known."""
+    known = replace(Tolerances(), cutout_error_rad=0.0, slot_error_rad=0.0, slot_eccentricity_rad=0.0)
+    known = replace(known, beam_m=0.0, mask_angle_rad=0.0, u_beam_m=0.0, u_mask_angle_rad=0.0)
+    return twin.draw(bias.scene(), seed=seed, tolerances=known)
+
+
+def before_and_now(which: int, seed: int) -> tuple[float, float]:
+    """Size of the error of one rig, us."""
+    bias = BIASES[which]
+    rig = drawn(bias, seed)
+    timing = rig.scene.timing
+    true_s = timing.trigger_delay_s if bias.quantity == "trigger_delay" else timing.integration_time_s
+    recordings = [
+        one
+        for k, hz in enumerate(bias.wheel_hz)
+        for one in twin.series(with_wheel_speed(rig.scene, hz), [0.0], repeats=1, seed=10 * seed + k)
+    ]
+    found = []
+    for way in (bias.before, as_now):
+        with way():
+            told = measurement.analyse_snapshot(recordings, rig.measured).best.estimate
+        found.append(1e6 * abs(told.values[told.names.index(bias.quantity)] - true_s))
+    return found[0], found[1]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rigs", type=int, default=6)
+    parser.add_argument("--first", type=int, default=1, help="seed of the first rig")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--figure", type=Path)
+    given = parser.parse_args()
+    told = []
+    print("| bias | number | before: rms error / us | now: rms error / us |\n| --- | --- | ---: | ---: |")
+    with ProcessPoolExecutor(given.workers) as pool:
+        for which, bias in enumerate(BIASES):
+            errors = np.array(
+                list(pool.map(partial(before_and_now, which), range(given.first, given.first + given.rigs)))
+            )
+            told.append(errors)
+            rms = np.sqrt(np.mean(errors**2, axis=0))
+            print(f"| {bias.name} | {bias.quantity.replace('_', ' ')} | {rms[0]:.2f} | {rms[1]:.2f} |", flush=True)
+    if given.figure:
+        _draw(told, given.figure)
+
+
+def _draw(told: list[np.ndarray], path: Path) -> None:
+    import matplotlib as mpl
+
+    mpl.use("svg")
+    mpl.rcParams["svg.hashsalt"] = "irtiming"
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(figsize=(8.2, 3.6), layout="constrained")
+    for way, marker, colour, lift in (("before", "o", "#b35806", 0.12), ("as it is", "s", "#2166ac", -0.12)):
+        column = 0 if way == "before" else 1
+        for place, errors in enumerate(told):
+            axes.plot(
+                errors[:, column],
+                np.full(len(errors), len(told) - place + lift),
+                marker,
+                color=colour,
+                markersize=5,
+                alpha=0.75,
+                label=way if place == 0 else None,
+            )
+    axes.set_yticks(range(len(told), 0, -1), [f"{b.name}\n({b.quantity.replace('_', ' ')})" for b in BIASES])
+    axes.set_xscale("log")
+    axes.set_xlabel("size of the error of each simulated rig / us")
+    axes.grid(axis="x", color="0.9")
+    axes.legend(frameon=False, loc="lower right")
+    figure.savefig(path, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    main()
