@@ -19,9 +19,24 @@ def hills(rows: Array, columns: Array, *, steps: int = 4) -> Array:
     -------
     Shape (n, r, c); each hill is 1 at its top.
     """
-    along = []
-    for places in (rows, columns):
-        step = (places[-1] - places[0]) / steps
-        tops = places[0] + step * np.arange(-1, steps + 2)
-        along.append(np.exp(-0.5 * ((places - tops[:, None]) / step) ** 2))
-    return np.asarray(np.einsum("ar,bc->abrc", *along).reshape(-1, rows.size, columns.size))
+    product = along(rows, steps=steps)[:, None, :, None] * along(columns, steps=steps)[:, None, :]
+    return np.asarray(product.reshape(-1, rows.size, columns.size))
+
+
+def along(places: Array, *, steps: int = 4) -> Array:
+    """The hills along one axis.
+
+    Parameters
+    ----------
+    places
+        Ascending, shape (p,).
+    steps
+        From end to end.
+
+    Returns
+    -------
+    Shape (steps + 3, p): a product of one along the rows with one along the columns is a hill.
+    """
+    step = (places[-1] - places[0]) / steps
+    tops = places[0] + step * np.arange(-1, steps + 2)
+    return np.asarray(np.exp(-0.5 * ((places - tops[:, None]) / step) ** 2))

@@ -27,10 +27,7 @@ USUAL_RIG = Rig(
 
 USUAL_EDGE_RAD = 0.1e-3
 _USUAL_SEPARATION_RAD = 0.45e-3  # of the gates, from slots that are irregular by 0.35 mrad and eccentric by 0.4 mrad
-_USUAL_BISECTOR_RAD, _USUAL_PIXELS = (
-    0.55e-3,
-    1200.0,
-)  # of the mask in an image of so many pixels; fewer pixels are worse
+_USUAL_BISECTOR_RAD, _USUAL_PIXELS = 0.15e-3, 1200.0  # of the mask in an image of so many pixels
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
 
@@ -79,7 +76,7 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         ("register of slots and cutouts", per_separation * _USUAL_SEPARATION_RAD),
     ]
     if isinstance(camera, PhotonCamera):
-        bisector = _USUAL_BISECTOR_RAD * _USUAL_PIXELS / camera.opening_pixels
+        bisector = _USUAL_BISECTOR_RAD * float(np.sqrt(_USUAL_PIXELS / camera.opening_pixels))
         common.append(("mask beside the axle (image)", bisector))
     model = wheel_model(
         edges,

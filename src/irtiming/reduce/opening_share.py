@@ -46,48 +46,53 @@ def of_pixels(contrast: Array, *, inside: Mask, beside: Mask) -> tuple[Array, Ar
     best = float(minimize_scalar(seen.misfit, bounds=_MIRRORS, method="bounded", options={"xatol": 1e-3}).x)
     middle = float(np.clip(best, least + _TELLING, most - _TELLING))
     low, centre, high = (seen.misfit(middle + step) for step in (-_TELLING, 0.0, _TELLING))
-    bend = max((high - 2 * centre + low) / _TELLING**2, 0.0)
-    u = 1 / np.sqrt(bend / 2 / seen.noise_variance(centre) + 1)
+    u = np.sqrt(2 * centre / seen.n_pixels / max((high - 2 * centre + low) / _TELLING**2, np.finfo(float).tiny))
     share = seen.share(best)
     other = best + u if best + u <= most else best - u
-    return share, seen.share(max(other, least)) - share
+    return share, seen.share(float(np.clip(other, least, most))) - share
 
 
 @final
 class _Seen:
-    """Pixels that tell, and the hills over all pixels, counted from their mean inside the opening."""
+    """Sums over the pixels that tell: their products with the hills, which count from their mean inside the opening."""
 
     def __init__(self, contrast: Array, inside: Mask, beside: Mask) -> None:
-        rows, columns = (np.arange(n, dtype=float) for n in contrast.shape)
-        hills = smooth_field.hills(rows, columns, steps=_STEPS)
-        self._hills = hills - hills[:, inside].mean(axis=1)[:, None, None]
         self._contrast = contrast
-        self._known = inside | beside
-        self._inside = inside[self._known].astype(float)
-        self._firm = np.append(np.full(len(hills), _FLATNESS), [0.0, _FIRMNESS])
+        self._along = tuple(smooth_field.along(np.arange(n, dtype=float), steps=_STEPS) for n in contrast.shape)
+        self._mean = self._hills(inside).mean(axis=1, keepdims=True)
+        within = np.vstack([self._hills(inside) - self._mean, np.ones((2, inside.sum()))])
+        plate = np.vstack([self._hills(beside) - self._mean, np.ones(beside.sum()), np.zeros(beside.sum())])
+        self._within, self._plate = within @ within.T, plate @ plate.T
+        self._seen_within, self._seen_on_plate = within @ contrast[inside], plate @ contrast[beside]
+        self._squares = float(contrast[inside] @ contrast[inside] + contrast[beside] @ contrast[beside])
+        self._firm = np.append(np.full(len(self._mean), _FLATNESS), [0.0, _FIRMNESS])
+        self.n_pixels = int(inside.sum() + beside.sum())
 
     def misfit(self, mirroring: float) -> float:
-        """Sum of squares that is left, prior knowledge included."""
-        found, terms = self._fit(mirroring)
-        left = self._contrast[self._known] - found @ terms
-        beyond = np.append(found[:-1], found[-1] - 1)
-        return float(left @ left + self._firm @ beyond**2 + self.noise_variance(float(left @ left)) * mirroring**2)
-
-    def noise_variance(self, squares: float) -> float:
-        """Of a pixel, from the sum of squares of all."""
-        return float(max(squares / self._inside.size, np.finfo(float).tiny))
+        """Sum of squares that is left; a mirroring of 1 is as unlikely beforehand as one u."""
+        found, target = self._fit(mirroring)
+        left = self._squares + self._firm[-1] - found @ target
+        return float(left * (1 + mirroring**2 / self.n_pixels))
 
     def share(self, mirroring: float) -> Array:
         """Of each pixel."""
         found, _ = self._fit(mirroring)
-        field = np.einsum("k,kij->ij", found[:-2], self._hills)
+        along_rows, along_columns = self._along
+        heights = found[:-2].reshape(len(along_rows), len(along_columns))
+        field = along_rows.T @ heights @ along_columns - found[:-2] @ self._mean
         plate = found[-2] + (1 - mirroring) * field
         return np.asarray((self._contrast - plate) / (found[-1] + mirroring * field))
 
+    def _hills(self, pixels: Mask) -> Array:
+        """Shape (n_hill, n_pixel)."""
+        along_rows, along_columns = (along[:, at] for along, at in zip(self._along, np.nonzero(pixels), strict=True))
+        hills = along_rows[:, None] * along_columns
+        return np.asarray(hills.reshape(len(along_rows) * len(along_columns), hills.shape[-1]))
+
     def _fit(self, mirroring: float) -> tuple[Array, Array]:
-        """Heights of the hills, plate and step; and what each makes of the pixels that tell."""
-        mirrored = self._inside + (1 - mirroring) * (1 - self._inside)
-        terms = np.vstack([self._hills[:, self._known] * mirrored, np.ones(self._inside.size), self._inside])
-        target = terms @ self._contrast[self._known]
+        """Heights of the hills, plate and step; and the right-hand side of the normal equations."""
+        fainter = np.append(np.full(len(self._mean), 1 - mirroring), [1.0, 1.0])
+        normal = self._within + fainter[:, None] * self._plate * fainter + np.diag(self._firm)
+        target = self._seen_within + fainter * self._seen_on_plate
         target[-1] += self._firm[-1]
-        return np.linalg.solve(terms @ terms.T + np.diag(self._firm), target), terms
+        return np.linalg.solve(normal, target), target
