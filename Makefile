@@ -42,6 +42,7 @@ docs-figures: .venv/ready
 	$(BIN)/python benchmarks/falling_rising_split.py --figure docs/explanation/falling-rising-split.svg
 	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
 	$(BIN)/python benchmarks/accuracy/light_of_a_pixel.py --figure docs/explanation/light-of-a-pixel.svg
+	$(BIN)/python benchmarks/accuracy/biases.py --figure docs/explanation/biases.svg
 	$(BIN)/python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg
 
 clean:

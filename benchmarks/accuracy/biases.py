@@ -1,4 +1,4 @@
-"""The biases of the snapshot photon camera's delays, one by one: each rig analysed as the program does, and as it did before.
+"""The biases of the numbers, one by one, of both kinds of camera: each rig analysed as the program does, and as it did before.
 
 A rig has its own random imperfections, but what one wheel speed cannot tell is as rig.toml says: gates, mask angle, cutout edges,
 slots. What is left is the bias under study, and noise.
@@ -19,11 +19,12 @@ from unittest.mock import patch
 import numpy as np
 
 from irtiming import measurement
-from irtiming.estimate import joint_fit, pixel_sum_model, wheel_geometry
+from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
+from irtiming.records.rig import CameraOptics, Measured, Rig
 from irtiming.reduce import axle_view, cooled
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
-from irtiming.twin.scene import Faults, Scene, paper_scene, with_wheel_speed
+from irtiming.twin.scene import BolometerTiming, Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed
 
 _DEGREE = 4
 
@@ -37,11 +38,12 @@ class Bias:
     before: Callable[[], Any]
     scene: Callable[[], Scene] = lambda: paper_scene(120, 160)
     wheel_hz: tuple[float, ...] = (3.0,)
+    stated: Callable[[Rig], Rig] = lambda rig: rig
 
 
-def beside_the_middle(rows: int, columns: int) -> Scene:
+def beside_the_middle(scene: Scene) -> Scene:
     """Axle a tenth of the rows below the image's middle and an eighth of them to the left, a lens with k = -0.05."""
-    scene = paper_scene(rows, columns)
+    rows = scene.detector.rows
     optics = replace(
         scene.optics,
         wheel_centre_row_px=scene.optics.wheel_centre_row_px + 0.1 * rows,
@@ -112,19 +114,35 @@ def edges_through_the_axle() -> Iterator[None]:
         yield
 
 
+def dead_pixels_own_light() -> Any:
+    """The model gives a dead pixel the light of its place, though the row sums have its neighbours'."""
+    return patch.object(sector_fit, "_borrowed", lambda light, _: np.zeros(light.shape))
+
+
+def perfect_lens(rig: Rig) -> Rig:
+    """rig.toml says that the lens does not distort, as if it were certain."""
+    return replace(rig, camera=CameraOptics(distortion=Measured(0.0, 1e-9)))
+
+
+def sharp_with_dead_pixels() -> Scene:
+    """A microbolometer with a hundred dead pixels, and edges sharper than a pixel."""
+    scene = microbolometer_scene(120, 160)
+    return replace(scene, optics=replace(scene.optics, blur_px=0.5), detector=replace(scene.detector, dead_pixels=100))
+
+
 BIASES = (
     Bias(name="mask beside the axle", quantity="trigger_delay", before=without_mask_shift),
     Bias(
         name="mirror image on one end of the opening",
         quantity="trigger_delay",
         before=field_taken_for_light,
-        scene=lambda: beside_the_middle(256, 320),
+        scene=lambda: beside_the_middle(paper_scene(256, 320)),
     ),
     Bias(
         name="mask traced on plateau frames",
         quantity="trigger_delay",
         before=plateau_frames,
-        scene=lambda: beside_the_middle(256, 320),
+        scene=lambda: beside_the_middle(paper_scene(256, 320)),
     ),
     Bias(
         name="100 lost frames in the pixels' phases",
@@ -137,6 +155,26 @@ BIASES = (
         quantity="integration_time",
         before=edges_through_the_axle,
         wheel_hz=(3.0, 5.0, 8.0, 12.0),
+    ),
+    Bias(
+        name="lens taken as perfect",
+        quantity="time_constant",
+        before=as_now,
+        scene=lambda: beside_the_middle(microbolometer_scene(120, 160)),
+        stated=perfect_lens,
+    ),
+    Bias(
+        name="lens taken as perfect",
+        quantity="row_delay",
+        before=as_now,
+        scene=lambda: beside_the_middle(microbolometer_scene(120, 160)),
+        stated=perfect_lens,
+    ),
+    Bias(
+        name="dead pixels have their own light",
+        quantity="row_delay",
+        before=dead_pixels_own_light,
+        scene=sharp_with_dead_pixels,
     ),
 )
 
@@ -152,17 +190,18 @@ def before_and_now(which: int, seed: int) -> tuple[float, float]:
     """Size of the error of one rig, us."""
     bias = BIASES[which]
     rig = drawn(bias, seed)
-    timing = rig.scene.timing
-    true_s = timing.trigger_delay_s if bias.quantity == "trigger_delay" else timing.integration_time_s
+    true_s = float(getattr(rig.scene.timing, f"{bias.quantity}_s"))
+    rolls = isinstance(rig.scene.timing, BolometerTiming)
+    analyse = measurement.analyse_rolling if rolls else measurement.analyse_snapshot
     recordings = [
         one
         for k, hz in enumerate(bias.wheel_hz)
         for one in twin.series(with_wheel_speed(rig.scene, hz), [0.0], repeats=1, seed=10 * seed + k)
     ]
     found = []
-    for way in (bias.before, as_now):
+    for way, stated in ((bias.before, bias.stated(rig.measured)), (as_now, rig.measured)):
         with way():
-            told = measurement.analyse_snapshot(recordings, rig.measured).best.estimate
+            told = analyse(recordings, stated).best.estimate
         found.append(1e6 * abs(told.values[told.names.index(bias.quantity)] - true_s))
     return found[0], found[1]
 
@@ -195,7 +234,7 @@ def _draw(told: list[np.ndarray], path: Path) -> None:
     mpl.rcParams["svg.hashsalt"] = "irtiming"
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(8.2, 3.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(8.2, 5.2), layout="constrained")
     for way, marker, colour, lift in (("before", "o", "#b35806", 0.12), ("as it is", "s", "#2166ac", -0.12)):
         column = 0 if way == "before" else 1
         for place, errors in enumerate(told):

@@ -227,7 +227,7 @@ class PaperCamera:
 
         def unbent(y, x):
             factor = 1.0
-            for _ in range(60):
+            for _ in range(30 if self.distortion else 0):
                 factor = 1 / (1 + self.distortion * factor**2 * (y**2 + x**2) / unit**2)
             return factor * y, factor * x
 
