@@ -24,6 +24,7 @@ _STEPS = 10  # of the hills from end to end: the mirror image of a small apertur
 _FLATNESS = 1e-2  # squared noise of a pixel over squared height of a hill
 _FIRMNESS = 1e-4  # the step is about all of the contrast, should no pixel of the plate tell
 _MIRRORS = (0.0, 1.0)  # a plate as black as can be, and one as bright as the wheel
+_ODD = 10  # times the median deviation: a screw beside the opening, a pixel whose gain is not what it was
 _TELLING = 0.05  # change of the mirroring over which its likelihood is taken for a parabola
 
 
@@ -41,9 +42,11 @@ def of_pixels(contrast: Array, *, inside: Mask, beside: Mask) -> tuple[Array, Ar
     -------
     The shares, and by how much they change with one standard uncertainty of the mirroring; both of the shape of ``contrast``.
     """
-    seen = _Seen(contrast, inside, beside)
+    seen, best = _fitted(contrast, inside, beside)
+    off = np.abs(seen.share(best) - inside)
+    usual = off < _ODD * np.median(off[inside | beside])
+    seen, best = _fitted(contrast, inside & usual, beside & usual)
     least, most = _MIRRORS
-    best = float(minimize_scalar(seen.misfit, bounds=_MIRRORS, method="bounded", options={"xatol": 1e-3}).x)
     middle = float(np.clip(best, least + _TELLING, most - _TELLING))
     low, centre, high = (seen.misfit(middle + step) for step in (-_TELLING, 0.0, _TELLING))
     u = np.sqrt(2 * centre / seen.n_pixels / max((high - 2 * centre + low) / _TELLING**2, np.finfo(float).tiny))
@@ -96,3 +99,9 @@ class _Seen:
         target = self._seen_within + fainter * self._seen_on_plate
         target[-1] += self._firm[-1]
         return np.linalg.solve(normal, target), target
+
+
+def _fitted(contrast: Array, inside: Mask, beside: Mask) -> tuple[_Seen, float]:
+    """The pixels that tell, and the mirroring of the plate with which the least is left."""
+    seen = _Seen(contrast, inside, beside)
+    return seen, float(minimize_scalar(seen.misfit, bounds=_MIRRORS, method="bounded", options={"xatol": 1e-3}).x)
