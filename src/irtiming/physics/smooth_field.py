@@ -5,21 +5,19 @@ import numpy as np
 from irtiming.records.arrays import Array
 
 
-def hills(rows: Array, columns: Array, *, steps: int = 4) -> Array:
+def hills(rows: Array, columns: Array) -> Array:
     """Gaussian hills on a grid, as wide as its steps; without those a step beyond the region its ends could not be met.
 
     Parameters
     ----------
     rows, columns
         Places of the region's pixels along each axis, ascending, shape (r,) and (c,).
-    steps
-        From end to end of the region, along rows and along columns.
 
     Returns
     -------
     Shape (n, r, c); each hill is 1 at its top.
     """
-    product = along(rows, steps=steps)[:, None, :, None] * along(columns, steps=steps)[:, None, :]
+    product = along(rows)[:, None, :, None] * along(columns)[:, None, :]
     return np.asarray(product.reshape(-1, rows.size, columns.size))
 
 

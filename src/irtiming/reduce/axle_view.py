@@ -31,9 +31,7 @@ _U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated
 _FIRMEST = 1e-5  # uncertainty of a distortion that counts as exact
 _ROUNDS = 3
 _CLUSTER_PX = 3.0
-_U_FIELD = (
-    0.03  # of what the mirroring wheel would turn the bisector by: fields that hills or a skewed slope do not make
-)
+_U_FIELD = 0.03  # of what the mirroring wheel would turn the bisector by: what hills and a skewed slope do not make
 _WAVE_PX = 6
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 

@@ -44,7 +44,7 @@ def of_pixels(contrast: Array, *, inside: Mask, beside: Mask) -> tuple[Array, Ar
     """
     seen, best = _fitted(contrast, inside, beside)
     off = np.abs(seen.share(best) - inside)
-    usual = off < _ODD * np.median(off[inside | beside])
+    usual = off <= _ODD * np.median(off[inside | beside])
     seen, best = _fitted(contrast, inside & usual, beside & usual)
     least, most = _MIRRORS
     middle = float(np.clip(best, least + _TELLING, most - _TELLING))
