@@ -64,7 +64,7 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     places = (rows[inside], columns[inside])
     image = opening.mask.shape
     seen = _centre(np.angle(swing[inside]), places, image=image, distortion=rig.camera.distortion)
-    region = _region(swing, seen, opening=opening, good=good)
+    region = _region(swing, seen, opening=opening, good=good, inside=inside)
     told = _mask(seen, region)
     u_view, u_light = _by_view(seen, told, region), _by_light(seen, told, region)
     u_ends = float(np.sqrt(np.sum(told.ends.u_direction_rad**2)) / 2)
@@ -248,10 +248,10 @@ class _Region:
     corner: tuple[int, int]
 
 
-def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask) -> _Region:
+def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask, inside: Mask) -> _Region:
     """Contrast and shares of the pixels of the summed region."""
     row0, row1, column0, column1 = opening.roi
-    mask, inside = opening.mask[row0:row1, column0:column1], _well_inside(opening) & good
+    mask = opening.mask[row0:row1, column0:column1]
     rows, columns = np.mgrid[row0:row1, column0:column1].astype(float)
     down, across = seen.from_axle(rows, columns)
     contrast = _mended(_contrast(swing, np.arctan2(down, across), inside), good)

@@ -62,8 +62,9 @@ class _Seen:
     def __init__(self, contrast: Array, inside: Mask, beside: Mask) -> None:
         self._contrast = contrast
         self._along = tuple(smooth_field.along(np.arange(n, dtype=float), steps=_STEPS) for n in contrast.shape)
-        self._mean = self._hills(inside).mean(axis=1, keepdims=True)
-        within = np.vstack([self._hills(inside) - self._mean, np.ones((2, inside.sum()))])
+        hills = self._hills(inside)
+        self._mean = hills.mean(axis=1, keepdims=True)
+        within = np.vstack([hills - self._mean, np.ones((2, inside.sum()))])
         plate = np.vstack([self._hills(beside) - self._mean, np.ones(beside.sum()), np.zeros(beside.sum())])
         self._within, self._plate = within @ within.T, plate @ plate.T
         self._seen_within, self._seen_on_plate = within @ contrast[inside], plate @ contrast[beside]
