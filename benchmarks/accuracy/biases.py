@@ -9,7 +9,7 @@ slots. What is left is the bias under study, and noise.
 import argparse
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
+from distortion import beside_the_middle
 
 from irtiming import measurement
 from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
@@ -31,32 +32,14 @@ _DEGREE = 4
 
 @dataclass(frozen=True, kw_only=True)
 class Bias:
-    """A bias: which number it touches, on which scene, and what the program did before."""
+    """A bias: which numbers it touches, on which scene, and what the program did before."""
 
     name: str
-    quantity: str
+    quantities: tuple[str, ...]
     before: Callable[[], Any]
     scene: Callable[[], Scene] = lambda: paper_scene(120, 160)
     wheel_hz: tuple[float, ...] = (3.0,)
     stated: Callable[[Rig], Rig] = lambda rig: rig
-
-
-def beside_the_middle(scene: Scene) -> Scene:
-    """Axle a tenth of the rows below the image's middle and an eighth of them to the left, a lens with k = -0.05."""
-    rows = scene.detector.rows
-    optics = replace(
-        scene.optics,
-        wheel_centre_row_px=scene.optics.wheel_centre_row_px + 0.1 * rows,
-        wheel_centre_column_px=scene.optics.wheel_centre_column_px - 0.125 * rows,
-        distortion=-0.05,
-    )
-    return replace(scene, optics=optics)
-
-
-@contextmanager
-def as_now() -> Iterator[None]:
-    """Nothing changed."""
-    yield
 
 
 def without_mask_shift() -> Any:
@@ -69,11 +52,9 @@ def without_shares() -> Any:
     return patch.object(cooled, "_share_of_turn", lambda angle, _: np.isfinite(angle).astype(float))
 
 
-@contextmanager
-def field_taken_for_light() -> Iterator[None]:
+def field_taken_for_light() -> Any:
     """The mask's edges are traced in the contrast as it is, mirror image and plate included."""
-    with patch.object(axle_view.opening_share, "of_pixels", lambda contrast, **_: (contrast, np.zeros_like(contrast))):
-        yield
+    return patch.object(axle_view.opening_share, "of_pixels", lambda contrast, **_: (contrast, np.zeros_like(contrast)))
 
 
 @contextmanager
@@ -131,48 +112,41 @@ def sharp_with_dead_pixels() -> Scene:
 
 
 BIASES = (
-    Bias(name="mask beside the axle", quantity="trigger_delay", before=without_mask_shift),
+    Bias(name="mask beside the axle", quantities=("trigger_delay",), before=without_mask_shift),
     Bias(
         name="mirror image on one end of the opening",
-        quantity="trigger_delay",
+        quantities=("trigger_delay",),
         before=field_taken_for_light,
         scene=lambda: beside_the_middle(paper_scene(256, 320)),
     ),
     Bias(
         name="mask traced on plateau frames",
-        quantity="trigger_delay",
+        quantities=("trigger_delay",),
         before=plateau_frames,
         scene=lambda: beside_the_middle(paper_scene(256, 320)),
     ),
     Bias(
         name="100 lost frames in the pixels' phases",
-        quantity="trigger_delay",
+        quantities=("trigger_delay",),
         before=without_shares,
         scene=lambda: replace(paper_scene(120, 160), faults=Faults(lost_frames=100)),
     ),
     Bias(
         name="mask edges that miss the axle",
-        quantity="integration_time",
+        quantities=("integration_time",),
         before=edges_through_the_axle,
         wheel_hz=(3.0, 5.0, 8.0, 12.0),
     ),
     Bias(
         name="lens taken as perfect",
-        quantity="time_constant",
-        before=as_now,
-        scene=lambda: beside_the_middle(microbolometer_scene(120, 160)),
-        stated=perfect_lens,
-    ),
-    Bias(
-        name="lens taken as perfect",
-        quantity="row_delay",
-        before=as_now,
+        quantities=("time_constant", "row_delay"),
+        before=nullcontext,
         scene=lambda: beside_the_middle(microbolometer_scene(120, 160)),
         stated=perfect_lens,
     ),
     Bias(
         name="dead pixels have their own light",
-        quantity="row_delay",
+        quantities=("row_delay",),
         before=dead_pixels_own_light,
         scene=sharp_with_dead_pixels,
     ),
@@ -186,24 +160,24 @@ def drawn(bias: Bias, seed: int) -> SimulatedRig:
     return twin.draw(bias.scene(), seed=seed, tolerances=known)
 
 
-def before_and_now(which: int, seed: int) -> tuple[float, float]:
-    """Size of the error of one rig, us."""
+def before_and_now(which: int, seed: int) -> np.ndarray:
+    """Sizes of the errors of one rig, us, shape (quantity, 2)."""
     bias = BIASES[which]
     rig = drawn(bias, seed)
-    true_s = float(getattr(rig.scene.timing, f"{bias.quantity}_s"))
-    rolls = isinstance(rig.scene.timing, BolometerTiming)
-    analyse = measurement.analyse_rolling if rolls else measurement.analyse_snapshot
+    timing = rig.scene.timing
+    analyse = measurement.analyse_rolling if isinstance(timing, BolometerTiming) else measurement.analyse_snapshot
     recordings = [
         one
         for k, hz in enumerate(bias.wheel_hz)
         for one in twin.series(with_wheel_speed(rig.scene, hz), [0.0], repeats=1, seed=10 * seed + k)
     ]
     found = []
-    for way, stated in ((bias.before, bias.stated(rig.measured)), (as_now, rig.measured)):
+    for way, stated in ((bias.before, bias.stated(rig.measured)), (nullcontext, rig.measured)):
         with way():
             told = analyse(recordings, stated).best.estimate
-        found.append(1e6 * abs(told.values[told.names.index(bias.quantity)] - true_s))
-    return found[0], found[1]
+        values = dict(zip(told.names, told.values, strict=True))
+        found.append([1e6 * abs(values[name] - getattr(timing, f"{name}_s")) for name in bias.quantities])
+    return np.array(found).T
 
 
 def main() -> None:
@@ -213,21 +187,21 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--figure", type=Path)
     given = parser.parse_args()
-    told = []
+    seeds = range(given.first, given.first + given.rigs)
+    told: dict[str, np.ndarray] = {}
     print("| bias | number | before: rms error / us | now: rms error / us |\n| --- | --- | ---: | ---: |")
     with ProcessPoolExecutor(given.workers) as pool:
         for which, bias in enumerate(BIASES):
-            errors = np.array(
-                list(pool.map(partial(before_and_now, which), range(given.first, given.first + given.rigs)))
-            )
-            told.append(errors)
-            rms = np.sqrt(np.mean(errors**2, axis=0))
-            print(f"| {bias.name} | {bias.quantity.replace('_', ' ')} | {rms[0]:.2f} | {rms[1]:.2f} |", flush=True)
+            rigs = np.array(list(pool.map(partial(before_and_now, which), seeds)))
+            for k, quantity in enumerate(bias.quantities):
+                name, rms = quantity.replace("_", " "), np.sqrt(np.mean(rigs[:, k] ** 2, axis=0))
+                told[f"{bias.name}\n({name})"] = rigs[:, k]
+                print(f"| {bias.name} | {name} | {rms[0]:.2f} | {rms[1]:.2f} |", flush=True)
     if given.figure:
         _draw(told, given.figure)
 
 
-def _draw(told: list[np.ndarray], path: Path) -> None:
+def _draw(told: dict[str, np.ndarray], path: Path) -> None:
     import matplotlib as mpl
 
     mpl.use("svg")
@@ -235,9 +209,9 @@ def _draw(told: list[np.ndarray], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(8.2, 5.2), layout="constrained")
-    for way, marker, colour, lift in (("before", "o", "#b35806", 0.12), ("as it is", "s", "#2166ac", -0.12)):
-        column = 0 if way == "before" else 1
-        for place, errors in enumerate(told):
+    ways = (("before", "o", "#b35806", 0.12), ("as it is", "s", "#2166ac", -0.12))
+    for column, (way, marker, colour, lift) in enumerate(ways):
+        for place, errors in enumerate(told.values()):
             axes.plot(
                 errors[:, column],
                 np.full(len(errors), len(told) - place + lift),
@@ -247,7 +221,7 @@ def _draw(told: list[np.ndarray], path: Path) -> None:
                 alpha=0.75,
                 label=way if place == 0 else None,
             )
-    axes.set_yticks(range(len(told), 0, -1), [f"{b.name}\n({b.quantity.replace('_', ' ')})" for b in BIASES])
+    axes.set_yticks(range(len(told), 0, -1), list(told))
     axes.set_xscale("log")
     axes.set_xlabel("size of the error of each simulated rig / us")
     axes.grid(axis="x", color="0.9")

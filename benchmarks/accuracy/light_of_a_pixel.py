@@ -10,7 +10,7 @@ twice a pixel's uncertainty; the wheel's mirror image made of hills that all sta
 import argparse
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,12 +30,6 @@ from rolling_coverage import draw
 _QUIET_DN = 2.0
 _SIGNIFICANT = 2.0
 _NODES_BEFORE = 7
-
-
-@contextmanager
-def as_now() -> Iterator[None]:
-    """Nothing changed."""
-    yield
 
 
 @contextmanager
@@ -116,7 +110,7 @@ WAYS: dict[str, Callable[[], Any]] = {
     "light as wide as a pixel": together(beyond_noise_only, hills_within),
     "all that a pixel shows": together(without_width, hills_within),
     "both": hills_within,
-    "a field that meets its ends: as it is": as_now,
+    "a field that meets its ends: as it is": nullcontext,
 }
 
 
