@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from irtiming.archive import layout
-from irtiming.archive.finding import Finding
 from irtiming.archive.layout import Field
+from irtiming.records.finding import Finding
 
 if TYPE_CHECKING:
     from irtiming.records.arrays import Ticks

@@ -8,10 +8,11 @@ import h5py
 import numpy as np
 
 from irtiming.archive import layout
-from irtiming.archive.finding import Finding, refuse
+from irtiming.archive.finding import refuse
 from irtiming.archive.hdf5_file import damage_at, missing_filters
 from irtiming.archive.layout import Field
 from irtiming.records.arrays import Array, Ticks, read_only
+from irtiming.records.finding import Finding
 
 _NOT_THERE = ("doesn't exist", "component not found", "not found")
 

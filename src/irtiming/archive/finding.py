@@ -1,31 +1,10 @@
-"""One complaint about a file: what is, where, and what to do."""
+"""Findings on their way to a reader: raised as a complaint, told as an error."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, final
+from typing import final
 
 from irtiming.errors import ArchiveError
-
-Severity = Literal["ok", "info", "warning", "error"]
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Finding:
-    """What a check saw at one place of a file.
-
-    ``where`` is a path inside the file, "" for the whole file; ``cure`` is empty where nothing is to be done.
-    """
-
-    severity: Severity
-    where: str
-    what: str
-    cure: str = ""
-
-    def sentence(self) -> str:
-        """The finding in one line."""
-        place = f"{self.where} " if self.where else ""
-        return f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}"
+from irtiming.records.finding import Finding
 
 
 @final

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irtiming.archive import layout
-from irtiming.archive.finding import Finding
 from irtiming.records.arrays import read_only
+from irtiming.records.finding import Finding
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents

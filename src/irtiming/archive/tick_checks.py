@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irtiming.archive import layout
-from irtiming.archive.finding import Finding
+from irtiming.records.finding import Finding
 from irtiming.units import readable_time
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from irtiming.archive import consistency, layout
 from irtiming.archive.consistency import Contents
 from irtiming.archive.fields import near_misses, read_field, read_temperature
-from irtiming.archive.finding import Complaint, Finding
+from irtiming.archive.finding import Complaint
 from irtiming.archive.frame_stack import FileFrames
 from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
@@ -21,6 +21,7 @@ from irtiming.archive.live.unfinished import unfinished
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.tick_checks import check_ticks, duration
 from irtiming.errors import ArchiveError
+from irtiming.records.finding import Finding
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called with frames seen and all frames."""

@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.finding import Finding
 from irtiming.archive.result_file import require_place, write_result
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
+from irtiming.records.finding import Finding
 
 _STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
 

@@ -12,9 +12,9 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from irtiming.archive.finding import Finding
 from irtiming.archive.verify import verify
 from irtiming.cli import verify_command
+from irtiming.records.finding import Finding
 
 CAMERA = "entry/instrument/camera"
 CLOCK = "entry/instrument/trigger_generator"

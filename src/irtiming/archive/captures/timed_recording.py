@@ -12,7 +12,7 @@ import numpy as np
 from irtiming.archive import consistency, layout
 from irtiming.archive.captures.streams import STREAMS, CapturedTicks
 from irtiming.archive.fields import read_field
-from irtiming.archive.finding import Complaint, Finding, archive_error
+from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
@@ -21,6 +21,7 @@ from irtiming.archive.result_file import unwritable
 from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
+from irtiming.records.finding import Finding
 from irtiming.records.recording import CameraType, NonuniformityReference, Recording
 
 if TYPE_CHECKING:

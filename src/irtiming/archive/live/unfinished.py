@@ -9,9 +9,10 @@ import h5py
 
 from irtiming.archive import layout
 from irtiming.archive.fields import as_text
-from irtiming.archive.finding import Complaint, Finding, refuse
+from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import damage_at, opened
 from irtiming.errors import ArchiveError
+from irtiming.records.finding import Finding
 from irtiming.units import readable_time
 
 NOT_FINISHED = "not finished"

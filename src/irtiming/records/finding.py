@@ -1,0 +1,27 @@
+"""One finding about a file, a recording or a result: what is, what it is about, and what to do."""
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+Severity = Literal["ok", "info", "warning", "error"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What a check saw at one place.
+
+    ``code`` names the kind of finding and never changes, so that programs can ask for it; ``where`` is what it is about: a
+    path inside a file, a recording's name, "" for the whole; ``cure`` is empty where nothing is to be done.
+    """
+
+    severity: Severity
+    where: str
+    what: str
+    cure: str = ""
+    code: str = ""
+
+    def sentence(self) -> str:
+        """The finding in one line."""
+        place = f"{self.where} " if self.where else ""
+        return f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}"
