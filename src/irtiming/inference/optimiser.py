@@ -1,0 +1,177 @@
+r"""Trust-region least squares over named parameters: the one optimiser of every fit.
+
+The sum of squares |r(p)|^2 of residuals in units of their standard deviations (the deviance) is minimised by SciPy's reflective
+trust region (Branch, Coleman and Li, SIAM J. Sci. Comput. 21, 1999). A step that gains nothing only shrinks the region, so a
+corner of the model ends no search: whatever is reached last is a minimum within rounding, and how far it is from one is told by
+the Newton decrement, in standard uncertainties.
+
+Parameters that enter linearly are eliminated from the residuals beforehand (`variable_projection`).
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from irtiming.errors import EstimationError
+from irtiming.records.arrays import Array
+
+_GAIN = 1e-9  # of the deviance: a search ends where a step gains less
+_STEP = 1e-10  # of the parameters in units of the trust region
+_MOST_EVALUATIONS = 200
+_SETTLED = 0.1  # standard uncertainties that a further Newton step would move
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Linearised:
+    """Residuals (m,) at a point, in units of their standard deviations, and their derivatives (m, n) to the parameters."""
+
+    residual: Array
+    jacobian: Array
+
+    @property
+    def deviance(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+    @property
+    def normal(self) -> Array:
+        """Normal equations' matrix, shape (n, n): the inverse covariance."""
+        return np.asarray(self.jacobian.T @ self.jacobian)
+
+    @property
+    def gradient(self) -> Array:
+        """Direction in which the deviance falls, shape (n,): half its gradient with the sign turned."""
+        return np.asarray(-self.jacobian.T @ self.residual)
+
+
+Model: TypeAlias = Callable[[Mapping[str, float]], Linearised]
+"""Residuals and derivatives at named numbers; the derivatives in the order in which the numbers stand there."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Minimum:
+    """Where a search ended.
+
+    Parameters
+    ----------
+    start, values
+        Named numbers, in the same order.
+    free
+        Names of those that were searched; the others stayed at their start.
+    at
+        Residuals and derivatives there; columns in the order of ``values``.
+    n_steps
+        Evaluations of the model on the way.
+    decrement
+        Length of a further Newton step, in standard uncertainties.
+    """
+
+    start: dict[str, float]
+    values: dict[str, float]
+    free: tuple[str, ...]
+    at: Linearised
+    n_steps: int
+    decrement: float
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the point is a minimum to a small part of a standard uncertainty."""
+        return self.decrement < _SETTLED
+
+
+def minimise(
+    model: Model, *, start: Mapping[str, float], held: Collection[str] = (), lowest: Mapping[str, float] | None = None
+) -> Minimum:
+    """Least squares in the numbers that are not held.
+
+    Parameters
+    ----------
+    model
+        Residuals over their standard deviations, with derivatives to all numbers of ``start``.
+    start
+        Where the search begins, by name.
+    held
+        Names of those that keep their start value.
+    lowest
+        Least values of some.
+
+    Raises
+    ------
+    EstimationError
+        If the model gives no finite residuals at the start.
+    """
+    names, bounds = tuple(start), lowest or {}
+    free = tuple(name for name in names if name not in held)
+    columns = [names.index(name) for name in free]
+    seen = _Remembered(model, dict(start), free)
+    begin = np.maximum([start[name] for name in free], [bounds.get(name, -np.inf) for name in free])
+    if not np.all(np.isfinite(seen.at(begin).residual)):
+        raise EstimationError(
+            f"the model gives no finite residuals at the start value ({_text(start)}); check rig.toml against the recording"
+        )
+    if not free:
+        return Minimum(start=dict(start), values=dict(start), free=(), at=seen.at(begin), n_steps=1, decrement=0.0)
+
+    def residual(x: Array) -> Array:
+        return seen.at(x).residual
+
+    def jacobian(x: Array) -> Array:
+        return seen.at(x).jacobian[:, columns]
+
+    found = least_squares(
+        residual,
+        begin,
+        jac=jacobian,
+        bounds=([bounds.get(name, -np.inf) for name in free], np.inf),
+        method="trf",
+        x_scale="jac",
+        ftol=_GAIN,
+        xtol=_STEP,
+        gtol=None,
+        max_nfev=_MOST_EVALUATIONS,
+    )
+    at = seen.at(found.x)
+    return Minimum(
+        start=dict(start),
+        values=seen.named(found.x),
+        free=free,
+        at=at,
+        n_steps=int(found.nfev),
+        decrement=_decrement(at, columns),
+    )
+
+
+@final
+class _Remembered:
+    """The model at named numbers, the last point kept: residuals and derivatives are asked for one after the other."""
+
+    def __init__(self, model: Model, all_numbers: dict[str, float], free: tuple[str, ...]) -> None:
+        self._model, self._all, self._free = model, all_numbers, free
+        self._key: bytes = b""
+        self._last: Linearised | None = None
+
+    def named(self, free_values: Array) -> dict[str, float]:
+        return self._all | dict(zip(self._free, (float(value) for value in free_values), strict=True))
+
+    def at(self, free_values: Array) -> Linearised:
+        key = np.asarray(free_values, float).tobytes()
+        if self._last is None or key != self._key:
+            self._key, self._last = key, self._model(self.named(free_values))
+        return self._last
+
+
+def _decrement(at: Linearised, columns: list[int]) -> float:
+    """Root of g N^-1 g over the free numbers: along directions that the data tell."""
+    scale = np.linalg.norm(at.jacobian[:, columns], axis=0)
+    scaled = at.jacobian[:, columns] / np.where(scale > 0, scale, 1.0)
+    step, *_ = np.linalg.lstsq(scaled, -at.residual, rcond=1e-10)
+    return float(np.linalg.norm(scaled @ step))
+
+
+def _text(numbers: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:.6g}" for name, value in numbers.items())

@@ -1,0 +1,44 @@
+"""Parameters that a model is linear in, taken out of its residuals: separable least squares.
+
+Golub and Pereyra, Inverse Problems 19 (2003) R1; derivatives in Kaufman's approximation, which has the same minimum.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.inference.optimiser import Linearised
+from irtiming.records.arrays import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Projected:
+    """The model without its linear parameters, and these at their best, shape (j,)."""
+
+    at: Linearised
+    levels: Array
+
+
+def project(data: Array, shapes: Array, slopes_of: Callable[[Array], Array]) -> Projected:
+    """Residuals of data that are a sum of shapes, at the best amounts of each.
+
+    Parameters
+    ----------
+    data
+        Shape (m,), in units of its standard deviation.
+    shapes
+        Shape (m, j); what the linear parameters multiply, in the same units.
+    slopes_of
+        Called with the linear parameters (j,); derivatives of the model, shape (m, n), to the others.
+    """
+    scale = np.linalg.norm(shapes, axis=0)
+    basis, triangle = np.linalg.qr(shapes / np.where(scale > 0, scale, 1.0))
+    along = basis.T @ data
+    levels = np.linalg.lstsq(triangle, along, rcond=1e-12)[0] / np.where(scale > 0, scale, 1.0)
+    slopes = slopes_of(levels)
+    return Projected(
+        at=Linearised(residual=data - basis @ along, jacobian=basis @ (basis.T @ slopes) - slopes), levels=levels
+    )

@@ -1,0 +1,88 @@
+"""The one optimiser, on problems with known answers."""
+
+import numpy as np
+import pytest
+
+from irtiming.errors import EstimationError
+from irtiming.inference import optimiser, variable_projection
+from irtiming.inference.optimiser import Linearised
+
+TIME = np.linspace(0, 4, 40)
+
+
+def _decay(numbers):
+    """Exponential with noise: residuals and derivatives to height and rate."""
+    height, rate = numbers["height"], numbers["rate"]
+    wave = np.exp(-rate * TIME)
+    noise = 0.01 * np.sin(37 * TIME)
+    data = 2 * np.exp(-0.7 * TIME) + noise
+    return Linearised(residual=data - height * wave, jacobian=np.stack([-wave, height * TIME * wave], axis=1))
+
+
+def test_the_minimum_is_that_of_another_program():
+    """Oracle: MINPACK's Levenberg-Marquardt (scipy.optimize.curve_fit) from the true values."""
+    from scipy.optimize import curve_fit
+
+    data = 2 * np.exp(-0.7 * TIME) + 0.01 * np.sin(37 * TIME)
+    best, covariance = curve_fit(
+        lambda t, h, r: h * np.exp(-r * t), TIME, data, p0=(2, 0.7), sigma=np.ones(40), absolute_sigma=True
+    )
+    found = optimiser.minimise(_decay, start={"height": 1.0, "rate": 3.0})
+    assert list(found.values.values()) == pytest.approx(best, abs=1e-5)
+    assert np.linalg.inv(found.at.normal) == pytest.approx(covariance, rel=1e-3)
+    assert found.is_settled
+    assert found.start == {"height": 1.0, "rate": 3.0}
+
+
+def test_a_held_number_stays_and_the_other_finds_its_best():
+    """Oracle: at a fixed rate the height is a linear problem, solved by its normal equation."""
+    found = optimiser.minimise(_decay, start={"height": 1.0, "rate": 0.5}, held=("rate",))
+    wave = np.exp(-0.5 * TIME)
+    data = 2 * np.exp(-0.7 * TIME) + 0.01 * np.sin(37 * TIME)
+    assert found.values == {"height": pytest.approx(wave @ data / (wave @ wave)), "rate": 0.5}
+    assert found.free == ("height",)
+
+
+def test_a_bound_is_not_crossed():
+    """Oracle: the best rate is 0.7; bounded from below at 1 it ends there."""
+    found = optimiser.minimise(_decay, start={"height": 1.0, "rate": 2.0}, lowest={"rate": 1.0})
+    assert found.values["rate"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_kink_ends_no_search():
+    """Oracle: |x - 1| + 3 (x - 1.2)^2 by hand: its minimum lies at the kink, x = 1.2 - 1/6 = 1.0333 from the right."""
+
+    def kinked(numbers):
+        x = numbers["x"]
+        root = np.sqrt(abs(x - 1) + 1e-12)
+        return Linearised(
+            residual=np.array([root, np.sqrt(3) * (x - 1.2)]),
+            jacobian=np.array([[np.sign(x - 1) / (2 * root)], [np.sqrt(3)]]),
+        )
+
+    found = optimiser.minimise(kinked, start={"x": 4.0})
+    assert found.values["x"] == pytest.approx(1.2 - 1 / 6, abs=1e-3)
+
+
+def test_a_start_without_finite_residuals_is_refused():
+    """Oracle: the message's contract: the value that the search began at, and what to do."""
+    with pytest.raises(EstimationError, match=r"x = 1.*check rig.toml"):
+        optimiser.minimise(
+            lambda _: Linearised(residual=np.array([np.nan]), jacobian=np.ones((1, 1))), start={"x": 1.0}
+        )
+
+
+def test_projection_has_the_minimum_of_the_whole_problem():
+    """Oracle: the same least squares with the height as a parameter like the rate."""
+    data = 2 * np.exp(-0.7 * TIME) + 0.01 * np.sin(37 * TIME)
+
+    def projected(numbers):
+        wave = np.exp(-numbers["rate"] * TIME)
+        return variable_projection.project(data, wave[:, None], lambda levels: (-levels[0] * TIME * wave)[:, None]).at
+
+    whole = optimiser.minimise(_decay, start={"height": 1.0, "rate": 3.0})
+    alone = optimiser.minimise(projected, start={"rate": 3.0})
+    assert alone.values["rate"] == pytest.approx(whole.values["rate"], abs=1e-6)
+    assert alone.at.deviance == pytest.approx(whole.at.deviance)
+    schur = 1 / np.linalg.inv(whole.at.normal)[1, 1]
+    assert alone.at.normal[0, 0] == pytest.approx(schur, rel=1e-3)
