@@ -386,7 +386,8 @@ def _noted(recording: Recording) -> Iterator[None]:
     try:
         yield
     except IrTimingError as error:
-        error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *recording.warnings]))
+        said = [finding.sentence() for finding in recording.findings]
+        error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *said]))
         raise
 
 

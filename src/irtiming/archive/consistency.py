@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from irtiming.archive import layout
+from irtiming.archive.finding import error_at, warning_at
 from irtiming.archive.layout import Field
 from irtiming.records.finding import Finding
 
@@ -35,9 +36,10 @@ def check_temperatures(temperatures: dict[Field, float | None]) -> list[Finding]
     if low is None or high is None or low < high:
         return []
     return [
-        _error(
-            layout.REFERENCE_LOW,
+        error_at(
+            layout.REFERENCE_LOW.path,
             f"is at {low:g} K, high at {high:g} K",
+            code="reference-temperatures-swapped",
             cure="low must be the colder one; swap them",
         )
     ]
@@ -46,10 +48,18 @@ def check_temperatures(temperatures: dict[Field, float | None]) -> list[Finding]
 def _ending(contents: Contents) -> Iterator[Finding]:
     ending = contents.get(layout.ENDING)
     if ending is not None and ending.startswith(layout.NOT_TRUSTED):
-        yield _error(layout.ENDING, f"says: {ending}", cure="its frames may belong to other triggers; record it again")
+        yield error_at(
+            layout.ENDING.path,
+            f"says: {ending}",
+            code="recording-not-trusted",
+            cure="its frames may belong to other triggers; record it again",
+        )
     elif ending is not None and ending != layout.COMPLETE:
-        yield _warning(
-            layout.ENDING, f"says: {ending}", cure="the recording is shorter than planned, what is in it is sound"
+        yield warning_at(
+            layout.ENDING.path,
+            f"says: {ending}",
+            code="recording-ended-early",
+            cure="the recording is shorter than planned, what is in it is sound",
         )
 
 
@@ -60,18 +70,23 @@ def _streams(contents: Contents) -> Iterator[Finding]:
             continue
         steps = np.diff(ticks)
         if (back := int(np.argmax(steps < 0))) or steps[0] < 0:
-            yield _error(
-                field,
+            yield error_at(
+                field.path,
                 f"goes back at entry {back + 1}: {ticks[back + 1]} after {ticks[back]}",
+                code="ticks-go-back",
                 cure="ticks must be values of one unwrapped counter; unwrap it or record again",
             )
         elif n_equal := int(np.count_nonzero(steps == 0)):
             at = int(np.argmax(steps == 0))
             what = f"has {n_equal} repeated ticks, the first {ticks[at]} at entry {at + 1}"
             if field is layout.CAMERA_TRIGGER:
-                yield _error(field, what, cure="two triggers cannot be at one time; record again")
+                yield error_at(
+                    field.path, what, code="trigger-repeated", cure="two triggers cannot be at one time; record again"
+                )
             else:
-                yield _warning(field, what, cure="an edge was stamped twice; check the light gate")
+                yield warning_at(
+                    field.path, what, code="tick-repeated", cure="an edge was stamped twice; check the light gate"
+                )
 
 
 def _frame_numbers(contents: Contents) -> Iterator[Finding]:
@@ -86,36 +101,45 @@ def _frame_numbers(contents: Contents) -> Iterator[Finding]:
         return
     where = layout.FRAME_NUMBER
     if numbers.size != n_frames:
-        yield _error(where, f"has {numbers.size} entries for {n_frames} frames", cure="write one number per frame")
+        yield error_at(
+            where.path,
+            f"has {numbers.size} entries for {n_frames} frames",
+            code="frame-number-count",
+            cure="write one number per frame",
+        )
         return
     steps = np.diff(numbers)
     if steps.size and int(steps.min()) < 1:
         at = int(np.argmax(steps < 1))
-        yield _error(
-            where,
+        yield error_at(
+            where.path,
             f"is {numbers[at + 1]} at frame {at + 1} after {numbers[at]}",
+            code="frame-number-not-rising",
             cure="it must increase from frame to frame; write the index of the trigger that made each frame",
         )
     elif numbers[0] < 0 or (triggers is not None and numbers[-1] >= triggers.size):
         n_triggers = "the" if triggers is None else triggers.size
-        yield _error(
-            where,
+        yield error_at(
+            where.path,
             f"runs from {numbers[0]} to {numbers[-1]} for {n_triggers} triggers",
+            code="frame-number-out-of-range",
             cure="it must be the index of a trigger, counted from 0",
         )
 
 
 def _without_numbers(n_frames: int, n_triggers: int) -> Iterator[Finding]:
     if n_frames > n_triggers:
-        yield _error(
-            layout.FRAMES,
+        yield error_at(
+            layout.FRAMES.path,
             f"has {n_frames} frames for {n_triggers} triggers in {layout.CAMERA_TRIGGER.path}",
+            code="more-frames-than-triggers",
             cure="every frame needs its trigger; record again with the camera in triggered mode",
         )
     elif n_frames < n_triggers:
-        yield _warning(
-            layout.FRAMES,
+        yield warning_at(
+            layout.FRAMES.path,
             f"has {n_frames} frames for {n_triggers} triggers and no frame_number",
+            code="fewer-frames-than-triggers",
             cure="frame i is taken to belong to trigger i; write frame_number if frames were lost in between",
         )
 
@@ -125,27 +149,30 @@ def _reference(contents: Contents) -> Iterator[Finding]:
     low, high = contents.get(layout.REFERENCE_LOW), contents.get(layout.REFERENCE_HIGH)
     if (low is None) != (high is None):
         there, gone = ("low", layout.REFERENCE_HIGH) if high is None else ("high", layout.REFERENCE_LOW)
-        yield _error(gone, f"is missing while {there} is there", cure="write both reference stacks or none")
+        yield error_at(
+            gone.path,
+            f"is missing while {there} is there",
+            code="reference-incomplete",
+            cure="write both reference stacks or none",
+        )
     for field, reference in ((layout.REFERENCE_LOW, low), (layout.REFERENCE_HIGH, high)):
         if reference is None:
             continue
         if shape is not None and tuple(reference[1:]) != tuple(shape[1:]):
-            yield _error(
-                field,
+            yield error_at(
+                field.path,
                 f"has frames of {_size(reference)} pixels, {layout.FRAMES.path} of {_size(shape)}",
+                code="reference-size-differs",
                 cure="all frames of a file must have one size; record the reference with the same window",
             )
         if reference[0] == 1:
-            yield _warning(field, "has a single frame", cure="its noise is unknown; record ten or more")
+            yield warning_at(
+                field.path,
+                "has a single frame",
+                code="reference-single-frame",
+                cure="its noise is unknown; record ten or more",
+            )
 
 
 def _size(shape: tuple[int, int, int]) -> str:
     return f"{shape[1]} x {shape[2]}"
-
-
-def _error(field: Field, what: str, *, cure: str) -> Finding:
-    return Finding(severity="error", where=field.path, what=what, cure=cure)
-
-
-def _warning(field: Field, what: str, *, cure: str) -> Finding:
-    return Finding(severity="warning", where=field.path, what=what, cure=cure)

@@ -9,6 +9,7 @@ from irtiming.archive import consistency, layout
 from irtiming.archive.fields import near_misses, read_field, read_temperature
 from irtiming.archive.finding import Complaint
 from irtiming.archive.frame_status import leave_out
+from irtiming.records.finding import Finding
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
@@ -22,14 +23,14 @@ class Checked:
     """What a sound file says of its whole frames.
 
     ``stored_shape`` is that of all frames, whole or not; ``kept`` are the indices of the whole ones, None: all of them.
-    ``temperatures`` are those of the reference stacks, K. ``warnings`` do not stop an analysis.
+    ``temperatures`` are those of the reference stacks, K. ``findings`` are warnings: they do not stop an analysis.
     """
 
     contents: "Contents"
     stored_shape: tuple[int, int, int]
     kept: "Ticks | None"
     temperatures: "dict[Field, float | None]"
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
 
 def read_contents(file: h5py.File) -> "Contents":
@@ -67,5 +68,5 @@ def checked(file: h5py.File, contents: "Contents") -> Checked:
         stored_shape=contents[layout.FRAMES],
         kept=kept,
         temperatures=temperatures,
-        warnings=tuple(finding.sentence() for finding in findings if finding.severity == "warning"),
+        findings=tuple(finding for finding in findings if finding.severity == "warning"),
     )

@@ -62,7 +62,9 @@ def read_temperature(file: h5py.File, field: Field) -> float | None:
         return None
     value = np.asarray(attributes[layout.TEMPERATURE_ATTRIBUTE])
     if value.size != 1 or value.dtype.kind not in "iuf":
-        raise refuse(where, f"is {value.tolist()!r}", cure="it must be one number in kelvin")
+        raise refuse(
+            where, f"is {value.tolist()!r}", code="temperature-not-a-number", cure="it must be one number in kelvin"
+        )
     unit = attributes.get(layout.TEMPERATURE_UNITS_ATTRIBUTE, "K")
     limits = layout.BLACKBODY_TEMPERATURE
     return _in_range(float(value.reshape(())) * _factor(where, unit, expected="K"), limits, where=where)
@@ -82,7 +84,9 @@ def near_misses(file: h5py.File) -> list[Finding]:
             if near:
                 what = f"is absent, but there is '{near[0]}'"
                 cure = f"rename it if it is meant: {field.meaning}"
-                findings.append(Finding(severity="warning", where=field.path, what=what, cure=cure))
+                findings.append(
+                    Finding(code="field-misspelt", severity="warning", where=field.path, what=what, cure=cure)
+                )
     return findings
 
 
@@ -99,7 +103,7 @@ def _find(file: h5py.File, field: Field) -> h5py.Dataset | None:
         with damage_at(field.path):
             raise
     if not isinstance(item, h5py.Dataset):
-        raise refuse(field.path, "is a group", cure=f"it must be a dataset: {field.meaning}")
+        raise refuse(field.path, "is a group", code="not-a-dataset", cure=f"it must be a dataset: {field.meaning}")
     with damage_at(field.path):
         _ = item.dtype, item.shape, item.chunks  # h5py makes them when asked, and throws if they are damaged
     return item
@@ -115,7 +119,7 @@ def _complain_if_required(file: h5py.File, field: Field) -> None:
             names = list(group)
     near = get_close_matches(field.name, names, n=1)
     hint = f"the file has '{near[0]}' there, rename it" if near else f"write it, see {layout.REFERENCE_PAGE}"
-    raise refuse(field.path, f"is missing ({field.meaning})", cure=hint)
+    raise refuse(field.path, f"is missing ({field.meaning})", code="field-missing", cure=hint)
 
 
 def _text(dataset: h5py.Dataset, field: Field) -> str:
@@ -123,12 +127,12 @@ def _text(dataset: h5py.Dataset, field: Field) -> str:
         value = dataset[()]
     text = as_text(value)
     if text is None:
-        raise refuse(field.path, f"is {_kind_of(dataset)}", cure="it must be one text in UTF-8")
+        raise refuse(field.path, f"is {_kind_of(dataset)}", code="not-text", cure="it must be one text in UTF-8")
     if field.choices and text not in field.choices:
         near = get_close_matches(text.lower(), field.choices, n=1)
         words = " or ".join(f"'{word}'" for word in field.choices)
         hint = f", did you mean '{near[0]}'?" if near else ""
-        raise refuse(field.path, f"is '{text[:40]}'", cure=f"it must be {words}{hint}")
+        raise refuse(field.path, f"is '{text[:40]}'", code="not-a-choice", cure=f"it must be {words}{hint}")
     return text
 
 
@@ -161,7 +165,9 @@ def _integer(dataset: h5py.Dataset, field: Field) -> int:
 def _one(dataset: h5py.Dataset, field: Field, *, kinds: str) -> Any:
     sort = "an integer" if kinds == "iu" else "a number"
     if dataset.size != 1 or dataset.dtype.kind not in kinds:
-        raise refuse(field.path, f"is {_kind_of(dataset)}", cure=f"it must be {sort}: {field.meaning}")
+        raise refuse(
+            field.path, f"is {_kind_of(dataset)}", code="not-a-number", cure=f"it must be {sort}: {field.meaning}"
+        )
     with damage_at(field.path):
         return np.asarray(dataset[()]).reshape(())[()]
 
@@ -169,11 +175,14 @@ def _one(dataset: h5py.Dataset, field: Field, *, kinds: str) -> Any:
 def _in_range(value: float, limits: Field, *, where: str) -> float:
     unit = f" {limits.unit}" if limits.unit else ""
     if not math.isfinite(value):
-        raise refuse(where, f"is {value}", cure=f"it must be a finite number{f' in{unit}' if unit else ''}")
+        raise refuse(
+            where, f"is {value}", code="not-finite", cure=f"it must be a finite number{f' in{unit}' if unit else ''}"
+        )
     if not limits.lowest <= value <= limits.highest:
         raise refuse(
             where,
             f"= {value:.12g}{unit} is out of range",
+            code="out-of-range",
             cure=f"it must be from {limits.lowest:g} to {limits.highest:g}{unit}: check value and unit",
         )
     return value
@@ -189,14 +198,24 @@ def _factor(where: str, unit: Any, *, expected: str) -> float:
     known = layout.UNITS[expected]
     if text is None or text not in known:
         shown = unit if text is None else text
-        raise refuse(where, f"is in '{shown}'", cure=f"it must be in {expected} (or {', '.join(list(known)[1:])})")
+        raise refuse(
+            where,
+            f"is in '{shown}'",
+            code="unit-unknown",
+            cure=f"it must be in {expected} (or {', '.join(list(known)[1:])})",
+        )
     return known[text]
 
 
 def _numbers(dataset: h5py.Dataset, field: Field) -> Array:
     factor = _factor(field.path, _units(dataset, field), expected=field.unit)
     if dataset.dtype.kind not in "iuf" or dataset.ndim != 1:
-        raise refuse(field.path, f"is {_kind_of(dataset)}", cure="it must be a list of numbers, one dimension")
+        raise refuse(
+            field.path,
+            f"is {_kind_of(dataset)}",
+            code="not-a-list-of-numbers",
+            cure="it must be a list of numbers, one dimension",
+        )
     _refuse_unwritten(dataset, field)
     with damage_at(field.path):
         return read_only(np.asarray(dataset[()], dtype=np.float64) * factor)
@@ -204,7 +223,12 @@ def _numbers(dataset: h5py.Dataset, field: Field) -> Array:
 
 def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
     if dataset.dtype.kind not in "iu" or dataset.ndim != 1:
-        raise refuse(field.path, f"is {_kind_of(dataset)}", cure="it must be a list of integers (int64), one dimension")
+        raise refuse(
+            field.path,
+            f"is {_kind_of(dataset)}",
+            code="not-a-list-of-integers",
+            cure="it must be a list of integers (int64), one dimension",
+        )
     _refuse_other_than_ticks(dataset, field)
     if field.kind == "ticks" and dataset.size < field.fewest:
         if dataset.size == 0 and not field.required:
@@ -212,6 +236,7 @@ def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
         raise refuse(
             field.path,
             f"has {dataset.size} {'entry' if dataset.size == 1 else 'entries'}",
+            code="too-few-entries",
             cure=f"it must have at least {field.fewest}: {field.meaning}; check the cable and record again",
         )
     _refuse_missing_filters(dataset, field)
@@ -219,14 +244,21 @@ def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
     with damage_at(field.path):
         values = np.asarray(dataset[()])
     if values.dtype.kind == "u" and values.size and int(values.max()) > np.iinfo(np.int64).max:
-        raise refuse(field.path, f"reaches {int(values.max())}", cure="it must fit into int64: unwrap the counter")
+        raise refuse(
+            field.path,
+            f"reaches {int(values.max())}",
+            code="integer-too-large",
+            cure="it must fit into int64: unwrap the counter",
+        )
     return read_only(values.astype(np.int64, copy=False))
 
 
 def _refuse_other_than_ticks(dataset: h5py.Dataset, field: Field) -> None:
     unit = as_text(_units(dataset, field))
     if field.unit == "ticks" and unit not in layout.TICK_UNITS:
-        raise refuse(field.path, f"is in '{unit}'", cure="it must be in ticks of the clock, unwrapped")
+        raise refuse(
+            field.path, f"is in '{unit}'", code="not-in-ticks", cure="it must be in ticks of the clock, unwrapped"
+        )
 
 
 def _frame_shape(dataset: h5py.Dataset, field: Field) -> tuple[int, int, int]:
@@ -234,17 +266,24 @@ def _frame_shape(dataset: h5py.Dataset, field: Field) -> tuple[int, int, int]:
         raise refuse(
             field.path,
             f"is {_kind_of(dataset)}",
+            code="frames-not-uint16",
             cure="it must be uint16 (frame, row, column) as the camera gave it",
         )
     if dataset.ndim != 3:
         raise refuse(
             field.path,
             f"has shape {dataset.shape}",
+            code="frames-not-three-dimensional",
             cure="it must have three dimensions: frame, row and column",
         )
     n_frames, rows, columns = (int(length) for length in dataset.shape)
     if min(n_frames, rows, columns) == 0:
-        raise refuse(field.path, f"has shape {dataset.shape}: no frames", cure="record again with the camera triggered")
+        raise refuse(
+            field.path,
+            f"has shape {dataset.shape}: no frames",
+            code="no-frames",
+            cure="record again with the camera triggered",
+        )
     _refuse_missing_filters(dataset, field)
     _refuse_unwritten(dataset, field)
     return n_frames, rows, columns
@@ -255,6 +294,7 @@ def _refuse_missing_filters(dataset: h5py.Dataset, field: Field) -> None:
         raise refuse(
             field.path,
             f"is compressed with HDF5 filter {' and '.join(missing)}, which is not installed",
+            code="filter-not-installed",
             cure="write it with a filter of hdf5plugin, or install that filter and set HDF5_PLUGIN_PATH",
         )
 
@@ -268,7 +308,12 @@ def _refuse_unwritten(dataset: h5py.Dataset, field: Field) -> None:
             n_bytes = int(dataset.id.get_storage_size())
         if n_bytes < dataset.nbytes:
             what = f"should have {dataset.nbytes} bytes, {n_bytes} are in the file"
-            raise refuse(field.path, what, cure="it was never written, or is damaged; copy or record it again")
+            raise refuse(
+                field.path,
+                what,
+                code="data-incomplete",
+                cure="it was never written, or is damaged; copy or record it again",
+            )
         return
     lengths = zip(dataset.shape, dataset.chunks, strict=True)
     expected = math.prod(-(-length // chunk) for length, chunk in lengths)
@@ -278,6 +323,7 @@ def _refuse_unwritten(dataset: h5py.Dataset, field: Field) -> None:
         raise refuse(
             field.path,
             f"has {stored} of {expected} chunks: the others were never written",
+            code="chunks-missing",
             cure="the recording was interrupted; record again",
         )
 

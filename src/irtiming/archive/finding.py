@@ -20,9 +20,19 @@ class Complaint(Exception):  # noqa: N818 - it never leaves this folder
         return archive_error(path, self.finding)
 
 
-def refuse(where: str, what: str, *, cure: str) -> Complaint:
+def error_at(where: str, what: str, *, code: str, cure: str) -> Finding:
+    """Finding of severity "error" about a place in a file."""
+    return Finding(code=code, severity="error", where=where, what=what, cure=cure)
+
+
+def warning_at(where: str, what: str, *, code: str, cure: str) -> Finding:
+    """Finding of severity "warning" about a place in a file."""
+    return Finding(code=code, severity="warning", where=where, what=what, cure=cure)
+
+
+def refuse(where: str, what: str, *, code: str, cure: str) -> Complaint:
     """Complaint of severity "error", to be raised."""
-    return Complaint(Finding(severity="error", where=where, what=what, cure=cure))
+    return Complaint(error_at(where, what, code=code, cure=cure))
 
 
 def archive_error(path: str | Path, finding: Finding) -> ArchiveError:

@@ -95,12 +95,18 @@ class FileFrames:
         try:
             dataset = file[self._where]
         except H5_ERRORS as error:
-            raise refuse(self._where, f"cannot be read ({reason_of(error)})", cure="copy or record it again") from error
+            raise refuse(
+                self._where,
+                f"cannot be read ({reason_of(error)})",
+                code="frames-unreadable",
+                cure="copy or record it again",
+            ) from error
         has_grown = self._is_growing and dataset.shape[0] > self._stored[0]
         if dataset.shape[1:] != self._stored[1:] or (dataset.shape[0] != self._stored[0] and not has_grown):
             raise refuse(
                 self._where,
                 f"has shape {dataset.shape}, it had {self._stored}",
+                code="file-changed",
                 cure="the file has changed; read it again",
             )
         return dataset
@@ -134,6 +140,7 @@ class FileFrames:
         raise refuse(
             self._where,
             f"cannot be read at frame {damaged} of {self._stored[0]} ({reason_of(error)})",
+            code="frame-damaged",
             cure="the file is damaged; copy or record it again",
         ) from error
 

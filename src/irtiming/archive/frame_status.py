@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irtiming.archive import layout
+from irtiming.archive.finding import error_at, warning_at
 from irtiming.records.arrays import read_only
 from irtiming.records.finding import Finding
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
-    from irtiming.archive.layout import Field
     from irtiming.records.arrays import Ticks
 
 WHOLE, DAMAGED, BLANK, UNTIMED = range(4)
@@ -45,8 +45,15 @@ def leave_out(contents: "Contents") -> tuple["Contents", "Ticks | None", list[Fi
     what = f"tells that of {status.size} frames {', '.join(told)}"
     if kept.size == 0:
         cure = "check the camera and its link, and record again"
-        return contents, None, [*findings, _finding(layout.FRAME_STATUS, what, cure=cure, is_error=True)]
-    findings.append(_finding(layout.FRAME_STATUS, what, cure="they are left out; check the link to the camera"))
+        return contents, None, [*findings, error_at(layout.FRAME_STATUS.path, what, code="no-whole-frame", cure=cure)]
+    findings.append(
+        warning_at(
+            layout.FRAME_STATUS.path,
+            what,
+            code="frames-left-out",
+            cure="they are left out; check the link to the camera",
+        )
+    )
     left = contents | {layout.FRAMES: (kept.size, *shape[1:])}
     if left.get(layout.FRAME_NUMBER) is None:
         left[layout.FRAME_NUMBER] = np.arange(shape[0], dtype=np.int64)
@@ -70,8 +77,4 @@ def _lengths(contents: "Contents") -> Iterator[Finding]:
             continue
         if len(column) != shape[0]:
             what = f"has {len(column)} entries for {shape[0]} frames"
-            yield _finding(field, what, cure="write one per frame", is_error=True)
-
-
-def _finding(field: "Field", what: str, *, cure: str, is_error: bool = False) -> Finding:
-    return Finding(severity="error" if is_error else "warning", where=field.path, what=what, cure=cure)
+            yield error_at(field.path, what, code="per-frame-length", cure="write one per frame")

@@ -34,7 +34,7 @@ def opened(path: str | Path, *, is_growing: bool = False) -> Iterator[h5py.File]
     """
     where = Path(path)
     if where.is_dir():
-        raise refuse("", "is a folder, not a recording", cure=f"name a {layout.SUFFIX} file in it")
+        raise refuse("", "is a folder, not a recording", code="is-a-folder", cure=f"name a {layout.SUFFIX} file in it")
     try:
         file = _open_growing(where) if is_growing else h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
     except H5_ERRORS as error:
@@ -64,7 +64,10 @@ def damage_at(where: str) -> Iterator[None]:
         yield
     except H5_ERRORS as error:
         raise refuse(
-            where, f"cannot be read ({reason_of(error)})", cure="the file is damaged; copy or record it again"
+            where,
+            f"cannot be read ({reason_of(error)})",
+            code="place-damaged",
+            cure="the file is damaged; copy or record it again",
         ) from error
 
 
@@ -93,30 +96,42 @@ def _why_not_opened(path: Path, error: BaseException) -> Complaint:
     number = getattr(error, "errno", None)
     text = str(error)
     if isinstance(error, FileNotFoundError) or number == errno.ENOENT:
-        return refuse("", "does not exist", cure="check the name")
+        return refuse("", "does not exist", code="does-not-exist", cure="check the name")
     if isinstance(error, PermissionError) or number in (errno.EACCES, errno.EPERM):
-        return refuse("", "may not be read", cure="give yourself read permission (chmod u+r)")
+        return refuse("", "may not be read", code="may-not-be-read", cure="give yourself read permission (chmod u+r)")
     if isinstance(error, BlockingIOError) or "unable to lock file" in text:
-        return refuse("", "is locked", cure="another program is writing it; wait until it has finished")
+        return refuse(
+            "", "is locked", code="is-locked", cure="another program is writing it; wait until it has finished"
+        )
     if "already open for write" in text:
         return refuse(
             "",
             "is not finished: it is being written, or the program that wrote it was killed",
+            code="being-written",
             cure=f"wait, or run irtiming recover on it (its name must end in {layout.SUFFIX}{layout.PART})",
         )
     size = path.stat().st_size if path.exists() else 0
     if path.exists() and size == 0:
-        return refuse("", "is empty (0 bytes)", cure="copy or record it again")
+        return refuse("", "is empty (0 bytes)", code="is-empty", cure="copy or record it again")
     if "truncated file" in text:
         whole = re.search(r"stored_eof = (\d+)", text)
         of = f" of {whole[1]}" if whole else ""
-        return refuse("", f"is truncated: {size}{of} bytes are left", cure="copy it again, or record it again")
+        return refuse(
+            "",
+            f"is truncated: {size}{of} bytes are left",
+            code="is-truncated",
+            cure="copy it again, or record it again",
+        )
     if "signature not found" in text:
         return refuse(
-            "", "is not an HDF5 file", cure=f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}"
+            "",
+            "is not an HDF5 file",
+            code="not-hdf5",
+            cure=f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}",
         )
     return refuse(
         "",
         f"cannot be opened as HDF5 ({reason_of(error)})",
+        code="cannot-be-opened",
         cure="the file is damaged; copy or record it again",
     )

@@ -26,7 +26,7 @@ def read(path: str | Path) -> Recording:
     """Recording in a file, every field checked; only its frames stay in the file.
 
     Optional fields that are absent get the defaults of `Recording`: no extra trigger delay, 16 bits, frame i
-    made by trigger i, None for the others. Oddities that do not stop an analysis stand in ``warnings``.
+    made by trigger i, None for the others. Oddities that do not stop an analysis stand in ``findings``.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def recording_of(path: str | Path, found: Checked, *, sha256: str = "", is_growi
         _recording(Path(path), contents, frames=_frames(layout.FRAMES, found.kept)),
         nonuniformity=nonuniformity,
         sha256=sha256,
-        warnings=found.warnings,
+        findings=found.findings,
     )
 
 
@@ -147,9 +147,16 @@ def check_version(file: h5py.File) -> None:
     if version is None:
         return
     if not isinstance(version, (int, np.integer)):
-        raise refuse(where, f"is {as_text(version) or version!r}", cure="it must be an integer")
+        raise refuse(
+            where, f"is {as_text(version) or version!r}", code="version-not-an-integer", cure="it must be an integer"
+        )
     if version > layout.VERSION:
-        raise refuse(where, f"= {version} is later than {layout.VERSION}", cure="update irtiming to read this file")
+        raise refuse(
+            where,
+            f"= {version} is later than {layout.VERSION}",
+            code="version-too-new",
+            cure="update irtiming to read this file",
+        )
 
 
 def reduce_reference(low: FrameStack, high: FrameStack) -> tuple[Array, Array, Array, Array]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from irtiming.archive import layout
+from irtiming.archive.finding import error_at, warning_at
 from irtiming.records.finding import Finding
 from irtiming.units import readable_time
 
@@ -45,10 +46,10 @@ def _lost_timestamps(contents: "Contents") -> Iterator[Finding]:
     if lost is None or lost.size == 0 or triggers is None or clock is None:
         return
     after_s = float(lost[0] - triggers[0]) / clock
-    yield Finding(
-        severity="error",
-        where=layout.LOST_AFTER.path,
-        what=f"tells of {lost.size} losses of timestamps, the first {after_s:.6f} s after the first trigger",
+    yield error_at(
+        layout.LOST_AFTER.path,
+        f"tells of {lost.size} losses of timestamps, the first {after_s:.6f} s after the first trigger",
+        code="timestamps-lost",
         cure="record again; check the line to the trigger generator, and what else the computer did",
     )
 
@@ -66,6 +67,7 @@ def _triggers_within(contents: "Contents") -> Iterator[Finding]:
         if outside:
             change = "start the timestamps before the first" if before else "stop the timestamps after the last"
             yield Finding(
+                code="triggers-outside-ticks",
                 severity="error" if outside == triggers.size else "warning",
                 where=layout.CAMERA_TRIGGER.path,
                 what=f"has {outside} of {triggers.size} triggers outside the ticks of {field.path}",
@@ -81,10 +83,11 @@ def _trigger_intervals(contents: "Contents") -> Iterator[Finding]:
     off = np.abs(np.diff(triggers) - period) > _TRIGGER_TOLERANCE_TICKS
     if n_off := int(np.count_nonzero(off)):
         at = int(np.argmax(off))
-        yield _warning(
-            layout.CAMERA_TRIGGER,
+        yield warning_at(
+            layout.CAMERA_TRIGGER.path,
             f"has {n_off} intervals other than camera_period = {period} ticks, the first of "
             f"{triggers[at + 1] - triggers[at]} ticks after trigger {at}",
+            code="trigger-intervals-odd",
             cure="check the trigger generator; the analysis uses the ticks as they are",
         )
 
@@ -96,10 +99,10 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
         return
     speed = clock / (2 * float(np.median(np.diff(edges))))
     if abs(speed / nominal - 1) > _SPEED_TOLERANCE:
-        yield Finding(
-            severity="error",
-            where=layout.ROTATION_SPEED.path,
-            what=f"= {nominal:g} Hz, but the application slots pass at {speed:.6g} turns per second",
+        yield error_at(
+            layout.ROTATION_SPEED.path,
+            f"= {nominal:g} Hz, but the application slots pass at {speed:.6g} turns per second",
+            code="rotation-speed-contradicted",
             cure="correct rotation_speed or clock_frequency; two edges belong to a turn",
         )
 
@@ -110,9 +113,10 @@ def _wheel_period(contents: "Contents") -> Iterator[Finding]:
     if period is None or clock is None or nominal is None:
         return
     if abs(clock / period / nominal - 1) > _SPEED_TOLERANCE:
-        yield _warning(
-            layout.WHEEL_PERIOD,
+        yield warning_at(
+            layout.WHEEL_PERIOD.path,
             f"= {period} ticks is {clock / period:.6g} Hz, rotation_speed is {nominal:g} Hz",
+            code="wheel-period-contradicted",
             cure="one of the two is wrong; correct it",
         )
 
@@ -125,9 +129,10 @@ def _half_turns(contents: "Contents") -> Iterator[Finding]:
     usual = float(np.median(intervals))
     for odd, name in ((intervals > 1.5 * usual, "missing"), (intervals < 0.5 * usual, "doubled or spurious")):
         if n_odd := int(np.count_nonzero(odd)):
-            yield _warning(
-                layout.APPLICATION_SLOT,
+            yield warning_at(
+                layout.APPLICATION_SLOT.path,
                 f"has {n_odd} {name} edges, the first after entry {int(np.argmax(odd))}",
+                code="application-edges-odd",
                 cure="check the application light gate",
             )
 
@@ -140,18 +145,19 @@ def _slots_per_turn(contents: "Contents") -> Iterator[Finding]:
     counts = np.diff(np.searchsorted(slots, edges[::2]))
     usual = int(np.bincount(counts).argmax())
     if usual == 0:
-        yield Finding(
-            severity="error",
-            where=layout.CONTROL_SLOT.path,
-            what="has no ticks between the application slots",
+        yield error_at(
+            layout.CONTROL_SLOT.path,
+            "has no ticks between the application slots",
+            code="control-slots-absent",
             cure="both must be values of one counter; check the control light gate",
         )
     elif n_odd := int(np.count_nonzero(counts != usual)):
         turn = int(np.argmax(counts != usual))
-        yield _warning(
-            layout.CONTROL_SLOT,
+        yield warning_at(
+            layout.CONTROL_SLOT.path,
             f"has {n_odd} of {counts.size} turns without the usual {usual} slots, the first is turn {turn} "
             f"with {counts[turn]}",
+            code="control-slots-odd",
             cure="check the control light gate",
         )
 
@@ -164,9 +170,10 @@ def _slots_among_edges(contents: "Contents") -> Iterator[Finding]:
     inside = slots[(slots >= edges[0]) & (slots <= edges[-1])]
     strange = inside[~np.isin(inside, edges)]
     if strange.size:
-        yield _warning(
-            layout.APPLICATION_EDGES,
+        yield warning_at(
+            layout.APPLICATION_EDGES.path,
             f"lacks {strange.size} ticks of application_slot, the first is {strange[0]}",
+            code="application-edges-incomplete",
             cure="edges 0 and 2 belong to all four; check the modified circuit",
         )
 
@@ -179,9 +186,10 @@ def _lost_frames(contents: "Contents") -> Iterator[Finding]:
     if n_lost := triggers.size - numbers.size:
         gaps = np.flatnonzero(np.diff(numbers) > 1)
         first = 0 if numbers[0] > 0 else int(numbers[gaps[0]]) + 1 if gaps.size else int(numbers[-1]) + 1
-        yield _warning(
-            layout.FRAME_NUMBER,
+        yield warning_at(
+            layout.FRAME_NUMBER.path,
             f"leaves out {n_lost} of {triggers.size} triggers, the first is {first}: lost frames",
+            code="frames-lost",
             cure="check the link to the camera; the analysis goes on without them",
         )
 
@@ -193,7 +201,3 @@ def duration(contents: "Contents") -> str:
     if triggers is None or clock is None:
         return ""
     return readable_time(int(triggers[-1] - triggers[0]) / clock)
-
-
-def _warning(field: "Field", what: str, *, cure: str) -> Finding:
-    return Finding(severity="warning", where=field.path, what=what, cure=cure)

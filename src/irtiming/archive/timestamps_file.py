@@ -108,7 +108,12 @@ def read_timestamps(path: str | Path) -> TimedRun:
             streams = {field: read_field(file, field) for field in STREAMS}
             clock_hz = read_field(file, layout.CLOCK_FREQUENCY)
             if clock_hz % 1:
-                raise refuse(layout.CLOCK_FREQUENCY.path, f"= {clock_hz} Hz", cure="it must be whole hertz")
+                raise refuse(
+                    layout.CLOCK_FREQUENCY.path,
+                    f"= {clock_hz} Hz",
+                    code="clock-not-whole-hertz",
+                    cure="it must be whole hertz",
+                )
             return TimedRun(
                 name=Path(path).stem,
                 clock_frequency_hz=int(clock_hz),

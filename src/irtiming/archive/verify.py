@@ -11,7 +11,7 @@ import numpy as np
 from irtiming.archive import consistency, layout
 from irtiming.archive.consistency import Contents
 from irtiming.archive.fields import near_misses, read_field, read_temperature
-from irtiming.archive.finding import Complaint
+from irtiming.archive.finding import Complaint, error_at, warning_at
 from irtiming.archive.frame_stack import FileFrames
 from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
@@ -57,7 +57,7 @@ def verify(path: str | Path, *, progress: Progress | None = None) -> list[Findin
         return [complaint.finding]
     except H5_ERRORS as error:
         what = f"cannot be read ({reason_of(error)})"
-        return [Finding(severity="error", where="", what=what, cure="the file is damaged; copy or record it again")]
+        return [error_at("", what, code="file-damaged", cure="the file is damaged; copy or record it again")]
     stored_shape = contents[layout.FRAMES]
     contents, kept, left_out = leave_out(contents)
     findings += left_out
@@ -104,7 +104,9 @@ def _strangers(file: h5py.File) -> list[Finding]:
         path = f"/{name}"
         ours = path in known or path.startswith((f"{layout.TRUTH}/", f"{layout.PLOT}/", f"{layout.ACQUISITION}/"))
         if isinstance(item, h5py.Dataset) and not ours:
-            findings.append(Finding(severity="info", where=path, what="is not read by irtiming"))
+            findings.append(
+                Finding(code="dataset-unknown", severity="info", where=path, what="is not read by irtiming")
+            )
 
     file.visititems(_look)
     return findings
@@ -120,10 +122,10 @@ def _storage(file: h5py.File, contents: Contents) -> Iterator[Finding]:
         return
     if tuple(chunks[1:]) != tuple(contents[layout.FRAMES][1:]):
         what = f"has chunks of {chunks} that are not whole frames: reading is slow"
-        yield Finding(severity="warning", where=where, what=what, cure=cure)
+        yield warning_at(where, what, code="chunks-not-whole-frames", cure=cure)
     elif (size := 2 * math.prod(chunks)) > _LARGE_CHUNK and chunks[0] > 1:
         what = f"has chunks of {chunks[0]} frames, {size // 2**20} MiB: reading is slow and takes memory"
-        yield Finding(severity="warning", where=where, what=what, cure=cure)
+        yield warning_at(where, what, code="chunks-large", cure=cure)
 
 
 def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
@@ -136,7 +138,7 @@ def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
     for field, consequence in needed:
         if contents[field] is None:
             what = f"is absent or unreadable in a photon recording: {consequence}"
-            yield Finding(severity="warning", where=field.path, what=what, cure="write it if it is known")
+            yield warning_at(field.path, what, code="photon-field-absent", cure="write it if it is known")
 
 
 def _of_frames(
@@ -153,7 +155,7 @@ def _of_frames(
             seen = survey(frames, bit_depth=bit_depth, progress=progress if field is layout.FRAMES else None)
         except ArchiveError as error:
             cause = error.__cause__
-            wrong = Finding(severity="error", where=field.path, what=str(error))
+            wrong = Finding(code="stack-unreadable", severity="error", where=field.path, what=str(error))
             yield cause.finding if isinstance(cause, Complaint) else wrong
             continue
         yield from _of_survey(seen, field, bit_depth=bit_depth)
@@ -165,21 +167,22 @@ def _of_survey(seen: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[F
     where = field.path
     if (largest := int(seen.highest_dn.max())) > highest:
         what = f"reaches {largest}, which does not fit into bit_depth_readout = {bit_depth} bits"
-        yield Finding(severity="error", where=where, what=what, cure="correct bit_depth_readout")
+        yield error_at(where, what, code="bit-depth-exceeded", cure="correct bit_depth_readout")
     if seen.dead_frames.size:
         first = int(seen.dead_frames[0])
         what = (
             f"has {seen.dead_frames.size} dead frames, the first is frame {first}: "
             f"all pixels are {int(seen.lowest_dn[first])}"
         )
-        yield Finding(severity="error", where=where, what=what, cure="check camera and link, record again")
+        yield error_at(where, what, code="frames-dead", cure="check camera and link, record again")
     living = np.setdiff1d(seen.repeated_frames, seen.dead_frames)
     if living.size:
         what = f"has {living.size} frames equal to the one before, the first is frame {living[0]}"
-        yield Finding(severity="error", where=where, what=what, cure="the camera missed triggers; record again")
+        yield error_at(where, what, code="frames-repeated", cure="the camera missed triggers; record again")
     for share, name in ((seen.saturated_share, f"saturated ({highest})"), (seen.zero_share, "clipped at 0")):
         if share > _SOME_CLIPPED:
             yield Finding(
+                code="values-clipped",
                 severity="error" if share > _MUCH_CLIPPED else "warning",
                 where=where,
                 what=f"has {share:.2%} of its values {name}",
@@ -200,10 +203,10 @@ def _of_reference(path: Path, contents: Contents) -> Iterator[Finding]:
     noise = math.hypot(float(np.median(low_noise_dn)), float(np.median(high_noise_dn)))
     step = float(np.median(high_dn - low_dn))
     if step <= 3 * noise:
-        yield Finding(
-            severity="warning",
-            where=layout.REFERENCE,
-            what=f"rises by {step:.4g} DN from low to high at a noise of {noise:.2g} DN",
+        yield warning_at(
+            layout.REFERENCE,
+            f"rises by {step:.4g} DN from low to high at a noise of {noise:.2g} DN",
+            code="reference-contrast-low",
             cure="high must be clearly brighter; record the two further apart, or swap them",
         )
 
@@ -216,4 +219,4 @@ def _summary(contents: Contents) -> Finding:
         f"{camera}: {n_frames} frames of {rows} x {columns} for {n_triggers} triggers in {duration(contents)}, "
         f"{(n_edges - 1) // 2} turns"
     )
-    return Finding(severity="ok", where="", what=what)
+    return Finding(code="recording-sound", severity="ok", where="", what=what)

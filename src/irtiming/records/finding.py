@@ -15,11 +15,11 @@ class Finding:
     path inside a file, a recording's name, "" for the whole; ``cure`` is empty where nothing is to be done.
     """
 
+    code: str
     severity: Severity
     where: str
     what: str
     cure: str = ""
-    code: str = ""
 
     def sentence(self) -> str:
         """The finding in one line."""

@@ -6,6 +6,7 @@ from typing import Literal, Protocol, final
 
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.finding import Finding
 
 CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
@@ -62,7 +63,8 @@ class Recording:
     ``start_time`` is text in ISO 8601, empty where unknown. Shapes: frame_number (n_frame,), each ticks array (n_edge,).
     What the camera and this computer said of each frame is kept as it came, shape (n_frame,): ``frame_id``,
     ``frame_timestamp_ticks`` of the camera's own clock of ``timestamp_frequency_hz``, and ``frame_host_time_s``.
-    ``ending`` is "complete", or why the recording ended early; empty where unknown.
+    ``ending`` is "complete", or why the recording ended early; empty where unknown. ``findings``
+    are the warnings of its file, which do not stop an analysis.
     """
 
     name: str
@@ -96,4 +98,4 @@ class Recording:
     program_version: str = ""
     source: str = ""
     sha256: str = ""
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()

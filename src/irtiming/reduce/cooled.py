@@ -91,7 +91,7 @@ def reduce(
         integration_time_s=recording.integration_time_s,
         trigger_delay_time_set_s=recording.trigger_delay_time_set_s,
         rotation_speed_hz=recording.rotation_speed_hz,
-        warnings=recording.warnings
+        warnings=tuple(finding.sentence() for finding in recording.findings)
         + tuple(f"{recording.name}: {text}" for text in learned.findings + found.warnings + remarks),
     )
 

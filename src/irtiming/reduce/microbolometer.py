@@ -51,6 +51,7 @@ def reduce(
     watch = _watch(recording, sighting, learned)
     harvest = row_sums.gather(recording, sighting, angle=angle, watch=watch, progress=progress)
     events = shutter.events(harvest.event, harvest.zone, levels=harvest.levels)
+    said = tuple(finding.sentence() for finding in recording.findings)
     remarks = sighting.warnings + _remarks(recording, harvest, angle, events)
     kept = harvest.segment >= 0
     time_s = (triggers - triggers[0]) / recording.clock_frequency_hz
@@ -77,7 +78,7 @@ def reduce(
         rotation_speed_hz=recording.rotation_speed_hz,
         edge_frame_dn=recording.frames.pick([int(np.flatnonzero(kept)[_edge_frame(mask_row_sum)])])[0],
         edge_frame=_edge_frame(mask_row_sum),
-        warnings=(*recording.warnings, *(f"{recording.name}: {text}" for text in (*learned.findings, *remarks))),
+        warnings=(*said, *(f"{recording.name}: {text}" for text in (*learned.findings, *remarks))),
         blackbody_temperature_k=recording.blackbody_temperature_k,
     )
 

@@ -37,4 +37,4 @@ def test_the_recording_of_the_page_holds_what_the_program_put_in(made):
     assert recording.rotation_speed_hz == 3.0
     assert recording.nonuniformity is not None
     assert recording.nonuniformity.low_temperature_k == 288.15
-    assert recording.warnings == ()
+    assert recording.findings == ()

@@ -43,7 +43,7 @@ def test_a_complete_run_is_read_as_it_was_recorded(path: Path) -> None:
     np.testing.assert_array_equal(recording.frame_timestamp_ticks, 33_000_000 * np.arange(20) + 5)
     np.testing.assert_allclose(recording.frame_host_time_s, 100.0 + 0.033 * np.arange(20))
     assert recording.frame_id.tolist() == recording.frame_number.tolist() == list(range(20))
-    assert (recording.ending, recording.warnings, recording.lost_after_ticks.size) == ("complete", (), 0)
+    assert (recording.ending, recording.findings, recording.lost_after_ticks.size) == ("complete", (), 0)
     assert recording.application_edge_ticks is None  # nothing came on that line
     assert recording.camera == head().camera
     assert recording.rotation_speed_hz == CLOCK_HZ / TURN
@@ -98,7 +98,7 @@ def test_frames_that_are_not_whole_stay_in_the_file_and_are_left_out_when_read(p
     np.testing.assert_array_equal(blocks, [pixels(k) for k in (0, 1, 2, 4, 6, 7, 8)])
     np.testing.assert_array_equal(recording.frames.pick([6, 3]), [pixels(8), pixels(4)])
     told = "tells that of 10 frames 1 damaged, 1 blank, 1 without a timestamp of their trigger; they are left out"
-    assert [told in warning for warning in recording.warnings] == [True]
+    assert [told in finding.sentence() for finding in recording.findings] == [True]
     with h5py.File(path) as file:
         camera = file["entry/instrument/camera"]
         assert camera["frame_status"][()].tolist() == [0, 0, 0, 1, 0, 2, 0, 0, 0, 3]
@@ -128,7 +128,7 @@ def test_it_can_be_read_while_it_is_written(path: Path) -> None:
         append_frames(live, range(10))
         live.append_frame(frame(10), frame_number=10)  # its trigger is not there yet
         early = read_so_far(path)
-        assert (early.frame_number.tolist(), early.ending, early.warnings) == (list(range(10)), "", ())
+        assert (early.frame_number.tolist(), early.ending, early.findings) == (list(range(10)), "", ())
         append_frames(live, range(11, 12))
         np.testing.assert_array_equal(np.concatenate([b for _, b in early.frames.blocks()])[9], pixels(9))
         assert read_so_far(live.part).frames.shape == (11, ROWS, COLUMNS)
@@ -169,7 +169,7 @@ def test_whatever_ends_the_block_the_file_is_finished_and_says_so(
     assert raised.value.__notes__ == [f"what came until then is in {path}"]
     recording = reader.read(path)
     assert (recording.ending, recording.frames.shape[0]) == (ending, 10)
-    assert f"/entry/ending says: {ending}" in recording.warnings[0]
+    assert f"/entry/ending says: {ending}" in recording.findings[0].sentence()
 
 
 def test_a_run_that_ends_too_early_stays_unfinished_and_an_empty_one_leaves_nothing(path: Path) -> None:

@@ -77,7 +77,7 @@ def test_a_sound_file_gives_the_values_written_by_hand(hand_made: Callable[..., 
     assert recording.clock_frequency_hz == 49_152_000.0
     assert (recording.camera_period_ticks, recording.wheel_period_ticks) == (1_622_016, 16_384_000)
     assert recording.blackbody_temperature_k == 303.15
-    assert recording.warnings == ()
+    assert recording.findings == ()
     assert recording.sha256 == sha256_of(path)
     np.testing.assert_array_equal(recording.camera_trigger_ticks, triggers)
     assert not recording.camera_trigger_ticks.flags.writeable
@@ -117,7 +117,7 @@ def test_absent_optional_fields_get_the_documented_defaults(hand_made: Callable[
         (_put(f"{CAMERA}/type", ["microbolometer"]), "camera_type", "microbolometer"),
         (_put("entry/title", "Zürich"), "name", "Zürich"),
         (_put("entry/start_time", "2026-11-20T09:00:00+00:00"), "start_time", "2026-11-20T09:00:00+00:00"),
-        (_put("entry/something", 1), "warnings", ()),
+        (_put("entry/something", 1), "findings", ()),
     ],
 )
 def test_units_and_kinds_of_text_are_understood(
@@ -261,9 +261,9 @@ def test_an_oddity_is_a_warning(
     hand_made: Callable[..., Path], change: Callable[[h5py.File], None], fragments: list[str]
 ) -> None:
     """Oracle: what can be analysed is not refused, and not silently accepted."""
-    (warning,) = reader.read(hand_made(change)).warnings
+    (finding,) = reader.read(hand_made(change)).findings
     for fragment in fragments:
-        assert fragment in warning
+        assert fragment in finding.sentence()
 
 
 def test_a_file_that_cannot_be_opened_says_why(hand_made: Callable[..., Path], tmp_path: Path) -> None:
@@ -384,6 +384,6 @@ def test_the_example_recordings_are_read(shared_recordings: Path) -> None:
         recording = reader.read(path)
         assert recording.camera_type == json.loads((path.parent / "truth.json").read_text())["camera"]
         assert recording.frames.shape[1:] == (120, 160)
-        assert recording.warnings == ()
+        assert recording.findings == ()
         assert recording.trigger_delay_time_set_s == (0.025 if "25ms" in path.name else 0.0)
         assert f"{recording.rotation_speed_hz:.0f}Hz" in path.name

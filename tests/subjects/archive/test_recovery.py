@@ -100,7 +100,7 @@ def test_a_frame_that_the_disk_lost_is_marked(tmp_path: Path) -> None:
     part.write_bytes(content)
     recording = reader.read(recover(part, trust=True))
     assert recording.frame_number.tolist() == [k for k in range(20) if k != 7]
-    assert "1 damaged" in " ".join(recording.warnings)
+    assert "1 damaged" in " ".join(finding.what for finding in recording.findings)
     np.testing.assert_array_equal(recording.frames.pick([6, 7]), [pixels(6), pixels(8)])
 
 

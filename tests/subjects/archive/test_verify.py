@@ -165,6 +165,7 @@ def test_a_sound_file_has_one_line_that_says_what_it_holds(hand_made: Callable[.
     seen = []
     (finding,) = verify(hand_made(), progress=lambda done, total: seen.append((done, total)))
     assert finding == Finding(
+        code="recording-sound",
         severity="ok",
         where="",
         what="photon, snapshot: 20 frames of 4 x 6 for 20 triggers in 627 ms, 4 turns",

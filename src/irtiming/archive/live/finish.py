@@ -88,5 +88,6 @@ def _require_numbers(frame_number: Ticks, *, n_frames: int) -> None:
         raise refuse(
             layout.FRAME_NUMBER.path,
             f"got {len(frame_number)} corrected numbers for {n_frames} frames",
+            code="corrected-number-count",
             cure="give one per frame, rising, from 0",
         )

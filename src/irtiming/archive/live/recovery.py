@@ -87,7 +87,7 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
     """The finished file under another name."""
     with opened(source, is_growing=True) as file:
         if frames_there(file) == 0:
-            raise refuse("", f"has {summary(file)}", cure="delete it and record again")
+            raise refuse("", f"has {summary(file)}", code="nothing-to-recover", cure="delete it and record again")
         ending = ending_of(file)
         _copy(file, path)
     with h5py.File(path, "r+", libver=layout.HDF5_FORMAT) as file:

@@ -67,7 +67,12 @@ def _so_far(file: h5py.File) -> Checked:
         contents[field] = None if field is layout.FRAMES else read_field(file, field)
     n_timed = int(np.searchsorted(contents[layout.FRAME_NUMBER][:n_frames], contents[layout.CAMERA_TRIGGER].size))
     if n_timed == 0:
-        raise refuse("", "has no frame with a timestamp of its trigger yet", cure="wait for the first ones")
+        raise refuse(
+            "",
+            "has no frame with a timestamp of its trigger yet",
+            code="no-timed-frame-yet",
+            cure="wait for the first ones",
+        )
     for field in (layout.FRAME_STATUS, *layout.PER_FRAME):
         contents[field] = contents[field][:n_timed]
     contents[layout.FRAMES] = (n_timed, *file[layout.FRAMES.path].shape[1:])

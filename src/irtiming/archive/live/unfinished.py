@@ -33,16 +33,23 @@ def unfinished(path: str | Path) -> Finding:
             what = f"is not finished: it has {summary(file)}"
             if is_in_use:
                 return refuse(
-                    "", f"{what} so far", cure="a program is at work on it; wait until it has finished"
+                    "",
+                    f"{what} so far",
+                    code="unfinished-in-use",
+                    cure="a program is at work on it; wait until it has finished",
                 ).finding
             if frames_there(file) == 0:
-                return refuse("", what, cure="delete it and record again").finding
+                return refuse("", what, code="unfinished-without-frames", cure="delete it and record again").finding
     except Complaint as complaint:
         if not part.exists():
             return complaint.finding
         cure = "it was made in one go and cannot be recovered; delete it and make it again"
-        return refuse("", f"is not finished and {complaint.finding.what}", cure=cure).finding
-    return refuse("", what, cure=f"the program that wrote it was stopped; irtiming recover {part.name}").finding
+        return refuse(
+            "", f"is not finished and {complaint.finding.what}", code="unfinished-unrecoverable", cure=cure
+        ).finding
+    return refuse(
+        "", what, code="unfinished", cure=f"the program that wrote it was stopped; irtiming recover {part.name}"
+    ).finding
 
 
 def summary(file: h5py.File) -> str:
