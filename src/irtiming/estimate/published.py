@@ -74,6 +74,7 @@ def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s:
         method="published",
         estimate=Estimate(
             names=tuple(names[k] for k in keep),
+            units=("s",) * len(keep),
             values=(weights @ delay.ravel() - start)[keep],
             covariance=covariance[np.ix_(keep, keep)],
         ),
@@ -116,7 +117,7 @@ def without(reason: str) -> DelayResult:
     """No result, because the procedure could not be run; it must not take the default method with it."""
     return DelayResult(
         method="published",
-        estimate=Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
+        estimate=Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
         relative_delays=(),
         budget=(),
         edge_delay_s=np.full(4, np.nan),

@@ -24,7 +24,7 @@ def estimate(fits: Sequence[PublishedLagFit]) -> RollingResult:
     scatter = np.sqrt(np.diag(covariance))
     return RollingResult(
         method="published",
-        estimate=Estimate(names=NAMES, values=values.mean(axis=0), covariance=covariance),
+        estimate=Estimate(names=NAMES, units=("s",) * len(NAMES), values=values.mean(axis=0), covariance=covariance),
         relative_delays=_relative(fits),
         budget=(
             RollingContribution(
@@ -50,7 +50,7 @@ def without(reason: str) -> RollingResult:
     nothing = np.zeros(0)
     return RollingResult(
         method="published",
-        estimate=Estimate(names=(), values=nothing, covariance=np.zeros((0, 0))),
+        estimate=Estimate(names=(), units=(), values=nothing, covariance=np.zeros((0, 0))),
         relative_delays=(),
         budget=(),
         edge_delay_s=np.full(4, np.nan),

@@ -89,7 +89,7 @@ def estimate(
     return RollingResult(
         method="row-sum",
         estimate=Estimate(
-            names=tuple(NAMES[k] for k in keep), values=values[keep], covariance=covariance[np.ix_(keep, keep)]
+            names=tuple(NAMES[k] for k in keep), units=("s",) * len(keep), values=values[keep], covariance=covariance[np.ix_(keep, keep)]
         ),
         relative_delays=_relative(fits, told),
         budget=budget,

@@ -185,7 +185,9 @@ def _measurands(shared: linear.SharedDelays, window: _Window) -> tuple[Estimate,
         else (Contribution(source="length of the window (corners)", kind="A", standard_uncertainty_s=window.u_s / 2),)
     )
     names = tuple(_NAMES[k] for k in keep)
-    return Estimate(names=names, values=values[keep], covariance=covariance[np.ix_(keep, keep)]), in_window
+    return Estimate(
+        names=names, units=("s",) * len(names), values=values[keep], covariance=covariance[np.ix_(keep, keep)]
+    ), in_window
 
 
 def angle_parts(fits: Sequence[EdgeDelayFit], geometry: WheelGeometry) -> tuple[tuple[AnglePart, ...], Array]:

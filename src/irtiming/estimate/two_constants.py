@@ -217,13 +217,14 @@ def _estimate(problem: _Problem, share: float) -> Estimate:
     change = np.array([[1 / (1 - share), both / (1 - share) ** 2], [1 / share, -both / share**2]])
     return Estimate(
         names=NAMES,
+        units=("s",) * len(NAMES),
         values=problem.constants(share),
         covariance=change @ problem.covariance(share) @ change.T,
     )
 
 
 def _nothing() -> Estimate:
-    return Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
+    return Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
 
 
 def _bounds(problem: _Problem, deviation: Array) -> tuple[Bound, ...]:

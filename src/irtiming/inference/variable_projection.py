@@ -22,7 +22,7 @@ class Projected:
     levels: Array
 
 
-def project(data: Array, shapes: Array, slopes_of: Callable[[Array], Array]) -> Projected:
+def project(data: Array, shapes: Array, *, slopes_of: Callable[[Array], Array]) -> Projected:
     """Residuals of data that are a sum of shapes, at the best amounts of each.
 
     Parameters

@@ -12,19 +12,22 @@ from irtiming.records.reduced import ExposedFraction, Method
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate:
-    """Values of measurands with their covariance; one unit for all, the second.
+    """Named numbers with their units and covariance: measurands, or what a fit takes.
 
-    Shapes: names and values (n,), covariance (n, n).
+    Shapes: names, units and values (n,), covariance (n, n). Numbers are asked for by name.
     """
 
     names: tuple[str, ...]
+    units: tuple[str, ...]
     values: Array
     covariance: Array
 
     def __post_init__(self) -> None:
         n = len(self.names)
-        if self.values.shape != (n,) or self.covariance.shape != (n, n):
-            raise ValueError(f"{n} names, values {self.values.shape}, covariance {self.covariance.shape}: must agree")
+        if self.values.shape != (n,) or self.covariance.shape != (n, n) or len(self.units) != n:
+            raise ValueError(
+                f"{n} names, {len(self.units)} units, values {self.values.shape}, covariance {self.covariance.shape}: must agree"
+            )
 
     @property
     def standard_uncertainties(self) -> Array:
@@ -37,6 +40,28 @@ class Estimate:
         u = self.standard_uncertainties
         scale = np.where(u > 0, u, 1.0)
         return np.asarray(self.covariance / np.outer(scale, scale)) * np.outer(u > 0, u > 0)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.names
+
+    def value(self, name: str) -> float:
+        """Of one number."""
+        return float(self.values[self.names.index(name)])
+
+    def u(self, name: str) -> float:
+        """Standard uncertainty of one number."""
+        k = self.names.index(name)
+        return float(np.sqrt(self.covariance[k, k]))
+
+    def pick(self, *names: str) -> "Estimate":
+        """Some of the numbers, in the order asked for."""
+        at = [self.names.index(name) for name in names]
+        return Estimate(
+            names=names,
+            units=tuple(self.units[k] for k in at),
+            values=self.values[at],
+            covariance=self.covariance[np.ix_(at, at)],
+        )
 
 
 @final

@@ -172,7 +172,12 @@ def test_profile_is_that_of_an_independent_program(noisy):
     """Oracle: iminuit, holding the delay two uncertainties beside its best and freeing the rest."""
     given, _, found = noisy
     u = float(np.sqrt(joint_fit.covariance(given, found)[0, 0]))
-    estimate = Estimate(names=("exposure_midpoint_delay",), values=found.shared[:1], covariance=np.array([[u**2]]))
+    estimate = Estimate(
+        names=("exposure_midpoint_delay",),
+        units=("s",),
+        values=found.shared[:1],
+        covariance=np.array([[u**2]]),
+    )
     (profile,) = joint_profile.profiles(given, found, estimate=estimate, integration_time_s=WINDOW)
     lowest = _minuit(given, found).migrad().fval
     for value, deviation in list(zip(profile.values, profile.deviation, strict=True))[::4]:

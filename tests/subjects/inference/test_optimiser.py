@@ -78,7 +78,9 @@ def test_projection_has_the_minimum_of_the_whole_problem():
 
     def projected(numbers):
         wave = np.exp(-numbers["rate"] * TIME)
-        return variable_projection.project(data, wave[:, None], lambda levels: (-levels[0] * TIME * wave)[:, None]).at
+        return variable_projection.project(
+            data, wave[:, None], slopes_of=lambda levels: (-levels[0] * TIME * wave)[:, None]
+        ).at
 
     whole = optimiser.minimise(_decay, start={"height": 1.0, "rate": 3.0})
     alone = optimiser.minimise(projected, start={"rate": 3.0})

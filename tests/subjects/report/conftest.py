@@ -200,6 +200,8 @@ def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
         method=method,
         estimate=Estimate(
             names=("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising"),
+            units=("s",)
+            * len(("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising")),
             values=np.array([400e-6, 525e-6, 401e-6, 399e-6]),
             covariance=np.outer(shift, shift) * 30e-6**2 + own,
         ),
@@ -378,7 +380,10 @@ def _rolling_result(method: str, names: tuple[str, ...]) -> RollingResult:
     return RollingResult(
         method=method,
         estimate=Estimate(
-            names=("trigger_delay", "time_constant", "row_delay"), values=values, covariance=np.diag(u**2)
+            names=("trigger_delay", "time_constant", "row_delay"),
+            units=("s",) * 3,
+            values=values,
+            covariance=np.diag(u**2),
         ),
         relative_delays=(
             RelativeDelay(file=names[0], nominal_s=0.0, value_s=0.0, standard_uncertainty_s=0.0),

@@ -25,7 +25,7 @@ def _at_one_speed(edges_s: float, common_s: float) -> DelayResult:
     covariance = weights @ (4 * edges_s**2 * np.eye(4) + common_s**2) @ weights.T
     return DelayResult(
         method="pixel-sum",
-        estimate=Estimate(names=ALL_EDGES, values=np.zeros(3), covariance=covariance),
+        estimate=Estimate(names=ALL_EDGES, units=("s",) * len(ALL_EDGES), values=np.zeros(3), covariance=covariance),
         relative_delays=(),
         budget=(_part("mask centre angle phi_M", common_s), _part("cutout edges", edges_s, 3.0)),
         edge_delay_s=np.zeros(4),
@@ -142,7 +142,9 @@ def test_a_length_has_no_sign(analysis):
     names = (*estimate.names, "integration_time")
     wide = np.zeros((5, 5))
     wide[:4, :4], wide[4, 4] = estimate.covariance, 10e-6**2
-    longer = Estimate(names=names, values=np.append(estimate.values, 250e-6), covariance=wide)
+    longer = Estimate(
+        names=names, units=("s",) * len(names), values=np.append(estimate.values, 250e-6), covariance=wide
+    )
     told = replace(analysis, best=replace(analysis.best, estimate=longer))
     found = result.result(told)["parameters"]["integration_time"]
     assert found["reference_event"] == "length of the integration window"

@@ -88,7 +88,12 @@ def test_the_verdict_says_event_sign_method_and_k(analysis):
 def test_a_negative_delay_comes_before_the_edge(analysis):
     """Oracle: the sign in words, once."""
     estimate = analysis.best.estimate
-    early = Estimate(names=estimate.names, values=-estimate.values, covariance=estimate.covariance)
+    early = Estimate(
+        names=estimate.names,
+        units=("s",) * len(estimate.names),
+        values=-estimate.values,
+        covariance=estimate.covariance,
+    )
     verdict = certificate.verdict(replace(analysis, best=replace(analysis.best, estimate=early)))
     assert "comes 400 ± 30 µs before the trigger edge" in verdict.sentence
     assert verdict.number == "trigger delay = −400 ± 30 µs"
@@ -96,7 +101,12 @@ def test_a_negative_delay_comes_before_the_edge(analysis):
 
 def test_without_an_integration_time_the_verdict_tells_the_middle(analysis):
     """Oracle: the start cannot be told, and is not."""
-    middle = Estimate(names=("exposure_midpoint_delay",), values=np.array([525e-6]), covariance=np.array([[30e-6**2]]))
+    middle = Estimate(
+        names=("exposure_midpoint_delay",),
+        units=("s",),
+        values=np.array([525e-6]),
+        covariance=np.array([[30e-6**2]]),
+    )
     part = replace(analysis, best=replace(analysis.best, estimate=middle))
     assert certificate.verdict(part).sentence.startswith("The middle of integration comes 525 ± 30 µs after")
     assert certificate.page(part)

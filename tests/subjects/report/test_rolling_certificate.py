@@ -50,7 +50,12 @@ def upward(rolling):
 @pytest.fixture(scope="module")
 def undetermined(rolling):
     """Only the row delay is a number."""
-    row = Estimate(names=("row_delay",), values=np.array([40e-6]), covariance=np.array([[0.04e-12]]))
+    row = Estimate(
+        names=("row_delay",),
+        units=("s",),
+        values=np.array([40e-6]),
+        covariance=np.array([[0.04e-12]]),
+    )
     bounds = (
         Bound(name="time_constant", lower_s=0.0, upper_s=3e-3),
         Bound(name="trigger_delay", lower_s=None, upper_s=5e-3),
@@ -245,7 +250,7 @@ def test_the_page_stands_without_the_published_procedure(rolling):
         published_fits=(),
         as_published=replace(
             rolling.as_published,
-            estimate=Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
+            estimate=Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
             relative_delays=(),
             budget=(),
         ),

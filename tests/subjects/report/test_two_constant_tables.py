@@ -20,7 +20,10 @@ def told():
     kelvin = np.array([288.15, 303.15, 318.15])
     return TwoConstantsResult(
         estimate=Estimate(
-            names=NAMES, values=np.array([8e-3, 16e-3]), covariance=np.array([[1e-8, -3.9e-8], [-3.9e-8, 16e-8]])
+            names=NAMES,
+            units=("s",) * len(NAMES),
+            values=np.array([8e-3, 16e-3]),
+            covariance=np.array([[1e-8, -3.9e-8], [-3.9e-8, 16e-8]]),
         ),
         reference_temperature_k=300.0,
         surroundings=PixelSurroundings(
@@ -50,7 +53,7 @@ def told():
 @pytest.fixture
 def bounded(told):
     """Nothing determined."""
-    nothing = Estimate(names=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
+    nothing = Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
     bounds = (
         Bound(name=NAMES[0], lower_s=5.3e-3, upper_s=6e-3),
         Bound(name=NAMES[1], lower_s=40e-3, upper_s=None),
