@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import RowModel, row_functions
-from irtiming.physics.first_order_lag import at_angles, lag_factor, later, open_harmonics
+from irtiming.physics.response.first_order_lag import transfer
 from irtiming.physics.wheel import WheelModel
+from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
 
 TURN = 2 * np.pi
 M = 24
@@ -88,14 +89,14 @@ def test_light_adds_up(model, delay, tau, t_row, a, b):
 @given(_wheels(), st.floats(-4, 4), _TAUS)
 def test_a_lagging_pixel_stays_between_covered_and_open(wheel, theta, tau):
     """Oracle: relaxing towards 0 or 1 never leaves what lies between; a series of 24 harmonics rings by 9 % at a step."""
-    seen = open_harmonics(wheel, M).sum(axis=0) * lag_factor(3 * TURN, tau, n_harmonics=M)
+    seen = open_harmonics(wheel, M).sum(axis=0) * transfer(3 * TURN, tau, n_harmonics=M)
     assert -0.2 < at_angles(seen, np.array([theta]))[0] < 1.2
 
 
 @given(_wheels(), _TAUS)
 def test_lag_leaves_the_mean_and_lowers_every_wave(wheel, tau):
     """Oracle: what goes in comes out; only later and lower, the higher the order the more."""
-    factor = lag_factor(3 * TURN, tau, n_harmonics=M)
+    factor = transfer(3 * TURN, tau, n_harmonics=M)
     assert factor[0] == 1
     assert np.all(np.diff(np.abs(factor)) <= 1e-15)
     assert np.all(np.angle(factor[1:]) <= 0)
@@ -108,14 +109,14 @@ def test_lag_leaves_the_mean_and_lowers_every_wave(wheel, tau):
 @given(_TAUS, _TAUS)
 def test_small_lags_are_delays(tau, other):
     """Oracle: 1 / (1 + i x) = exp(-i x) to second order; two lags one after the other are a product."""
-    both = lag_factor(TURN, tau, n_harmonics=M) * lag_factor(TURN, other, n_harmonics=M)
+    both = transfer(TURN, tau, n_harmonics=M) * transfer(TURN, other, n_harmonics=M)
     np.testing.assert_allclose(
         both, 1 / ((1 + 1j * TURN * np.arange(M + 1) * tau) * (1 + 1j * TURN * np.arange(M + 1) * other))
     )
     small = tau * 1e-3
     x = np.arange(M + 1) * TURN * small
     late = later(-TURN * small, n_harmonics=M)
-    assert np.all(np.abs(lag_factor(TURN, small, n_harmonics=M) - late) <= x**2 + 1e-15)
+    assert np.all(np.abs(transfer(TURN, small, n_harmonics=M) - late) <= x**2 + 1e-15)
 
 
 @settings(max_examples=50, deadline=None)

@@ -11,8 +11,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray
 
 
 @final

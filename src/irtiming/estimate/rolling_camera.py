@@ -21,10 +21,10 @@ from irtiming.estimate.row_light import RowLight
 from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics import blurred_sector
 from irtiming.physics.wheel import WheelModel
-from irtiming.records.arrays import Array
+from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import AxleView
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ComplexArray, ReducedRows
+from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 

@@ -9,7 +9,7 @@ where the angle errors e (mask, gates, slots) and e_i (cutout edge i) are common
 opening's shape in the image. All numbers are combined by generalised least squares with just this covariance, so that
 several wheel speeds separate delays from angles by themselves.
 
-A warmer pixel is faster (`physics.two_constant`): each blackbody temperature has a tau of its own, and so has it a sector, for
+A warmer pixel is faster (`response.two_constants`): each blackbody temperature has a tau of its own, and so has it a sector, for
 plate and wheel differ from it in contrast. Of several taus the mean is told, and they themselves in `EffectiveTimeConstants`.
 """
 

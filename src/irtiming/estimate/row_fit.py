@@ -12,11 +12,11 @@ from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
 from irtiming.estimate.row_residuals import robust_covariance
 from irtiming.estimate.row_timing import HARMONICS, Parabola, RowModel, Solution
-from irtiming.physics import first_order_lag
+from irtiming.physics import wheel_harmonics
 from irtiming.physics.wheel import TURN, WheelModel
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, Mask
-from irtiming.records.rolling import ComplexArray, ReducedRows
+from irtiming.records.arrays import Array, ComplexArray, Mask
+from irtiming.records.rolling import ReducedRows
 from irtiming.records.row_timing import RowTimingFit, TimeConstantScan
 
 _SCAN_POINTS, _SCAN_WIDTH = 21, 4.0
@@ -144,7 +144,7 @@ def _task(rows: ReducedRows, wheel: WheelModel, light: RowLight) -> _Task:
         stretches=stretches,
         data=[harmonic_data.compress(angle[part], sums[part], n_harmonics=HARMONICS) for part in stretches],
         model=RowModel(
-            open_harmonics=first_order_lag.open_harmonics(wheel, HARMONICS),
+            open_harmonics=wheel_harmonics.open_harmonics(wheel, HARMONICS),
             row_harmonics=light.harmonics,
             row_px=light.row_px,
             angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,

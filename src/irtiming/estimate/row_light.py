@@ -9,8 +9,7 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector
-from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)

@@ -18,10 +18,10 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.harmonic_data import HarmonicData, packed
-from irtiming.physics import first_order_lag
+from irtiming.physics import wheel_harmonics
+from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array, Ticks
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 
 HARMONICS = 64
 """Highest order of the model: at tau = 3 ms and 3 Hz what is beyond has a hundredth of the power of a row's noise."""
@@ -146,9 +146,9 @@ def row_functions(model: RowModel, values: Array) -> tuple[ComplexArray, Complex
     omega, tau, t_row = model.angular_frequency_rad_per_s, values[4], values[5]
     n = model.row_harmonics.shape[1] - 1
     turning = 1j * np.arange(n + 1) * omega
-    lag = first_order_lag.lag_factor(omega, tau, n_harmonics=n)
-    edges = model.open_harmonics * first_order_lag.later(omega * values[:4], n_harmonics=n) * lag
-    rows = model.row_harmonics * first_order_lag.later(omega * model.row_px * t_row, n_harmonics=n)
+    lag = first_order_lag.transfer(omega, tau, n_harmonics=n)
+    edges = model.open_harmonics * wheel_harmonics.later(omega * values[:4], n_harmonics=n) * lag
+    rows = model.row_harmonics * wheel_harmonics.later(omega * model.row_px * t_row, n_harmonics=n)
     by_edge = (edges * turning)[:, None, :] * rows
     whole = edges.sum(axis=0) * rows
     by_row = by_edge.sum(axis=0) * model.row_px[:, None]

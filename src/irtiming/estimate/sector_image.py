@@ -17,11 +17,12 @@ from scipy.special import ndtr
 
 from irtiming.estimate.row_light import shape_of
 from irtiming.estimate.row_timing import HARMONICS
-from irtiming.physics import blurred_sector, first_order_lag, smooth_field
+from irtiming.physics import blurred_sector, smooth_field, wheel_harmonics
+from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import TURN, WheelModel
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, Mask
-from irtiming.records.rolling import ComplexArray, ReducedRows
+from irtiming.records.arrays import Array, ComplexArray, Mask
+from irtiming.records.rolling import ReducedRows
 
 SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 0.02, 1e-5, 0.05, 2.0, 2.0])
 BLUR, DISTORTION, ROW_DELAY, PHASE, RING_INNER, RING_OUTER = 8, 9, 10, 11, 12, 13
@@ -175,10 +176,10 @@ def _point_table(recordings: list[ReducedRows], wheel: WheelModel, lag: tuple[Ar
     spectrum = np.zeros(_TABLE, complex)
     for one in recordings:
         omega = one.track.angular_frequency_rad_per_s
-        by_edge = first_order_lag.open_harmonics(wheel, HARMONICS) * first_order_lag.later(
+        by_edge = wheel_harmonics.open_harmonics(wheel, HARMONICS) * wheel_harmonics.later(
             omega * delays, n_harmonics=HARMONICS
         )
-        point = by_edge.sum(axis=0) * first_order_lag.lag_factor(omega, tau, n_harmonics=HARMONICS)
+        point = by_edge.sum(axis=0) * first_order_lag.transfer(omega, tau, n_harmonics=HARMONICS)
         angle = wheel_angle_rad(one.trigger_delay_time_set_s, one.track, at_ticks=one.trigger_ticks)
         waves = np.exp(1j * np.multiply.outer(order, angle))
         np.add.at(spectrum, -order, point * (waves @ one.contrast.frame_weight) / 2)

@@ -6,8 +6,7 @@ import numpy as np
 from numba import njit
 
 from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array, Ticks
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 
 LIMITS = (0.2, 0.8)
 

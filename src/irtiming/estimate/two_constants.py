@@ -6,7 +6,7 @@ With the share s of the scene in the exchange of heat at the reference temperatu
 .. math:: \tau_k = \tau_0\,h_k(s), \qquad h_k = \frac{1 + 1.4\,\varepsilon_k^2}{1 - s + s\,L'(T_k) / L'(T_0)}
 
 T_k is the middle of the two steady temperatures of a pixel, before the blackbody and before the wheel; it depends on s alone.
-So tau_0 is solved for and s searched. The term with epsilon (`physics.two_constant.bending`) is there because a single
+So tau_0 is solved for and s searched. The term with epsilon (`physics.response.two_constants.bending`) is there because a single
 exponential, fitted to an answer that is none, is slower than the middle: 1.4 was found by fits to stepped solutions, and
 holds to 0.2 for an opening of 75 degrees and pixels that spend as long before the wheel as before the blackbody. What speeds the
 end of a warming slows the end of a cooling: to first order that moves the edges' delays apart and leaves tau alone. Neglected:
@@ -23,9 +23,14 @@ from typing import final
 import numpy as np
 from scipy import optimize, stats
 
-from irtiming.physics import two_constant
 from irtiming.physics.radiance import in_band_radiance
-from irtiming.physics.two_constant import REFERENCE_TEMPERATURE_K, TwoConstants
+from irtiming.physics.response.two_constants import (
+    REFERENCE_TEMPERATURE_K,
+    TwoConstants,
+    bending,
+    effective_time_constant,
+    steady_temperature,
+)
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
@@ -167,11 +172,11 @@ def _relative(share: float, blackbody_k: Array, around: PixelSurroundings) -> tu
         substrate_time_constant_s=1 / (1 - share), scene_time_constant_s=1 / share if share > 0 else np.inf
     )
     seen = np.array([*blackbody_k, around.wheel_temperature_k])
-    steady = two_constant.steady_temperature(model, seen, substrate_temperature_k=around.substrate_temperature_k)
+    steady = steady_temperature(model, seen, substrate_temperature_k=around.substrate_temperature_k)
     exposed, covered = steady[:-1], np.full(len(blackbody_k), steady[-1])
     middle = (exposed + covered) / 2
-    bend = _BENT * two_constant.bending(model, exposed, second_k=covered) ** 2
-    return two_constant.effective_time_constant(model, middle) * (1 + bend), middle, bend
+    bend = _BENT * bending(model, exposed, second_k=covered) ** 2
+    return effective_time_constant(model, middle) * (1 + bend), middle, bend
 
 
 def _surroundings(effective: EffectiveTimeConstants, substrate_k: float, wheel_k: float | None) -> PixelSurroundings:

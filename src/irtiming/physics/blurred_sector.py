@@ -28,8 +28,7 @@ import numpy as np
 from numba import njit
 
 from irtiming.physics.lens import Lens
-from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth

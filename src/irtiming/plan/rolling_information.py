@@ -13,13 +13,16 @@ from typing import TypeAlias, final
 
 import numpy as np
 
-from irtiming.physics import blurred_sector, first_order_lag
+from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics.camera import camera
+from irtiming.physics.light import row_sum
+from irtiming.physics.light.row_sum import RowSum, Timing
+from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import TURN, WheelModel
 from irtiming.plan.information import EDGES, Information, without_own
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.camera_description import Microbolometer
 from irtiming.records.prediction import AngleErrors
-from irtiming.records.rolling import ComplexArray
 from irtiming.records.row_timing import SectorShape
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
@@ -170,7 +173,8 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
 
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
     """Information (6, 6) on four edge delays, tau and t_row, s^-2, and their change (6, 9) per unit of the sector's numbers."""
-    whole, slopes = _row_functions(run, model)
+    rows, timing = _row_sums(run, model)
+    whole, slopes = row_sum.harmonics(rows, timing), row_sum.slopes(rows, timing)
     light = run.rows.harmonics
     moved = run.rows.changes * (whole / np.where(light == 0, 1, light))
     summed = summed_pixels(light)
@@ -189,18 +193,17 @@ def summed_pixels(light: ComplexArray) -> Array:
     return np.asarray(light[:, 0].real + 2 * _BORDER_PX)
 
 
-def _row_functions(run: RollingRun, model: WheelModel) -> tuple[ComplexArray, ComplexArray]:
-    """Harmonics of each row, (n_row, M + 1), and their derivatives to d_0 .. d_3, tau, t_row, (6, n_row, M + 1)."""
-    omega, order = run.angular_frequency_rad_per_s, np.arange(_HARMONICS + 1)
-    lag = first_order_lag.lag_factor(omega, run.camera.time_constant_s, n_harmonics=_HARMONICS)
-    read = first_order_lag.later(omega * run.camera.row_delay_s * run.rows.row_px, n_harmonics=_HARMONICS)
-    turning = 1j * order * omega
-    edges = first_order_lag.open_harmonics(model, _HARMONICS) * lag
-    rows = run.rows.harmonics * read
-    by_edge = (edges * turning)[:, None, :] * rows
-    whole = edges.sum(axis=0) * rows
-    by_row = by_edge.sum(axis=0) * run.rows.row_px[:, None]
-    return whole, np.concatenate([by_edge, (-turning * lag * whole)[None], by_row[None]])
+def _row_sums(run: RollingRun, model: WheelModel) -> tuple[RowSum, Timing]:
+    """The run's rows, and timing without any delay of the edges: it does not matter here."""
+    rows = RowSum(
+        camera=camera("microbolometer", "rolling"),
+        open_harmonics=wheel_harmonics.open_harmonics(model, _HARMONICS),
+        row_harmonics=run.rows.harmonics,
+        row_px=run.rows.row_px,
+        angular_frequency_rad_per_s=run.angular_frequency_rad_per_s,
+    )
+    own = {"time_constant": run.camera.time_constant_s, "row_delay": run.camera.row_delay_s}
+    return rows, dict.fromkeys(row_sum.EDGE_DELAYS, 0.0) | own
 
 
 def _real(harmonics: ComplexArray) -> Array:
@@ -244,8 +247,8 @@ def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> I
 
     Along a pixel's phase noise and the scatter of gains count, across it noise alone.
     """
-    point = first_order_lag.open_harmonics(model, 2).sum(axis=0)[2]
-    point *= first_order_lag.lag_factor(run.angular_frequency_rad_per_s, run.camera.time_constant_s, n_harmonics=2)[2]
+    point = wheel_harmonics.open_harmonics(model, 2).sum(axis=0)[2]
+    point *= first_order_lag.transfer(run.angular_frequency_rad_per_s, run.camera.time_constant_s, n_harmonics=2)[2]
     noise = run.camera.noise_to_contrast * np.sqrt(2 / run.n_frames) / abs(point)
     scatter = run.camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
     scale = np.linalg.norm(image.columns, axis=1)

@@ -1,4 +1,4 @@
-"""The two array types that records hold, and how they are frozen."""
+"""The array types that records hold, and how they are frozen."""
 
 from typing import Any, TypeAlias
 
@@ -7,6 +7,9 @@ import numpy.typing as npt
 
 Array: TypeAlias = npt.NDArray[np.float64]
 """Real numbers, SI units; shape and unit stand in the docstring that uses it."""
+
+ComplexArray: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
+"""Amplitude and phase of a harmonic of the wheel angle."""
 
 Ticks: TypeAlias = npt.NDArray[np.int64]
 """Values of one free-running, unwrapped clock counter."""

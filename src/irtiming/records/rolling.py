@@ -1,17 +1,11 @@
 """What the reduction of a rolling microbolometer camera hands to the estimation: row sums and a contrast image."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, final
+from typing import Literal, final
 
-import numpy as np
-import numpy.typing as npt
-
-from irtiming.records.arrays import Array, Mask, Pixels, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.reduced import AxleView
 from irtiming.records.wheel_track import WheelTrack
-
-ComplexArray: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
-"""Amplitude and phase of a harmonic of the wheel angle."""
 
 
 @final

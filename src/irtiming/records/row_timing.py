@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import final
 
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.joint_fit import Profile
-from irtiming.records.rolling import ComplexArray
 
 
 @final

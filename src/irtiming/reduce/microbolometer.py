@@ -6,11 +6,11 @@ import numpy as np
 
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Choices
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ComplexArray, ContrastImage, ReducedRows, RollingOpening, ShutterEvent
+from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening, ShutterEvent
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce import drift, nominal_angles, rolling_opening, row_sums, shutter, wheel_angles, wheel_contrast
 from irtiming.reduce.drift import Drift

@@ -11,9 +11,8 @@ from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array, Mask, Pixels, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.recording import Recording
-from irtiming.records.rolling import ComplexArray
 from irtiming.reduce import dead_pixels, kernels
 from irtiming.reduce.rolling_opening import Sighting
 from irtiming.reduce.shutter import FrameLevels, Watch

@@ -13,8 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
-from irtiming.records.arrays import Array, Mask
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.reduce import dead_pixels, kernels, mask_shape
 from irtiming.reduce.scouts import Scouts
 

@@ -5,10 +5,9 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics.first_order_lag import at_angles
 from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array, Ticks
-from irtiming.records.rolling import ComplexArray
+from irtiming.physics.wheel_harmonics import at_angles
+from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.row_timing import RowTimingFit
 
 _DENSE = 1441

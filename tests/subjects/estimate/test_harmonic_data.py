@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate.harmonic_data import basis, compress, packed
-from irtiming.physics.first_order_lag import at_angles
+from irtiming.physics.wheel_harmonics import at_angles
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
 from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector
-from irtiming.physics.first_order_lag import at_angles
 from irtiming.physics.wheel import wheel_model
+from irtiming.physics.wheel_harmonics import at_angles
 
 TURN = 2 * np.pi
 

@@ -13,8 +13,8 @@ from irtiming.estimate import row_timing
 from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import RowModel, profile, row_functions, solve
 from irtiming.physics import blurred_sector
-from irtiming.physics.first_order_lag import at_angles, open_harmonics
 from irtiming.physics.wheel import exposed_fraction, wheel_model
+from irtiming.physics.wheel_harmonics import at_angles, open_harmonics
 from irtiming.records.row_timing import SectorShape
 
 TURN = 2 * np.pi

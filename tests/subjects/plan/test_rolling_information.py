@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.physics import first_order_lag
+from irtiming.physics import wheel_harmonics
+from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
 from irtiming.plan.rolling_information import IMAGE, NAMES, RollingRun
@@ -43,13 +44,13 @@ def _row(run, y, six, shape=None):
     """One row over 1000 even wheel angles, wave by wave."""
     omega, light = run.angular_frequency_rad_per_s, run.rows.harmonics[y] if shape is None else shape
     n = light.size - 1
-    edges = first_order_lag.open_harmonics(MODEL, n)
+    edges = wheel_harmonics.open_harmonics(MODEL, n)
     waves = sum(
-        edge * first_order_lag.later(omega * (delay + six[5] * run.rows.row_px[y]), n_harmonics=n)
+        edge * wheel_harmonics.later(omega * (delay + six[5] * run.rows.row_px[y]), n_harmonics=n)
         for edge, delay in zip(edges, six[:4], strict=True)
     )
-    waves = waves * light * first_order_lag.lag_factor(omega, six[4], n_harmonics=n)
-    return first_order_lag.at_angles(waves, TURN / 1000 * np.arange(1000))
+    waves = waves * light * first_order_lag.transfer(omega, six[4], n_harmonics=n)
+    return wheel_harmonics.at_angles(waves, TURN / 1000 * np.arange(1000))
 
 
 def test_information_on_six_numbers_is_that_of_all_frames(run):
@@ -79,8 +80,8 @@ def test_information_on_six_numbers_is_that_of_all_frames(run):
 def test_the_images_errors_are_those_of_least_squares(run, image):
     """Oracle: 300 images with noise and gains drawn at random, each fitted; variances known to a twelfth (k = 1)."""
     found = rolling_information.image_errors(run, image, model=MODEL)
-    point = first_order_lag.open_harmonics(MODEL, 2).sum(axis=0)[2]
-    point *= first_order_lag.lag_factor(TURN * 5, CAMERA.time_constant_s, n_harmonics=2)[2]
+    point = wheel_harmonics.open_harmonics(MODEL, 2).sum(axis=0)[2]
+    point *= first_order_lag.transfer(TURN * 5, CAMERA.time_constant_s, n_harmonics=2)[2]
     noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
     scatter = CAMERA.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
     along, n = np.hypot(noise, scatter), image.light.size

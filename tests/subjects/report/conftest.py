@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 import pytest
 
-from irtiming.physics.first_order_lag import at_angles
 from irtiming.physics.light_gates import GateAngles, gate_angles
 from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, exposed_fraction, slope_centres_rad, wheel_model
+from irtiming.physics.wheel_harmonics import at_angles
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import (
     Contribution,

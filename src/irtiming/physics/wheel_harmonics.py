@@ -1,18 +1,14 @@
-r"""Microbolometer pixels under a turning wheel, as harmonics of the wheel angle (Schatz 2023, eq. 2 and 3).
+r"""What the wheel uncovers, as harmonics of its angle.
 
-A pixel follows what it sees with a first-order lag, :math:`\tau \dot T_{pixel} = T_{asympt} - T_{pixel}` (eq. 2). The wheel
-turns evenly, so what it sees repeats every turn. Once the run-in has died away, harmonic m of the pixel is harmonic m of
-the scene times 1 / (1 + i m omega tau): no time is stepped. In the time domain this is the exponential that each passing
-edge leaves behind. A later reading (eq. 3) turns harmonic m by exp(i m omega delay).
-
-Every periodic quantity is q(theta) = Re sum_m q_m exp(i m theta), m = 0 .. M; an array of its harmonics has m last.
+The wheel turns evenly, so what a pixel is shown repeats every turn: :math:`q(\theta) = \mathrm{Re} \sum_m q_m e^{i m \theta}`,
+m = 0 .. M; an array of its harmonics has m last. A camera's response (`physics.response`) multiplies harmonic m by a number, a
+later reading (`physics.readout`) turns it by exp(i m omega delay): no time is stepped.
 """
 
 import numpy as np
 
 from irtiming.physics.wheel import EDGE_SIGNS, TURN, EdgeAngles, WheelModel
-from irtiming.records.arrays import Array
-from irtiming.records.rolling import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray
 
 
 def open_harmonics(model: WheelModel, n_harmonics: int) -> ComplexArray:
@@ -45,15 +41,10 @@ def open_harmonics(model: WheelModel, n_harmonics: int) -> ComplexArray:
     return np.concatenate([np.full((4, 1), mean, complex), np.array(steps)], axis=1)
 
 
-def lag_factor(angular_frequency_rad_per_s: float, time_constant_s: float, *, n_harmonics: int) -> ComplexArray:
-    """What the lag leaves of each harmonic: 1 / (1 + i m omega tau), shape (M + 1,)."""
-    return np.asarray(1 / (1 + 1j * np.arange(n_harmonics + 1) * angular_frequency_rad_per_s * time_constant_s))
-
-
 def later(phase_rad: Array, *, n_harmonics: int) -> ComplexArray:
     """Factor exp(i m phase) on the harmonics of something read while the wheel has turned on by ``phase_rad``.
 
-    Shape of ``phase_rad`` with (M + 1,) added.
+    ``phase_rad`` has any shape, here with (M + 1,) added.
     """
     return np.asarray(np.exp(1j * np.multiply.outer(np.asarray(phase_rad, float), np.arange(n_harmonics + 1))))
 

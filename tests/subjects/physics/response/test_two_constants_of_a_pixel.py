@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from irtiming.physics.radiance import in_band_radiance, radiance_slope
-from irtiming.physics.two_constant import (
+from irtiming.physics.response.two_constants import (
     TwoConstants,
     after_step,
     bending,

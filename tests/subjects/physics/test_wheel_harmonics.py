@@ -1,13 +1,13 @@
-"""Harmonics of a lagging pixel against exponentials, an integrator, and the wheel's own steps."""
+"""Harmonics of what the wheel uncovers against integrals and the wheel's own steps."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
-from irtiming.physics.first_order_lag import at_angles, lag_factor, later, open_harmonics
 from irtiming.physics.wheel import exposed_fraction, wheel_model
+from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
 
 TURN = 2 * np.pi
 OMEGA = 3 * TURN
@@ -56,44 +56,6 @@ def test_an_edge_seen_later_is_an_edge_further_on():
     np.testing.assert_allclose(moved[:, 1:], open_harmonics(cut, 50)[:, 1:], atol=1e-15)
 
 
-@pytest.mark.parametrize("tau", [1e-4, 5e-3, 0.3])
-@pytest.mark.parametrize("order", [0, 1, 2, 5, 20])
-def test_lagged_harmonics_are_those_of_the_exponentials(tau, order):
-    """Oracle: closed form; from each edge the pixel relaxes exponentially, and its turn ends where it began."""
-    arcs, level = _arcs(_angles()), np.zeros(5)
-    for _ in range(200):
-        level[0] = level[4]
-        for k, (start, end, target) in enumerate(arcs):
-            level[k + 1] = target + (level[k] - target) * np.exp(-(end - start) / (OMEGA * tau))
-    begin = {start: level[k] for k, (start, _, _) in enumerate(arcs)}
-
-    def pixel(x, target, start):
-        return target + (begin[start] - target) * np.exp(-(x - start) / (OMEGA * tau))
-
-    lagged = open_harmonics(MODEL, 40).sum(axis=0) * lag_factor(OMEGA, tau, n_harmonics=40)
-    assert lagged[order] == pytest.approx(_coefficient(pixel, order, arcs), abs=1e-9)
-
-
-def test_any_periodic_scene_is_followed_as_an_integrator_follows_it():
-    """Oracle: scipy.integrate.solve_ivp on tau dx/dt = s - x over twelve time constants and a turn."""
-    rng = np.random.default_rng(3)
-    tau, scene = 9e-3, (rng.normal(size=6) + 1j * rng.normal(size=6)) / np.arange(1, 7) ** 2
-    lagged = scene * lag_factor(OMEGA, tau, n_harmonics=5)
-    times = 12 * 9e-3 + np.linspace(0, 1 / 3, 50)
-    found = solve_ivp(
-        lambda t, x: (at_angles(scene, np.array([OMEGA * t]))[0] - x) / tau,
-        (0, times[-1] + 1e-6), [2.0], t_eval=times, rtol=1e-10, atol=1e-12,
-    )  # fmt: skip
-    np.testing.assert_allclose(found.y[0], at_angles(lagged, OMEGA * times), atol=3e-5)
-
-
-def test_no_lag_and_no_delay_change_nothing():
-    """Oracle: the limit tau = 0; all factors are one."""
-    assert np.all(lag_factor(OMEGA, 0.0, n_harmonics=9) == 1)
-    assert np.all(later(0.0, n_harmonics=9) == 1)
-    np.testing.assert_allclose(lag_factor(OMEGA, 1e-9, n_harmonics=9), 1, atol=2e-7)
-
-
 def test_without_lag_an_even_opening_shows_the_exposed_fraction():
     """Oracle: `physics.wheel`, whose integrals know no harmonic; the mean over gamma divides harmonic m by its sinc."""
     n = 4096
@@ -126,3 +88,8 @@ def test_the_width_of_the_opening_plays_no_part():
     """Oracle: another mask before the same wheel; its light is the business of the rows."""
     other = replace(MODEL, opening_angle_rad=0.2)
     np.testing.assert_array_equal(open_harmonics(MODEL, 9), open_harmonics(other, 9))
+
+
+def test_no_delay_changes_nothing():
+    """Oracle: the limit; all factors are one."""
+    assert np.all(later(0.0, n_harmonics=9) == 1)

@@ -1,0 +1,63 @@
+"""A camera is a response times a readout; nothing but its type and its readout mode chooses them.
+
+================  ==========================================  ==============================================
+                  snapshot (all rows at once)                 rolling (eq. 3)
+================  ==========================================  ==============================================
+photon            integration window (eq. 1)                  a CMOS camera: each row has its window later
+microbolometer    first-order lag (eq. 2), all rows at once   first-order lag, rows one after the other
+================  ==========================================  ==============================================
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, final
+
+from irtiming.physics.readout import rolling, snapshot
+from irtiming.physics.response import first_order_lag, integration_window
+from irtiming.records.arrays import Array, ComplexArray
+from irtiming.records.recording import CameraType, ReadoutMode
+
+
+class Response(Protocol):
+    """How a pixel follows what it sees: a factor on each harmonic of the wheel angle, with one parameter, s.
+
+    ``HARMONICS`` is the highest order that a fit needs.
+    """
+
+    PARAMETER: str
+    HARMONICS: int
+
+    def transfer(self, omega: float, parameter_s: float, /, *, n_harmonics: int) -> ComplexArray:
+        """Factors, shape (M + 1,)."""
+        ...
+
+    def transfer_slope(self, omega: float, parameter_s: float, /, *, n_harmonics: int) -> ComplexArray:
+        """Their derivatives to the parameter, shape (M + 1,), per second."""
+        ...
+
+
+class Readout(Protocol):
+    """When each row is read: a delay that is linear in its parameters, s."""
+
+    PARAMETERS: tuple[str, ...]
+
+    def read_later(self, row_px: Array, /) -> Array:
+        """By how much later each row is read than row 0, per unit of each parameter; shape (n_parameter, n_row)."""
+        ...
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """How it responds and how it is read."""
+
+    response: Response
+    readout: Readout
+
+
+_RESPONSES: dict[CameraType, Response] = {"photon": integration_window, "microbolometer": first_order_lag}
+_READOUTS: dict[ReadoutMode, Readout] = {"snapshot": snapshot, "rolling": rolling}
+
+
+def camera(camera_type: CameraType, readout_mode: ReadoutMode) -> Camera:
+    """The camera of this type and readout mode."""
+    return Camera(response=_RESPONSES[camera_type], readout=_READOUTS[readout_mode])

@@ -1,0 +1,115 @@
+r"""What the sum over one image row sees over the wheel angle, and its derivatives to all that times it.
+
+Row y sees the opening through a weight over polar angle (`physics.blurred_sector`), the wheel covers and uncovers it, the pixels
+respond (`physics.response`), and the row is read in its turn (`physics.readout`). All are factors on the harmonics:
+
+.. math:: F_{ym} = \sum_i o_{im}\, K_{ym}\, R_m\, e^{i m \omega (d_i + t_y)}
+
+with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`R` the response, :math:`t_y` the time by
+which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges need not stand where the
+ring's do.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias, final
+
+import numpy as np
+
+from irtiming.physics.camera import Camera
+from irtiming.physics.wheel import WheelModel
+from irtiming.physics.wheel_harmonics import later, open_harmonics
+from irtiming.records.arrays import Array, ComplexArray
+
+EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
+"""Delays of row 0 as the passing of each wheel edge gives them."""
+
+Timing: TypeAlias = Mapping[str, float]
+"""Numbers of one camera by name, s: EDGE_DELAYS, the response's parameter, those of the readout."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowSum:
+    """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym, shape (n_row, M + 1), rows and omega."""
+
+    camera: Camera
+    open_harmonics: ComplexArray
+    row_harmonics: ComplexArray
+    row_px: Array
+    angular_frequency_rad_per_s: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters, in the order of the derivatives."""
+        return timing_names(self.camera)
+
+    @property
+    def n_harmonics(self) -> int:
+        """Highest order M."""
+        return int(self.row_harmonics.shape[1]) - 1
+
+    def lowest(self, n_harmonics: int) -> "RowSum":
+        """The same with fewer harmonics."""
+        keep = slice(n_harmonics + 1)
+        return replace(
+            self, open_harmonics=self.open_harmonics[:, keep], row_harmonics=self.row_harmonics[:, keep]
+        )  # fmt: skip
+
+    def some_rows(self, rows: slice) -> "RowSum":
+        """The same with fewer rows."""
+        return replace(self, row_harmonics=self.row_harmonics[rows], row_px=self.row_px[rows])
+
+
+def timing_names(camera: Camera) -> tuple[str, ...]:
+    """Names of the parameters of a row sum: four edge delays, the response's, those of the readout."""
+    return (*EDGE_DELAYS, camera.response.PARAMETER, *camera.readout.PARAMETERS)
+
+
+def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
+    """Harmonics F_ym of each row, shape (n_row, M + 1)."""
+    edges, turned = _factors(rows, timing)
+    return np.asarray(edges.sum(axis=0) * turned)
+
+
+def slopes(rows: RowSum, timing: Timing) -> ComplexArray:
+    """Derivatives of `harmonics` to each of ``rows.names``, shape (k, n_row, M + 1), per second."""
+    omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
+    edges, turned = _factors(rows, timing)
+    by_edge = (edges * (1j * np.arange(n + 1) * omega))[:, None, :] * turned
+    slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
+    by_response = _edges(rows, timing).sum(axis=0) * slope * turned
+    by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
+    return np.concatenate([by_edge, by_response[None], by_readout])
+
+
+def point(model: WheelModel, camera: Camera, *, omega: float, timing: Timing) -> ComplexArray:
+    """Harmonics of a pixel of row 0 at the opening's bisector, shape (M + 1,); ``omega`` in rad/s."""
+    n = camera.response.HARMONICS
+    one = RowSum(
+        camera=camera,
+        open_harmonics=open_harmonics(model, n),
+        row_harmonics=np.ones((1, n + 1), complex),
+        row_px=np.zeros(1),
+        angular_frequency_rad_per_s=omega,
+    )
+    return harmonics(one, timing)[0]
+
+
+def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
+    """Steps of the wheel's edges as row 0 is read, without response; shape (4, M + 1)."""
+    delays = np.array([timing[name] for name in EDGE_DELAYS])
+    return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
+
+
+def _factors(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
+    """Edges with the response, shape (4, M + 1), and light of the rows as they are read, shape (n_row, M + 1)."""
+    omega, n, response, readout = (
+        rows.angular_frequency_rad_per_s,
+        rows.n_harmonics,
+        rows.camera.response,
+        rows.camera.readout,
+    )
+    edges = _edges(rows, timing) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n)
+    read_s = np.array([timing[name] for name in readout.PARAMETERS]) @ readout.read_later(rows.row_px)
+    return edges, rows.row_harmonics * later(omega * read_s, n_harmonics=n)

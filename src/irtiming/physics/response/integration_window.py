@@ -1,0 +1,37 @@
+r"""A photon detector integrates what it sees over a window and is blind outside it (Schatz 2023, eq. 1).
+
+.. math:: P(t) - P_0 \propto \int_{t + t_{delay}}^{t + t_{delay} + T} I(s)\,ds
+
+Of the mean over the window, counted from its middle :math:`t + t_{delay} + T/2`, harmonic m is that of the scene times
+
+.. math:: R_m = \frac{1}{T} \int_{-T/2}^{T/2} e^{i m \omega s}\,ds = \frac{\sin x}{x}, \qquad x = \frac{m \omega T}{2}
+
+So a delay beside this response is that of the middle; :math:`t_{delay}`, of the start, is half a window earlier. A window that
+is short against the slopes shows by :math:`x^2 / 6` alone: frames then say little of its length.
+"""
+
+import numpy as np
+
+from irtiming.records.arrays import ComplexArray
+
+PARAMETER = "integration_time"
+
+HARMONICS = 128
+"""Highest order that a fit needs: no lag dampens them, and it is the high ones that tell the window."""
+
+_SMALL = 1e-3  # of x, below which the series is exact to rounding
+
+
+def transfer(angular_frequency_rad_per_s: float, integration_time_s: float, *, n_harmonics: int) -> ComplexArray:
+    """What the window leaves of each harmonic about its middle: sin(x) / x, shape (M + 1,)."""
+    half = np.arange(n_harmonics + 1) * angular_frequency_rad_per_s / 2
+    return np.sinc(half * integration_time_s / np.pi).astype(complex)
+
+
+def transfer_slope(angular_frequency_rad_per_s: float, integration_time_s: float, *, n_harmonics: int) -> ComplexArray:
+    """Derivative of `transfer` to T: (cos x - sin(x) / x) / T, shape (M + 1,), per second; 0 for a window of no length."""
+    half = np.arange(n_harmonics + 1) * angular_frequency_rad_per_s / 2
+    x = half * integration_time_s
+    large = np.where(np.abs(x) < _SMALL, 1.0, x)
+    slope = np.where(np.abs(x) < _SMALL, -x / 3, (np.cos(large) - np.sinc(large / np.pi)) / large)
+    return (half * slope).astype(complex)

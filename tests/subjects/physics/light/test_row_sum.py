@@ -1,0 +1,102 @@
+"""Rows of all four cameras against the scene stepped or integrated in time, and their derivatives against differences."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, point, slopes
+from irtiming.physics.wheel import wheel_model
+from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
+
+TURN = 2 * np.pi
+OMEGA = 5 * TURN
+MODEL = wheel_model((0.0, 1.58, 3.15, 4.7), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-91)))
+KINDS = [(kind, mode) for kind in ("photon", "microbolometer") for mode in ("snapshot", "rolling")]
+OWN = {"photon": {"integration_time": 9e-3}, "microbolometer": {"time_constant": 6e-3}}
+M = 30
+
+
+def _rows(kind, mode):
+    rng = np.random.default_rng(5)
+    damped = np.exp(-0.02 * np.arange(M + 1) ** 2)
+    return RowSum(
+        camera=camera(kind, mode),
+        open_harmonics=open_harmonics(MODEL, M) * damped,
+        row_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
+        row_px=np.array([4.0, 90.0, 311.0]),
+        angular_frequency_rad_per_s=OMEGA,
+    )
+
+
+def _timing(kind, mode, **change):
+    delays = dict(zip(EDGE_DELAYS, (2.31e-3, 2.29e-3, 2.33e-3, 2.3e-3), strict=True))
+    return delays | OWN[kind] | ({"row_delay": 40e-6} if mode == "rolling" else {}) | change
+
+
+@pytest.mark.parametrize(("kind", "mode"), KINDS)
+def test_names_are_those_of_response_and_readout(kind, mode):
+    """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay."""
+    own = ("integration_time",) if kind == "photon" else ("time_constant",)
+    assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, *(("row_delay",) if mode == "rolling" else ()))
+
+
+@pytest.mark.parametrize(("kind", "mode"), KINDS)
+def test_derivatives_are_those_of_differences(kind, mode):
+    """Oracle: central differences in each parameter."""
+    rows, timing = _rows(kind, mode), _timing(kind, mode)
+    found = slopes(rows, timing)
+    assert found.shape == (len(rows.names), 3, M + 1)
+    for name, slope in zip(rows.names, found, strict=True):
+        step = 1e-9 if name == "row_delay" else 1e-7
+        ahead, behind = (harmonics(rows, timing | {name: timing[name] + sign * step}) for sign in (1, -1))
+        numeric = (ahead - behind) / (2 * step)
+        np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
+
+
+def _scene(rows, k, timing):
+    """What row k would show with neither response nor readout, over the wheel angle at the trigger."""
+    delays = OMEGA * np.array([timing[name] for name in EDGE_DELAYS])
+    still = (rows.open_harmonics * later(delays, n_harmonics=M)).sum(axis=0) * rows.row_harmonics[k]
+    return lambda time_s: at_angles(still, np.array([OMEGA * time_s]))[0]
+
+
+@pytest.mark.parametrize("mode", ["snapshot", "rolling"])
+def test_a_photon_camera_integrates_each_row_in_its_turn(mode):
+    """Oracle: eq. 1 and 3 by numerical integration over each row's own window, half of it before the delay."""
+    rows, timing = _rows("photon", mode), _timing("photon", mode)
+    seen, window = harmonics(rows, timing), timing["integration_time"]
+    for k, row in enumerate(rows.row_px):
+        scene = _scene(rows, k, timing)
+        for trigger in (0.01, 0.16):
+            middle = trigger + row * timing.get("row_delay", 0.0)
+            integral, _ = quad(scene, middle - window / 2, middle + window / 2, epsabs=1e-12)
+            assert at_angles(seen[k], np.array([OMEGA * trigger]))[0] == pytest.approx(integral / window, abs=1e-8)
+
+
+@pytest.mark.parametrize("mode", ["snapshot", "rolling"])
+def test_a_lagging_camera_is_read_row_by_row_while_it_relaxes(mode):
+    """Oracle: eq. 2 by scipy.integrate.solve_ivp over fifteen time constants, read as eq. 3 says."""
+    rows, timing = _rows("microbolometer", mode), _timing("microbolometer", mode)
+    seen, tau = harmonics(rows, timing), timing["time_constant"]
+    for k, row in enumerate(rows.row_px):
+        scene = _scene(rows, k, timing)
+        read = np.array([0.1, 0.16]) + row * timing.get("row_delay", 0.0)
+        run_in = 15 * tau
+        found = solve_ivp(
+            lambda t, x, s=scene: (s(t) - x) / tau, (read[0] - run_in, read[-1] + 1e-6), [0.0], t_eval=read,
+            rtol=1e-9, atol=1e-11,
+        )  # fmt: skip
+        shown = at_angles(seen[k], OMEGA * np.array([0.1, 0.16]))
+        np.testing.assert_allclose(shown, found.y[0], atol=1e-5)
+
+
+def test_a_point_is_a_row_of_one_ray():
+    """Oracle: open edges times the factor of the response, by hand; row 0 is read without delay."""
+    timing = _timing("microbolometer", "rolling")
+    order = np.arange(65)
+    delays = np.array([timing[name] for name in EDGE_DELAYS])
+    expected = (open_harmonics(MODEL, 64) * np.exp(1j * OMEGA * np.outer(delays, order))).sum(axis=0)
+    expected = expected / (1 + 1j * order * OMEGA * 6e-3)
+    found = point(MODEL, camera("microbolometer", "rolling"), omega=OMEGA, timing=timing)
+    np.testing.assert_allclose(found, expected, atol=1e-14)
