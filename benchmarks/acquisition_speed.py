@@ -33,9 +33,9 @@ from irtiming.acquire.series import Series, record_series
 from irtiming.acquire.trigger_train import Accompaniment, trigger, wheel_at_speed
 from irtiming.archive import reader
 from irtiming.archive.series_file import read_series
-from irtiming.cli.series_triggers import triggers_of
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan
+from irtiming.session.triggers import triggers_of
 from irtiming.twin.devices.gige_registers import Address
 
 ROWS, COLUMNS, SPEED = 480, 640, 4.0

@@ -15,9 +15,38 @@ IrTimingError
 A message says what is, what must be and what to do, in one line. The command line prints it and exits with 2.
 """
 
+from collections.abc import Callable, Sequence
+
 
 class IrTimingError(Exception):
-    """Root of all errors that a user can cause and cure."""
+    """Root of all errors that a user can cause and cure.
+
+    Parameters
+    ----------
+    what
+        What is, what must be and what to do.
+    fields
+        Fields of a record that ``what`` names by {0}, {1}, ...: a door to the program may call them by its own names.
+    where
+        What it is about, such as a file; stands before ``what``.
+    """
+
+    def __init__(self, what: str = "", *fields: str, where: str = "") -> None:
+        self.where, self._form, self._fields = where, what, fields
+        super().__init__()
+        self.call_fields(str)
+
+    def call_fields(self, name: Callable[[str], str]) -> None:
+        """Say the same with other names for the fields."""
+        self.what = self._form
+        for k, field in enumerate(self._fields):
+            self.what = self.what.replace(f"{{{k}}}", name(field))
+        self.args = (f"{self.where}: {self.what}" if self.where else self.what,)
+
+
+def places(fields: Sequence[str]) -> str:
+    """Where the names of all ``fields`` come in the text of an error: ``"{0}, {1}"``."""
+    return ", ".join(f"{{{k}}}" for k in range(len(fields)))
 
 
 class UnitError(IrTimingError):

@@ -11,10 +11,10 @@ import pytest
 from irtiming.archive import reader, writer
 from irtiming.archive.live.head import RecordingHead
 from irtiming.archive.live.recording import LiveRecording
-from irtiming.live_analysis import FEWEST_FRAMES, Analyst, LiveAnalysis, LiveEstimate, told_of
 from irtiming.measurement import analyse
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
+from irtiming.session.live import FEWEST_FRAMES, Analyst, LiveAnalysis, LiveEstimate, told_of
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 

@@ -5,9 +5,9 @@ import json
 import pytest
 
 from irtiming.archive.result_file import plain
-from irtiming.cli.camera_options import Described, camera
 from irtiming.measurement import analyse
 from irtiming.report import certificate
+from irtiming.session.camera import Described, camera
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 

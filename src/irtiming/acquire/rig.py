@@ -38,8 +38,8 @@ class Rig:
 
 
 @final
-class RigAbsent(InstrumentError):  # noqa: N818 - says what the rig is
-    """Devices that could not be connected: ``complaints`` has one line for each."""
+class RigNotReady(InstrumentError):  # noqa: N818 - says what the rig is
+    """A rig that cannot begin, its devices not connected or not as they must be: ``complaints`` has one line for each."""
 
     def __init__(self, complaints: list[str]) -> None:
         super().__init__("; ".join(complaints))
@@ -52,7 +52,7 @@ async def connected_rig(plan: SeriesPlan) -> AsyncIterator[Rig]:
 
     Raises
     ------
-    RigAbsent
+    RigNotReady
         If any cannot be connected; every one is tried, and each complaint told.
     """
     places, complaints, found = plan.devices, [], {}
@@ -68,7 +68,7 @@ async def connected_rig(plan: SeriesPlan) -> AsyncIterator[Rig]:
             else:
                 found[name] = device
         if complaints:
-            raise RigAbsent(complaints)
+            raise RigNotReady(complaints)
         yield Rig(**found, speed=places.speed)  # type: ignore[arg-type]
 
 

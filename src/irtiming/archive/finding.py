@@ -37,4 +37,4 @@ def refuse(where: str, what: str, *, code: str, cure: str) -> Complaint:
 
 def archive_error(path: str | Path, finding: Finding) -> ArchiveError:
     """Error that says file, place, what is and what to do, in one line."""
-    return ArchiveError(" ".join(f"{path}: {finding.sentence()}".split()))
+    return ArchiveError(" ".join(finding.sentence().split()), where=str(path))

@@ -263,8 +263,8 @@ def _triggers(section: _Section) -> TriggerWishes | None:
         frame_hz_exact=section.flag("frame_hz_exact"),
         tolerance=one("tolerance", "1%"),
         control_slots=one("control_slots", "100"),
-        between_corrections=one("between_corrections", ""),
-        clock_hz=one("clock_hz", ""),
+        between_corrections=one("between_corrections", "") or None,
+        clock_hz=one("clock_hz", "") or None,
     )
 
 

@@ -90,9 +90,9 @@ def record(
     """
     from rich.console import Console
 
+    from irtiming.archive.plan_file import read_plan
     from irtiming.archive.result_file import require_place
     from irtiming.archive.timestamps_file import write_timestamps
-    from irtiming.cli.plan_json import read_plan
     from irtiming.cli.progress import shown
 
     require_place(out, besides=[plan])

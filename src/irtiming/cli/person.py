@@ -11,15 +11,15 @@ from typing import Literal, final
 
 from rich.console import Console
 
-from irtiming.acquire.attendant import Attendant
-from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOutcome
-from irtiming.archive.live.recording import COMPLETE
+from irtiming.acquire.run import INTERRUPTED, RunOutcome
 from irtiming.cli.progress import Told
+from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
-from irtiming.live_analysis import LiveAnalysis, LiveEstimate
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
 from irtiming.report.rounding import time_text
+from irtiming.session.live import LiveAnalysis, LiveEstimate
+from irtiming.session.series import LiveAttendant
 
 _STANDARD_ERROR = 2  # standard output is for names of files
 _MANY, _GROWS = 8, 2
@@ -27,16 +27,14 @@ _MANY, _GROWS = 8, 2
 
 
 @final
-class Person(Attendant):
+class Person(LiveAttendant):
     """Whoever sits at the terminal: reads, presses Enter, and leaves by Ctrl-C; the second Ctrl-C is as always."""
 
     def __init__(
-        self, plan: SeriesPlan, *, told: Told, notes: Console, is_silent: bool, live: LiveAnalysis | None = None
+        self, plan: SeriesPlan, live: LiveAnalysis | None = None, *, told: Told, notes: Console, is_silent: bool
     ) -> None:
+        super().__init__(plan, live)
         self._told, self._notes, self._is_silent = told, notes, is_silent
-        self._live, self._wished = live, dict(plan.stop.uncertainty_s)
-        self._seen: LiveEstimate | None = None
-        self._path = Path()
         self._command = "" if plan.references is None else plan.references.command
         self._name = ""
         self._leaves = False
@@ -68,14 +66,13 @@ class Person(Attendant):
 
     def says(self, text: str) -> None:
         """One line."""
-        self._notes.print(text, markup=False, soft_wrap=True)
+        say(text, self._notes)
 
     def begins(self, run: PlannedRun, *, number: int, path: Path) -> None:
         """The run's name stands beside its bar."""
-        self._name, self._path = f"run {number} {path.name}", path
+        super().begins(run, number=number, path=path)
+        self._name = f"run {number} {path.name}"
         self._lost, self._waiting = 0, _MANY
-        if self._live is not None:
-            self._live.begins()
 
     def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
         """The bar; what is out of the ordinary stands behind the name."""
@@ -85,9 +82,7 @@ class Person(Attendant):
             self.says(f"{self._name}: trigger {made}: {waiting} frames wait for the disk")
         self._lost, self._waiting = max(lost, self._lost), max(waiting, self._waiting)
         self._told(self._name, made, total)
-        if self._live is not None:
-            self._live.grows(self._path, frames)
-            self._show(self._live.latest)
+        super().goes_on(made=made, total=total, frames=frames, lost=lost, waiting=waiting)
 
     def ended(self, outcome: RunOutcome) -> None:
         """One line for the run, and one for each oddity."""
@@ -99,20 +94,11 @@ class Person(Attendant):
         )
         for text in outcome.warnings:
             self.says(f"warning: {text}")
+        super().ended(outcome)
 
-        if self._live is not None and outcome.ending in (COMPLETE, ENOUGH):
-            self._live.keep(outcome.path)
-
-    def is_enough(self) -> bool:
-        """When the live analysis says that every wish is reached."""
-        latest = None if self._live is None else self._live.latest
-        return latest is not None and latest.reaches(self._wished)
-
-    def _show(self, latest: LiveEstimate | None) -> None:
-        """What is known so far, when it has changed."""
-        if latest is not None and latest is not self._seen:
-            self._seen = latest
-            self.says(f"so far: {so_far(latest)}")
+    def learns(self, estimate: LiveEstimate) -> None:
+        """What is known so far."""
+        self.says(f"so far: {so_far(estimate)}")
 
     async def move_wheel(self, what: Literal["remove", "insert"]) -> None:
         """By the laboratory's own command, by hand, or as it is."""
@@ -156,8 +142,8 @@ def so_far(found: LiveEstimate) -> str:
     found
         Of the live analysis.
     """
-    if found.doubt:
-        return f"not sure yet ({found.doubt.split(': ', 1)[-1]})"
+    if found.finding is not None:
+        return f"not sure yet ({found.finding.what})"
     numbers = [
         f"{name} {time_text(value, found.uncertainties[name])}"
         for name, value in found.values.items()

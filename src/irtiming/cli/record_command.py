@@ -2,9 +2,8 @@
 
 import asyncio
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, final
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,11 +14,10 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from irtiming.acquire.journal import Journal
-    from irtiming.acquire.rig import Rig
-    from irtiming.acquire.series import Series, SeriesOutcome
-    from irtiming.live_analysis import LiveAnalysis, LiveEstimate
+    from irtiming.cli.person import Person
     from irtiming.records.series_plan import SeriesPlan
+    from irtiming.session.live import LiveAnalysis
+    from irtiming.session.series import Attending, SeriesMade, SeriesReady
 
 
 def record(
@@ -51,166 +49,74 @@ def record(
     """
     from rich.console import Console
 
-    from irtiming.archive.result_file import require_place
-    from irtiming.archive.series_file import read_series
+    from irtiming.acquire.rig import RigNotReady
     from irtiming.cli.camera_command import named
+    from irtiming.session import series
 
-    if json is not None:
-        require_place(json, besides=[plan])
-    series = read_series(plan)
-    series = replace(series, camera=replace(series.camera, features=(*series.camera.features, *named(feature or []))))
-    with _analysed_live(series, rig, is_dry=dry_run) as live:
-        session = _Session(plan=series, folder=out, runs=runs, is_dry=dry_run, is_silent=yes, live=live)
-        outcome = asyncio.run(session.record())
-        if outcome is None:
+    notes = Console(stderr=True, highlight=False)
+    order = series.SeriesOrder(
+        plan=plan, folder=out, features=named(feature or []), runs=runs, rig=rig, summary=json
+    )  # fmt: skip
+    try:
+        if dry_run:
+            _show_ready(asyncio.run(series.check(order)), notes)
             return
-        found, journal = outcome
-        told = None if live is None else live.settled()
-    if told is not None:
-        _show_estimate(told)
-    if json is not None:
-        _summarise(found, journal, told, path=json)
-    _show(found, Console(stderr=True, highlight=False))
-    if not found.is_good:
-        from irtiming.acquire.run import INTERRUPTED
-
-        again = f"; say the same command again to go on in {out}"
-        raise InstrumentError(("interrupted" if found.ending == INTERRUPTED else found.ending) + again)
+        _show(asyncio.run(series.record(order, attending=_at_the_terminal(notes, is_silent=yes))), out, notes)
+    except RigNotReady as error:
+        raise _refused(error.complaints, notes) from error
 
 
-@contextmanager
-def _analysed_live(plan: "SeriesPlan", rig: Path | None, *, is_dry: bool) -> "Iterator[LiveAnalysis | None]":
-    """The live analysis, where a rig is described; it is there before anything moves."""
-    if rig is None:
-        if plan.stop.uncertainty_s:
-            raise InstrumentError(
-                f"{plan.source}: [stop] uncertainty wishes for {plan.stop.uncertainty_s[0][0]}, which needs the rig's numbers; "
-                "say --rig rig.toml, or take the wish out"
-            )
-        yield None
-        return
-    from irtiming.archive.rig_file import read_rig
-    from irtiming.live_analysis import LiveAnalysis
+def _at_the_terminal(notes: "Console", *, is_silent: bool) -> "Attending":
+    """Whoever sits there, with a bar for the triggers of each run."""
+    from irtiming.cli.person import Person
+    from irtiming.cli.progress import shown
 
-    measured = read_rig(rig)
-    if is_dry:
-        yield None
-        return
-    with LiveAnalysis(measured) as live:
-        yield live
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class _Session:
-    """What was asked for, from the connection to the last file."""
-
-    plan: "SeriesPlan"
-    folder: Path
-    runs: str | None
-    is_dry: bool
-    is_silent: bool
-    live: "LiveAnalysis | None"
-
-    async def record(self) -> "tuple[SeriesOutcome, Journal] | None":
-        """Connect, go through the checklist, and record."""
-        from rich.console import Console
-
-        from irtiming.acquire.checklist import complaints
-        from irtiming.acquire.journal import Journal, digest_of
-        from irtiming.acquire.rig import RigAbsent, connected_rig
-        from irtiming.acquire.series import Series
-        from irtiming.cli.series_triggers import chosen_runs, triggers_of
-
-        notes = Console(stderr=True, highlight=False)
-        try:
-            async with connected_rig(self.plan) as rig:
-                triggers = triggers_of(self.plan, clock_frequency_hz=rig.generator.clock_frequency_hz)
-                every = Series(plan=self.plan, triggers=triggers, folder=self.folder)
-                numbers = None if self.runs is None else chosen_runs(self.runs, len(every.runs))
-                series = replace(every, numbers=numbers)
-                digest = digest_of(self.plan, triggers)
-                journal = Journal.opened(self.folder, digest=digest, n_runs=len(series.runs))
-                _refuse(await complaints(rig, series, journal=journal), notes)
-                if self.is_dry:
-                    _tell_plan(rig, series, journal, notes)
-                    return None
-                self.folder.mkdir(exist_ok=True)
-                return await self._recorded(rig, series, journal, notes=notes), journal
-        except RigAbsent as error:
-            _refuse(error.complaints, notes)
-            raise
-
-    async def _recorded(self, rig: "Rig", series: "Series", journal: "Journal", *, notes: "Console") -> "SeriesOutcome":
-        from irtiming.acquire.series import record_series
-        from irtiming.cli.person import Person
-        from irtiming.cli.progress import shown
-
-        if self.live is not None:
-            for number, _, _ in series.runs:
-                if (made := journal.file_of(number)) is not None:
-                    self.live.keep(made)
-            await asyncio.to_thread(self.live.settled)
+    @contextmanager
+    def attending(plan: "SeriesPlan", live: "LiveAnalysis | None") -> "Iterator[Person]":
         with shown("triggers", notes) as told:
-            person = Person(self.plan, told=told, notes=notes, is_silent=self.is_silent, live=self.live)
+            person = Person(plan, live, told=told, notes=notes, is_silent=is_silent)
             with person.listening():
-                return await record_series(rig, series, attendant=person, journal=journal)
+                yield person
+
+    return attending
 
 
-def _refuse(found: list[str], notes: "Console") -> None:
-    """End with all complaints: one is the line itself, several stand above it."""
-    if len(found) == 1:
-        raise InstrumentError(f"{found[0]} (nothing was moved)")
-    for text in found:
-        notes.print(f"not ready: {' '.join(text.split())}", markup=False, soft_wrap=True)
-    if found:
-        raise InstrumentError(f"{len(found)} complaints, see above; nothing was moved")
+def _refused(complaints: list[str], notes: "Console") -> InstrumentError:
+    """The end with all complaints: one is the line itself, several stand above it."""
+    from irtiming.cli.screen import say
+
+    if len(complaints) == 1:
+        return InstrumentError(f"{complaints[0]} (nothing was moved)")
+    for text in complaints:
+        say(f"not ready: {' '.join(text.split())}", notes)
+    return InstrumentError(f"{len(complaints)} complaints, see above; nothing was moved")
 
 
-def _tell_plan(rig: "Rig", series: "Series", journal: "Journal", notes: "Console") -> None:
-    from irtiming.plan.schedule import run_length_ticks
+def _show_ready(ready: "SeriesReady", notes: "Console") -> None:
+    from irtiming.cli.screen import say
     from irtiming.units import readable_time
 
-    clock = series.triggers.clock_frequency_hz
-    pending = series.to_make(journal)
-    ticks = sum(
-        run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
-        for _, _, run in pending
+    camera = ready.camera
+    say(
+        f"ready: {camera.vendor} {camera.model} {camera.serial_number}; {ready.n_pending} of {ready.n_runs} runs to make, "
+        f"{readable_time(ready.duration_s)} of triggers",
+        notes,
     )
-    camera = rig.camera.identity
-    notes.print(
-        f"ready: {camera.vendor} {camera.model} {camera.serial_number}; {len(pending)} of {len(series.runs)} runs to make, "
-        f"{readable_time(ticks / clock)} of triggers",
-        markup=False, soft_wrap=True,
-    )  # fmt: skip
 
 
-def _show_estimate(told: "LiveEstimate") -> None:
-    from rich.console import Console
-
+def _show(made: "SeriesMade", folder: Path, notes: "Console") -> None:
+    """What is known, what was made, and how to go on where it is not all."""
+    from irtiming.acquire.run import INTERRUPTED
     from irtiming.cli.person import so_far
+    from irtiming.cli.screen import say
 
-    Console(stderr=True, highlight=False).print(f"of the whole series: {so_far(told)}", markup=False, soft_wrap=True)
-
-
-def _summarise(outcome: "SeriesOutcome", journal: "Journal", told: "LiveEstimate | None", *, path: Path) -> None:
-    from irtiming.archive.result_file import write_result
-
-    write_result(
-        {
-            **journal.as_json(),
-            "ending": outcome.ending,
-            "made_now": [each.order.number for each in outcome.outcomes],
-            "made_before": list(outcome.made_before),
-            "recovered": [str(each) for each in outcome.recovered],
-            "estimate": None if told is None else asdict(told),
-        },
-        path,
-    )
-
-
-def _show(outcome: "SeriesOutcome", notes: "Console") -> None:
+    outcome = made.outcome
+    if made.estimate is not None:
+        say(f"of the whole series: {so_far(made.estimate)}", notes)
     if outcome.made_before:
-        notes.print(f"made before: runs {', '.join(map(str, outcome.made_before))}", markup=False)
+        say(f"made before: runs {', '.join(map(str, outcome.made_before))}", notes)
     for each in outcome.outcomes:
         print(each.path)  # noqa: T201 - for a program that reads it
+    if not outcome.is_good:
+        ending = "interrupted" if outcome.ending == INTERRUPTED else outcome.ending
+        raise InstrumentError(f"{ending}; say the same command again to go on in {folder}")

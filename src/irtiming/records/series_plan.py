@@ -52,7 +52,7 @@ class WiringWishes:
 class TriggerWishes:
     """Wheel speeds, frame rate, samples and delays in exact text, as options of ``irtiming plan`` take them.
 
-    ``clock_hz`` is empty where the trigger generator's own clock will do.
+    ``clock_hz`` is None where the trigger generator's own clock will do. Limits that are None follow from the tolerances.
     """
 
     wheel_hz: tuple[str, ...]
@@ -63,8 +63,11 @@ class TriggerWishes:
     frame_hz_exact: bool = False
     tolerance: str = "1%"
     control_slots: str = "100"
-    between_corrections: str = ""
-    clock_hz: str = ""
+    between_corrections: str | None = None
+    clock_hz: str | None = None
+    wheel_tolerance: str | None = None
+    frame_hz_limits: tuple[str | None, str | None] = (None, None)
+    samples_limits: tuple[str | None, str | None] = (None, None)
 
 
 @final

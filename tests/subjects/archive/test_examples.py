@@ -6,7 +6,7 @@ import pytest
 
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
-from irtiming.cli.series_triggers import triggers_of
+from irtiming.session.triggers import triggers_of
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 

@@ -11,13 +11,14 @@ import pytest
 from typer.testing import CliRunner
 
 from irtiming.archive import reader
+from irtiming.archive.plan_file import read_plan
 from irtiming.archive.verify import verify
 from irtiming.cli.gateware_command import app
-from irtiming.cli.plan_json import plan_as_json, read_plan
 from irtiming.errors import ArchiveError, InstrumentError, InstrumentRefused, PlanError, UnitError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
+from irtiming.session.plan_json import plan_as_json
 from irtiming.twin.driven_wheel import DrivenWheel
 from irtiming.twin.scene import paper_scene
 

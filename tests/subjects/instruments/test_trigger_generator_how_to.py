@@ -6,10 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from irtiming.cli.plan_json import plan_as_json
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
+from irtiming.session.plan_json import plan_as_json
 from irtiming.twin.driven_wheel import DrivenWheel
 from irtiming.twin.scene import paper_scene
 

@@ -26,6 +26,7 @@ from irtiming.measurement import (
     reduce_rolling,
     reduce_snapshot,
 )
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
@@ -48,13 +49,29 @@ What = Literal["look", "keep"]
 class LiveEstimate:
     """What is known so far: from so many frames of all recordings, values and standard uncertainties by name, s.
 
-    ``doubt`` says why there is none, where there is none.
+    ``finding`` says why there is none, where there is none.
     """
 
     frames: int
     values: Mapping[str, float]
     uncertainties: Mapping[str, float]
-    doubt: str = ""
+    finding: Finding | None = None
+
+    @property
+    def doubt(self) -> str:
+        """The finding as a line of text; empty where there is none."""
+        if self.finding is None:
+            return ""
+        return f"{self.finding.where}: {self.finding.what}" if self.finding.where else self.finding.what
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as plain data."""
+        return {
+            "frames": self.frames,
+            "values": dict(self.values),
+            "uncertainties": dict(self.uncertainties),
+            "doubt": self.doubt,
+        }
 
     def reaches(self, wished: Mapping[str, float]) -> bool:
         """Whether every standard uncertainty that is wished for is reached.
@@ -167,8 +184,7 @@ class LiveAnalysis:
 
     def _gone(self) -> None:
         self._is_busy, self._waiting = False, []
-        text = "the process of the live analysis has ended; the recording goes on without"
-        self._latest = LiveEstimate(frames=0, values={}, uncertainties={}, doubt=text)
+        self._latest = _unknown("", "the process of the live analysis has ended; the recording goes on without")
 
 
 @final
@@ -240,9 +256,16 @@ def _work(line: Connection, rig: Rig) -> None:
             what, path = question
             try:
                 answer = told_of(analyst.keep(path) if what == "keep" else analyst.look(path))
-            except (IrTimingError, ArithmeticError, ValueError) as error:
-                answer = LiveEstimate(frames=0, values={}, uncertainties={}, doubt=" ".join(str(error).split()))
+            except IrTimingError as error:
+                answer = _unknown(error.where, error.what)
+            except (ArithmeticError, ValueError) as error:
+                answer = _unknown("", str(error))
             line.send(answer)
+
+
+def _unknown(where: str, what: str) -> LiveEstimate:
+    finding = Finding(code="no-live-estimate", severity="info", where=where, what=" ".join(what.split()))
+    return LiveEstimate(frames=0, values={}, uncertainties={}, finding=finding)
 
 
 def told_of(found: Analysis | RollingAnalysis) -> LiveEstimate:

@@ -1,0 +1,40 @@
+"""The camera of an earlier result, as far as a plan for it needs it."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from irtiming.errors import ArchiveError
+from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
+
+
+def read_camera(path: str | Path) -> Camera:
+    """The camera in the prediction of a result JSON of ``irtiming analyse``.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or describes no camera.
+    """
+    try:
+        return _camera(json.loads(Path(path).read_text(encoding="utf-8"))["prediction"]["camera"])
+    except OSError as error:
+        raise ArchiveError(
+            f"{path} cannot be read ({error.strerror}); give the result JSON of irtiming analyse"
+        ) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise ArchiveError(
+            f"{path} does not describe a camera; give a result JSON that irtiming analyse wrote, with a prediction in it"
+        ) from error
+
+
+def _camera(found: dict[str, Any]) -> Camera:
+    shared = {name: float(found[name]) for name in ("noise_to_contrast", "opening_pixels")}
+    if found["camera"] not in ("photon", "microbolometer") or min(shared.values()) <= 0:
+        raise ValueError("no camera")
+    if found["camera"] == "microbolometer":
+        usual = Microbolometer(**shared)
+        return replace(usual, time_constant_s=found.get("time_constant") or usual.time_constant_s)
+    cooled = PhotonCamera(**shared, gate_jitter_s=0.0, camera_jitter_s=0.0)  # its noise holds both jitters already
+    return replace(cooled, integration_time_s=found.get("integration_time") or cooled.integration_time_s)
