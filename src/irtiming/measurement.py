@@ -22,7 +22,6 @@ from irtiming.estimate import (
     two_constants,
     wheel_geometry,
 )
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.plan import hindsight
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
@@ -37,6 +36,7 @@ from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
+from irtiming.records.wheel_geometry import WheelGeometry
 from irtiming.reduce import average_runs, cooled, microbolometer, pooled_slots, row_averages
 
 Progress = Callable[[str, int, int], None]

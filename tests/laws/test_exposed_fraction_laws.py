@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from irtiming.physics.wheel import WheelModel, edge_in_opening, exposed_fraction, slope_centres_rad
+from irtiming.physics.wheel import edge_in_opening, exposed_fraction, slope_centres_rad
+from irtiming.records.wheel_geometry import WheelModel
 
 TURN = 2 * np.pi
 _ANGLES = st.floats(-50, 50)

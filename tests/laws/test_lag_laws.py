@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import RowModel, row_functions
 from irtiming.physics.response.first_order_lag import transfer
-from irtiming.physics.wheel import WheelModel
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
+from irtiming.records.wheel_geometry import WheelModel
 
 TURN = 2 * np.pi
 M = 24

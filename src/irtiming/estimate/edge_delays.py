@@ -15,10 +15,11 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sum_model as model_of
 from irtiming.estimate import shared_residual
 from irtiming.estimate.pixel_sum_model import PixelSums
-from irtiming.physics.wheel import TURN, WheelModel, exposed_fraction
+from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelModel
 
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation

@@ -23,12 +23,12 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sum_model as model_of
 from irtiming.estimate.pixel_sum_model import PixelSums
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics.covariance import inverse
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelGeometry
 
 T_MIDDLE, EDGES, OPENING, WINDOW, LEANS = 0, slice(1, 5), 5, 6, (7, 8)
 """Places of the shared numbers."""

@@ -19,9 +19,10 @@ import numpy as np
 from numba import njit
 
 from irtiming.errors import EstimationError
-from irtiming.physics.wheel import EDGE_SIGNS, TURN, WheelModel
+from irtiming.physics.wheel import EDGE_SIGNS, TURN
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.lag_estimate import LagTiming, WheelInImage
+from irtiming.records.wheel_geometry import WheelModel
 
 STEPS_PER_SAMPLE = 10
 START = 0.5

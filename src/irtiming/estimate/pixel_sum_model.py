@@ -18,18 +18,11 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics.wheel import (
-    EDGE_SIGNS,
-    TURN,
-    PointAverage,
-    WheelModel,
-    at_point,
-    exposed_fraction,
-    skewed_fraction,
-)
+from irtiming.physics.wheel import EDGE_SIGNS, TURN, PointAverage, at_point, exposed_fraction, skewed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelModel
 
 NAMES = (
     "delay", "covered", "step", "drift", "skew", "plate", "edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "window",

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from irtiming.physics.wheel import TURN, WheelModel, slope_centres_rad
+from irtiming.physics.wheel import TURN, slope_centres_rad
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Contribution, DelayResult, Estimate, PublishedFit, RelativeDelay
+from irtiming.records.wheel_geometry import WheelModel
 
 _FALLING, _RISING = [0, 2], [1, 3]
 

@@ -5,9 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import RelativeDelay
+from irtiming.records.wheel_geometry import WheelGeometry
 
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _LARGEST_EDGE_RAD = 5e-3

@@ -18,15 +18,14 @@ from irtiming.estimate import (
 )
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics import blurred_sector
-from irtiming.physics.wheel import WheelModel
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import AxleView
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
 _AGREED = 0.1  # standard uncertainties between two rounds

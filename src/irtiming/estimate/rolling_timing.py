@@ -21,11 +21,11 @@ import numpy as np
 from scipy import stats
 
 from irtiming.estimate import by_blackbody, rig_wide
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate, RelativeDelay
 from irtiming.records.rolling_result import Bound, EffectiveTimeConstants, RollingContribution, RollingResult
 from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.wheel_geometry import WheelGeometry
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 _RUNS_THAT_TELL = 4
@@ -89,7 +89,8 @@ def estimate(
     return RollingResult(
         method="row-sum",
         estimate=Estimate(
-            names=tuple(NAMES[k] for k in keep), units=("s",) * len(keep), values=values[keep], covariance=covariance[np.ix_(keep, keep)]
+            names=tuple(NAMES[k] for k in keep), units=("s",) * len(keep), values=values[keep],
+            covariance=covariance[np.ix_(keep, keep)],
         ),
         relative_delays=_relative(fits, told),
         budget=budget,

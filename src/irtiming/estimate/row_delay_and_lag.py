@@ -14,10 +14,11 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.lag_simulation import MaskCrossings, SimulatedRows, crossings, simulate
 from irtiming.estimate.plausible_lag import plausible_time_constant_s
 from irtiming.estimate.slope_distance import LIMITS, slope_distances
-from irtiming.physics.wheel import TURN, WheelModel
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit, WheelInImage
 from irtiming.records.rolling import ExposedRows
+from irtiming.records.wheel_geometry import WheelModel
 
 ROUNDS = 3
 """Simulation and determination of the delays are done so many times for each time constant."""

@@ -13,11 +13,12 @@ from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
 from irtiming.estimate.row_residuals import robust_covariance
 from irtiming.estimate.row_timing import HARMONICS, Parabola, RowModel, Solution
 from irtiming.physics import wheel_harmonics
-from irtiming.physics.wheel import TURN, WheelModel
+from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.row_timing import RowTimingFit, TimeConstantScan
+from irtiming.records.wheel_geometry import WheelModel
 
 _SCAN_POINTS, _SCAN_WIDTH = 21, 4.0
 

@@ -25,12 +25,12 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import profile_of, rig_wide, whiteness
 from irtiming.estimate.rolling_timing import NAMES, Structure, structure
 from irtiming.estimate.row_timing import Parabola
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.records.joint_fit import Profile
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit
+from irtiming.records.wheel_geometry import WheelGeometry
 
 _MOST_STEPS = 20
 _SETTLED = 0.02  # standard uncertainties

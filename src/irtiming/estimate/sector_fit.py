@@ -35,11 +35,11 @@ from irtiming.estimate.sector_image import (
     View,
 )
 from irtiming.physics import lens
-from irtiming.physics.wheel import WheelModel
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.rig import Measured, Rig
 from irtiming.records.rolling import ReducedRows
 from irtiming.records.row_timing import SectorFit
+from irtiming.records.wheel_geometry import WheelModel
 
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _FIRMEST_DISTORTION = 1e-5  # uncertainty of one that counts as exact

@@ -19,10 +19,11 @@ from irtiming.estimate.row_light import shape_of
 from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector, smooth_field, wheel_harmonics
 from irtiming.physics.response import first_order_lag
-from irtiming.physics.wheel import TURN, WheelModel
+from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.rolling import ReducedRows
+from irtiming.records.wheel_geometry import WheelModel
 
 SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 0.02, 1e-5, 0.05, 2.0, 2.0])
 BLUR, DISTORTION, ROW_DELAY, PHASE, RING_INNER, RING_OUTER = 8, 9, 10, 11, 12, 13

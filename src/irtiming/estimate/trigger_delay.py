@@ -15,11 +15,11 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import joint_delays as linear
 from irtiming.estimate import joint_fit, joint_profile, rig_wide, shared_residual, whiteness
 from irtiming.estimate.joint_delays import AnglePart, Told
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.estimate import Contribution, DelayResult, EdgeDelayFit, Estimate
 from irtiming.records.joint_fit import JointFit
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelGeometry
 
 _SUSPICIOUS_BIRGE = 2.0
 _RUNS_THAT_TELL = 4

@@ -1,40 +1,20 @@
 """The rig's angles and what is known of their errors, from rig.toml and the timestamps (Schatz 2023, 2.5)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
-from irtiming.physics.light_gates import GateAngles, gate_angles
-from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
+from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rig import Rig, Rotation
+from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
+from irtiming.records.wheel_geometry import EdgeAngles, WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
 
 _LARGEST_ROLL_RAD = 0.5
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class WheelGeometry:
-    """Model of the wheel without any delay, and the standard uncertainties of its common angle, rad.
-
-    ``angle_budget`` lists what shifts all edges alike; ``u_edge_rad`` is the standard uncertainty of a single cutout
-    edge, None where nobody stated one. ``edges_from`` says where the edge angles come from. ``camera_roll_rad`` is rho, the
-    bisector of the mask in the image minus phi_M; it touches no delay.
-    """
-
-    model: WheelModel
-    gates: GateAngles
-    angle_budget: tuple[tuple[str, str, float], ...]
-    u_edge_rad: float | None
-    edges_from: str
-    camera_roll_rad: float | None
-    warnings: tuple[str, ...]
-    rotation: Rotation = "clockwise"
 
 
 def geometry(

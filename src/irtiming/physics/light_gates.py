@@ -1,26 +1,10 @@
 """From the angle between the two light gates to the angle zero of the wheel (Schatz 2023, 2.5, figure 4a)."""
 
-from dataclasses import dataclass
 from math import atan, atan2, pi
-from typing import final
 
 from irtiming.errors import GeometryError
 from irtiming.records.rig import LightGates
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class GateAngles:
-    """Where the gates are, as angles from the downward vertical.
-
-    ``application_rad`` is beta_1, ``control_rad`` beta_2, ``height_m`` h: the depth of the application gate below the
-    axle. ``sensitivity`` holds the partial derivatives of beta_1 to dbeta (1), d (rad/m) and dh (rad/m).
-    """
-
-    application_rad: float
-    control_rad: float
-    height_m: float
-    sensitivity: tuple[float, float, float]
+from irtiming.records.wheel_geometry import GateAngles
 
 
 def gate_angles(gate_separation_rad: float, gates: LightGates) -> GateAngles:

@@ -25,35 +25,18 @@ over the integration window (eq. 1). So only the first and second integrals of t
 """
 
 from dataclasses import dataclass
-from typing import TypeAlias, final
+from typing import final
 
 import numpy as np
 
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Array
 from irtiming.records.rig import Rotation
+from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
 
 TURN = 2 * np.pi
 EDGE_SIGNS = (-1.0, 1.0, -1.0, 1.0)
 """What edge 0..3 does to a point that it passes: +1 uncovers it, -1 covers it."""
-
-EdgeAngles: TypeAlias = tuple[float, float, float, float]
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class WheelModel:
-    """Wheel and opening as the formulas need them; symbols in the table above."""
-
-    cutout_edges_rad: EdgeAngles
-    gate_angle_rad: float
-    opening_angle_rad: float
-    centre_angle_rad: float
-
-    @property
-    def opening_coordinate_rad(self) -> float:
-        """Wheel coordinate alpha of the opening's centre at wheel angle zero: phi_A - phi_M."""
-        return self.gate_angle_rad - self.centre_angle_rad
 
 
 def wheel_model(

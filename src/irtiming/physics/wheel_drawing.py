@@ -9,9 +9,8 @@ from math import atan2, cos, degrees, hypot, pi, sin, tan
 from typing import TypeAlias, final
 from xml.sax.saxutils import escape
 
-from irtiming.physics.light_gates import GateAngles
-from irtiming.physics.wheel import WheelModel
 from irtiming.records.rig import Rotation
+from irtiming.records.wheel_geometry import GateAngles, WheelModel
 
 _WIDTH, _HEIGHT = 990, 664
 _AXLE = (366.0, 326.0)

@@ -7,8 +7,9 @@ later reading (`physics.readout`) turns it by exp(i m omega delay): no time is s
 
 import numpy as np
 
-from irtiming.physics.wheel import EDGE_SIGNS, TURN, EdgeAngles, WheelModel
+from irtiming.physics.wheel import EDGE_SIGNS, TURN
 from irtiming.records.arrays import Array, ComplexArray
+from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
 
 
 def open_harmonics(model: WheelModel, n_harmonics: int) -> ComplexArray:

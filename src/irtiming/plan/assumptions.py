@@ -7,10 +7,11 @@ from typing import final
 import numpy as np
 
 from irtiming.physics.light_gates import gate_angles
-from irtiming.physics.wheel import TURN, EdgeAngles, WheelModel, wheel_model
+from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
 
 USUAL_RIG = Rig(
     light_gates=LightGates(

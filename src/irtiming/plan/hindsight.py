@@ -10,7 +10,6 @@ from typing import TypeAlias
 import numpy as np
 
 from irtiming.errors import PlanError
-from irtiming.physics.wheel import WheelModel
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.information import Information
@@ -21,6 +20,7 @@ from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.prediction import AngleErrors, PredictedRelativeDelay, Prediction
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.wheel_geometry import WheelModel
 
 _UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9

@@ -21,11 +21,12 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, edge_in_opening, exposed_fraction, skewed_fraction
+from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction, skewed_fraction
 from irtiming.plan.information import EDGES, Information, without_own
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
+from irtiming.records.wheel_geometry import WheelModel
 
 _NARROW_RAD = 1e-6
 _PERIMETER = 4.07  # of the paper's mask opening, times the root of its area

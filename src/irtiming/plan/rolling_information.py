@@ -18,12 +18,13 @@ from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.response import first_order_lag
-from irtiming.physics.wheel import TURN, WheelModel
+from irtiming.physics.wheel import TURN
 from irtiming.plan.information import EDGES, Information, without_own
 from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.camera_description import Microbolometer
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
+from irtiming.records.wheel_geometry import WheelModel
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 IMAGE = "axle, mask and blur in the image"

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from irtiming.physics.light_gates import GateAngles
-from irtiming.physics.wheel import WheelModel
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
 from irtiming.records.joint_fit import JointFit
 from irtiming.records.lag_estimate import PublishedLagFit
@@ -16,6 +14,7 @@ from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
+from irtiming.records.wheel_geometry import GateAngles, WheelModel
 from irtiming.records.wheel_track import WheelTrack
 
 

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from irtiming.physics.wheel import TURN, WheelModel, corner_angles_rad, exposed_fraction, slope_centres_rad
+from irtiming.physics.wheel import TURN, corner_angles_rad, exposed_fraction, slope_centres_rad
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit, SlopeLine
+from irtiming.records.wheel_geometry import WheelModel
 from irtiming.report import sheet
 from irtiming.report.evidence import Evidence, WheelEvidence
 

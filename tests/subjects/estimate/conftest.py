@@ -9,11 +9,12 @@ import pytest
 from scipy import ndimage
 from scipy.stats import norm
 
-from irtiming.physics.wheel import WheelModel, wheel_model
+from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening
 from irtiming.records.row_timing import SectorFit, SectorShape
+from irtiming.records.wheel_geometry import WheelModel
 
 TURN = 2 * np.pi
 CLOCK_HZ, START = 49_152_000, 7_000_000

@@ -10,11 +10,10 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import edge_delays, joint_delays, joint_fit, joint_profile, trigger_delay, whiteness
 from irtiming.estimate import pixel_sum_model as model_of
 from irtiming.estimate.joint_delays import Told
-from irtiming.estimate.wheel_geometry import WheelGeometry
-from irtiming.physics.light_gates import GateAngles
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import AxleView
+from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 CLOCK_HZ, START = 49_152_000, 7_000_000

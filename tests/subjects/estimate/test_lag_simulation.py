@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.lag_simulation import crossings, simulate
-from irtiming.physics.wheel import WheelModel, wheel_model
+from irtiming.physics.wheel import wheel_model
 from irtiming.records.lag_estimate import LagTiming, WheelInImage
+from irtiming.records.wheel_geometry import WheelModel
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3

@@ -8,10 +8,9 @@ import pytest
 
 from irtiming.estimate import rolling_timing
 from irtiming.estimate.rolling_timing import NAMES
-from irtiming.estimate.wheel_geometry import WheelGeometry
-from irtiming.physics.light_gates import GateAngles
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.row_timing import RowTimingFit
+from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3

@@ -7,8 +7,7 @@ from iminuit import Minuit
 from irtiming.errors import EstimationError
 from irtiming.estimate import rolling_timing, row_fit, row_light, row_likelihood
 from irtiming.estimate.row_timing import Parabola
-from irtiming.estimate.wheel_geometry import WheelGeometry
-from irtiming.physics.light_gates import GateAngles
+from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 U_ANGLE, U_EDGE = 5e-4, 2e-4

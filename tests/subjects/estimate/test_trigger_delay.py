@@ -8,10 +8,9 @@ import pytest
 
 from irtiming.estimate import trigger_delay
 from irtiming.estimate.joint_delays import Told
-from irtiming.estimate.wheel_geometry import WheelGeometry
-from irtiming.physics.light_gates import GateAngles
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3

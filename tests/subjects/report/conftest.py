@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import pytest
 
-from irtiming.physics.light_gates import GateAngles, gate_angles
-from irtiming.physics.wheel import EDGE_SIGNS, WheelModel, exposed_fraction, slope_centres_rad, wheel_model
+from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.wheel import EDGE_SIGNS, exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import (
@@ -29,6 +29,7 @@ from irtiming.records.rolling_result import RollingContribution, RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, SectorShape, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
+from irtiming.records.wheel_geometry import GateAngles, WheelModel
 from irtiming.records.wheel_track import WheelTrack
 
 TURN = 2 * np.pi

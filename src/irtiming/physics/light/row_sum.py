@@ -17,9 +17,9 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.physics.camera import Camera
-from irtiming.physics.wheel import WheelModel
 from irtiming.physics.wheel_harmonics import later, open_harmonics
 from irtiming.records.arrays import Array, ComplexArray
+from irtiming.records.wheel_geometry import WheelModel
 
 EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
 """Delays of row 0 as the passing of each wheel edge gives them."""
