@@ -1,12 +1,15 @@
 """Estimates with their covariance, and what led to them."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import Protocol, final
 
 import numpy as np
 
 from irtiming.records.arrays import Array, Mask
-from irtiming.records.reduced import ExposedFraction, Method
+from irtiming.records.reduced import ExposedFraction
+
+EDGE_DELAYS = ("edge_delay_0", "edge_delay_1", "edge_delay_2", "edge_delay_3")
+"""Local numbers that every recording tells: delay as the passing of each wheel edge gives it, s."""
 
 
 @final
@@ -65,31 +68,6 @@ class Estimate:
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
-class RelativeDelay:
-    """Delay of one recording minus that of the recordings with the smallest set delay: nominal and as measured, s."""
-
-    file: str
-    nominal_s: float
-    value_s: float
-    standard_uncertainty_s: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Contribution:
-    """One line of the uncertainty budget of the trigger delay: what it is, and its standard uncertainty, s.
-
-    ``kind`` is A or B as in the GUM; ``degrees_of_freedom`` say how well the uncertainty itself is known.
-    """
-
-    source: str
-    kind: str
-    standard_uncertainty_s: float
-    degrees_of_freedom: float = float("inf")
-
-
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlopeLine:
     """The line 1/2 + m (x - c) through the points of one slope (Schatz 2023, 3.1.4).
@@ -117,6 +95,40 @@ class PublishedFit:
     angular_frequency_rad_per_s: float
 
 
+class RecordingFit(Protocol):
+    """What any fit of one recording tells the joint fit."""
+
+    @property
+    def name(self) -> str:
+        """Of the recording."""
+        ...
+
+    @property
+    def trigger_delay_time_set_s(self) -> float:
+        """Extra delay set, already taken off the edges' delays."""
+        ...
+
+    @property
+    def angular_frequency_rad_per_s(self) -> float:
+        """Of the wheel."""
+        ...
+
+    @property
+    def estimate(self) -> Estimate:
+        """Local numbers: EDGE_DELAYS, then what response, readout and light have."""
+        ...
+
+    @property
+    def shape_effect(self) -> Array | None:
+        """Shape (k, m); change of the local numbers per unit of each number of the sector's shape; None where it has no part."""
+        ...
+
+    @property
+    def widening(self) -> float:
+        """Variance inflation for correlated residuals, already in the covariance."""
+        ...
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EdgeDelayFit:
@@ -124,51 +136,48 @@ class EdgeDelayFit:
 
     Parameters
     ----------
-    edge_delay_s, covariance_s2
-        Shape (4,), (4, 4); delay of the start of integration as seen from each wheel edge, set delay taken off.
+    estimate
+        Local numbers: ``edge_delay_0`` .. ``edge_delay_3``, the middle of the integration window after trigger and set delay (s), and
+        ``opening_angle`` (rad).
+    edge_delay_s
+        Shape (4,); delay of the *start* of integration as seen from each wheel edge; of the middle where the recording does not
+        tell the integration time.
     start_delay_s
         Where the search began; the fit has left it.
     wheel_angle_rad, fraction, residual
         Shape (n,); angle at the start of integration in [0, 2 pi), normalised sums, and their difference from the
         model; sorted by angle.
-    opening_angle_rad
-        Fitted angle of the opening.
     noise
         Standard deviation of the residuals, opening fractions.
+    step
+        Pixel sum from covered to open, over the first guess of it.
     widening
-        Factor on the covariance for residuals that are correlated along the angle; 1 when they are white.
+        Variance inflation for residuals that are correlated along the angle; 1 when they are white.
     kept
-        Shape (n_frame,); frames of the reduced recording that took part.
-    values
-        Shape (12,); what the model took, in the order of `estimate.pixel_sum_model.NAMES`.
+        Shape (n_frame,); frames of the reduced recording that took part; ``n_dropped`` did not.
     """
 
     name: str
     trigger_delay_time_set_s: float
     angular_frequency_rad_per_s: float
+    estimate: Estimate
     edge_delay_s: Array
-    covariance_s2: Array
     start_delay_s: float
     wheel_angle_rad: Array
     fraction: Array
     residual: Array
-    opening_angle_rad: float
     noise: float
+    step: float
     widening: float
     n_dropped: int
     kept: Mask
-    values: Array
 
+    @property
+    def covariance_s2(self) -> Array:
+        """Of the four edges' delays, shape (4, 4)."""
+        return self.estimate.covariance[:4, :4]
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DelayResult:
-    """What the estimation hands to the report."""
-
-    method: Method
-    estimate: Estimate
-    relative_delays: tuple[RelativeDelay, ...]
-    budget: tuple[Contribution, ...]
-    edge_delay_s: Array
-    u_edge_delay_s: Array
-    warnings: tuple[str, ...]
+    @property
+    def shape_effect(self) -> None:
+        """The opening's shape in the image has no part in a sum over all of it."""
+        return

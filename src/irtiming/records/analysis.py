@@ -1,0 +1,90 @@
+"""Everything that a report needs: the result, and what led to it."""
+
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+from irtiming.records.estimate import EdgeDelayFit, PublishedFit
+from irtiming.records.finding import Finding
+from irtiming.records.lag_estimate import PublishedLagFit
+from irtiming.records.prediction import Prediction
+from irtiming.records.recording import CameraType, ReadoutMode
+from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.result import JointFit, Profile, Result
+from irtiming.records.rig import Rig
+from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.records.wheel_calibration import WheelCalibration
+from irtiming.records.wheel_geometry import WheelGeometry
+
+Fits: TypeAlias = tuple[EdgeDelayFit, ...] | tuple[RowTimingFit, ...]
+"""Of pixel sums or of row sums, one per recording."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Published:
+    """By the procedure of Schatz 2023: its result, the fits per nominal delay and speed (none where it could not be run), and the
+    geometry with equal slots that they used.
+    """
+
+    result: Result
+    fits: tuple[PublishedFit, ...] | tuple[PublishedLagFit, ...]
+    geometry: WheelGeometry
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Analysis:
+    """Of one camera on one rig.
+
+    Parameters
+    ----------
+    camera_type, readout_mode
+        Kind of camera: its response and its readout.
+    rig, choices
+        What a person measured and decided.
+    recordings, fits, relative delays
+        In the same order.
+    geometry
+        Wheel, gates and opening with learned slots.
+    sectors
+        The opening in the image as each recording shows it; recordings before one blackbody share one.
+    joint
+        The fit behind ``best``.
+    best
+        The result by the project's method.
+    wheel
+        Slots that all recordings tell together.
+    published, profiles, prediction, two_constants
+        Made on request; None or empty where nobody asked, or none could be made.
+    """
+
+    camera_type: CameraType
+    readout_mode: ReadoutMode
+    rig: Rig
+    choices: Choices
+    recordings: tuple[ReducedRecording, ...]
+    geometry: WheelGeometry
+    sectors: tuple[SectorFit, ...]
+    fits: Fits
+    joint: JointFit
+    best: Result
+    wheel: WheelCalibration | None = None
+    published: Published | None = None
+    profiles: tuple[Profile, ...] = ()
+    prediction: Prediction | None = None
+    two_constants: TwoConstantsResult | None = None
+
+    @property
+    def result(self) -> Result:
+        """By the method that was chosen."""
+        return self.published.result if self.choices.method == "published" and self.published else self.best
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """All, each once, in order: of the recordings, the wheel, the result, and of what was made on request."""
+        without = self.published.result.findings if self.published and not self.published.fits else ()
+        two = self.two_constants.findings if self.two_constants else ()
+        found = [one for recording in self.recordings for one in recording.findings]
+        wheel = self.wheel.findings if self.wheel else ()
+        return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two]))
