@@ -184,7 +184,14 @@ class LiveAnalysis:
 
     def _gone(self) -> None:
         self._is_busy, self._waiting = False, []
-        self._latest = _unknown("", "the process of the live analysis has ended; the recording goes on without")
+        self._latest = _unknown(
+            Finding(
+                code="live-analysis-ended",
+                severity="warning",
+                where="",
+                what="the process of the live analysis has ended; the recording goes on without",
+            )
+        )
 
 
 @final
@@ -256,15 +263,15 @@ def _work(line: Connection, rig: Rig) -> None:
             what, path = question
             try:
                 answer = told_of(analyst.keep(path) if what == "keep" else analyst.look(path))
-            except IrTimingError as error:
-                answer = _unknown(error.where, error.what)
-            except (ArithmeticError, ValueError) as error:
-                answer = _unknown("", str(error))
+            except (IrTimingError, ArithmeticError, ValueError) as error:
+                where, what = (error.where, error.what) if isinstance(error, IrTimingError) else ("", str(error))
+                answer = _unknown(
+                    Finding(code="no-live-estimate", severity="info", where=where, what=" ".join(what.split()))
+                )
             line.send(answer)
 
 
-def _unknown(where: str, what: str) -> LiveEstimate:
-    finding = Finding(code="no-live-estimate", severity="info", where=where, what=" ".join(what.split()))
+def _unknown(finding: Finding) -> LiveEstimate:
     return LiveEstimate(frames=0, values={}, uncertainties={}, finding=finding)
 
 

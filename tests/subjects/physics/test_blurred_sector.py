@@ -4,9 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 from scipy.stats import norm
 
-from irtiming.physics.blurred_sector import image, light_points, pixel_places, row_harmonics
+from irtiming.physics.blurred_sector import (
+    border_points,
+    image,
+    light_points,
+    pixel_places,
+    pixel_smear,
+    row_harmonics,
+    well_inside,
+)
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -62,6 +71,24 @@ def _into(pixels, places, blur):
     return norm.cdf(high) - norm.cdf(low)
 
 
+def _border(shape):
+    """Corners of a polygon along the border as the lens shows it, column and row from the image's middle, px."""
+    radius = np.linspace(shape.inner_radius_px, shape.outer_radius_px, 2000)
+    half = np.linspace(-0.5, 0.5, 4000) * shape.opening_angle_rad + shape.bisector_rad
+    ring = [(r, a) for a, r in ((half[0], radius), (half[-1], radius[::-1]))]
+    polar = np.concatenate([np.full(2000, half[0]), half, np.full(2000, half[-1]), half[::-1]])
+    away = np.concatenate(
+        [ring[0][0], np.full(4000, shape.outer_radius_px), ring[1][0], np.full(4000, shape.inner_radius_px)]
+    )
+    (row,), (column,) = _unbent(shape, np.array([shape.axle_row_px]), np.array([shape.axle_column_px]))
+    y = row + shape.offset_row_px + away * np.sin(polar) - 22.0
+    sense = -1 if shape.mirrored else 1
+    x = column + sense * (shape.offset_column_px + away * np.cos(polar)) - 31.5
+    bent = 1 + shape.distortion * (x**2 + y**2) / (45**2 + 64**2) * 4
+    x, y = x * bent, y * bent
+    return x, y
+
+
 @pytest.fixture(
     scope="module",
     params=[(False, 0.0), (True, 0.0), (False, -0.1), (True, 0.15)],
@@ -115,19 +142,7 @@ def test_light_is_as_much_as_the_sector_is_large():
 
 def test_a_lens_makes_the_image_as_large_as_its_border(shape):
     """Oracle: the area of a polygon along the border, each corner carried through the lens (shoelace formula)."""
-    radius = np.linspace(shape.inner_radius_px, shape.outer_radius_px, 2000)
-    half = np.linspace(-0.5, 0.5, 4000) * shape.opening_angle_rad + shape.bisector_rad
-    ring = [(r, a) for a, r in ((half[0], radius), (half[-1], radius[::-1]))]
-    polar = np.concatenate([np.full(2000, half[0]), half, np.full(2000, half[-1]), half[::-1]])
-    away = np.concatenate(
-        [ring[0][0], np.full(4000, shape.outer_radius_px), ring[1][0], np.full(4000, shape.inner_radius_px)]
-    )
-    (row,), (column,) = _unbent(shape, np.array([shape.axle_row_px]), np.array([shape.axle_column_px]))
-    y = row + shape.offset_row_px + away * np.sin(polar) - 22.0
-    sense = -1 if shape.mirrored else 1
-    x = column + sense * (shape.offset_column_px + away * np.cos(polar)) - 31.5
-    bent = 1 + shape.distortion * (x**2 + y**2) / (45**2 + 64**2) * 4
-    x, y = x * bent, y * bent
+    x, y = _border(shape)
     area = abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
     assert light_points(shape).area_px2.sum() == pytest.approx(area, rel=1e-6)
 
@@ -139,6 +154,82 @@ def test_quadrature_is_fine_enough():
     assert fine.row_px.size > 10 * coarse.row_px.size
     few, many = (row_harmonics(p, rows, blur_px=SHAPE.blur_px, n_harmonics=64) for p in (coarse, fine))
     np.testing.assert_allclose(few, many, atol=2e-5)
+
+
+FAR_OUT = replace(SHAPE, axle_row_px=21.0, axle_column_px=26.0, bisector_rad=0.1, outer_radius_px=33.0, blur_px=0.5)
+"""Reaches a corner of the image, where a lens magnifies most."""
+
+
+@pytest.mark.parametrize("distortion", [-0.15, 0.1, 0.3])
+def test_quadrature_is_fine_enough_where_a_lens_magnifies_most(distortion):
+    """Oracle: the same with nodes for a quarter of the blur, in every pixel; 1 is the light of a whole one."""
+    shape = replace(FAR_OUT, distortion=distortion)
+    few, many = (
+        image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=(0, 45, 0, 75))
+        for points in (light_points(shape), light_points(replace(shape, blur_px=shape.blur_px / 4)))
+    )
+    np.testing.assert_allclose(few, many, atol=3e-5)
+
+
+@pytest.mark.parametrize("distortion", [-0.15, 0.0, 0.3])
+def test_neighbouring_nodes_are_nowhere_further_apart_than_their_limit(distortion):
+    """Oracle: distances in the image; the limit of 1.2 blurs is the module's, beyond it ghosts of the nodes would show."""
+    shape = replace(FAR_OUT, distortion=distortion, inner_radius_px=20.0, offset_row_px=0.0, offset_column_px=0.0)
+    points = light_points(shape)
+    around = np.unique(points.angle_rad.round(9)).size
+    row, column = (values.reshape(-1, around) for values in (points.row_px, points.column_px))
+    for axis in (0, 1):
+        gap = np.hypot(np.diff(row, axis=axis), np.diff(column, axis=axis)).max()
+        assert 0.5 * shape.blur_px < gap < 1.2 * shape.blur_px
+
+
+@pytest.mark.parametrize("distortion", [-0.1, 0.0, 0.3])
+def test_pixels_well_inside_keep_away_from_the_border(distortion):
+    """Oracle: distance of each pixel's centre to a polygon along the border, its corners carried through the lens."""
+    shape, roi = replace(FAR_OUT, distortion=distortion), (0, 45, 20, 75)
+    x, y = _border(shape)
+    row, column = np.arange(*roi[:2])[:, None, None] - 22.0, np.arange(*roi[2:])[None, :, None] - 31.5
+    away = np.sqrt(np.min((row - y) ** 2 + (column - x) ** 2, axis=2))
+    within = Path(np.stack([x, y], axis=1)).contains_points(
+        np.stack(np.broadcast_arrays(column[..., 0], row[..., 0]), axis=-1).reshape(-1, 2)
+    ).reshape(away.shape)  # fmt: skip
+    found = well_inside(shape, roi=roi)
+    needed = 5 * shape.blur_px + 1
+    assert found.sum() > 100
+    assert np.all(within[found])
+    assert away[found].min() > 0.98 * needed
+    assert np.all(found[within & (away > (1.05 if distortion == 0 else 1.8) * needed)])
+
+
+def test_points_near_the_border_make_the_whole_image_but_for_what_is_well_inside(shape):
+    """Oracle: the image of all points of light."""
+    shape = replace(shape, blur_px=0.5, outer_radius_px=31.0)
+    every, near = light_points(shape), border_points(shape)
+    value = [np.exp(-2j * points.angle_rad) for points in (every, near)]
+    whole, border = (image(p, v, blur_px=0.5, roi=ROI) for p, v in zip((every, near), value, strict=True))
+    inside = well_inside(shape, roi=ROI)
+    assert inside.sum() > 50
+    assert near.row_px.size < every.row_px.size
+    np.testing.assert_allclose(border[~inside], whole[~inside], atol=2e-6)
+
+
+@pytest.mark.parametrize("order", [1, 4, 16])
+def test_smear_of_a_pixel_in_even_light(order):
+    """Oracle: exp(-i m phi) averaged over 200 x 200 points of a pixel, each blurred by a Gaussian (Gauss-Hermite)."""
+    radius, blur = 31.7, 0.8
+    place = (np.arange(200) + 0.5) / 200 - 0.5
+    node, weight = np.polynomial.hermite_e.hermegauss(20)
+    spread = (place[:, None] + blur * node).ravel()
+    weights = np.tile(weight, 200)
+    weights = weights / weights.sum()
+    wave = np.exp(-1j * order * np.arctan2(spread, radius + spread[:, None]))
+    seen = abs(weights @ wave @ weights)
+    assert pixel_smear(np.array([radius]), blur_px=blur, order=order)[0] == pytest.approx(
+        seen, abs=2e-3 * order**2 / 16
+    )
+    assert pixel_smear(np.array([0.2, 1.0]), blur_px=blur, order=1).tolist() == pytest.approx(
+        [np.exp(-(blur**2 + 1 / 12) / 2)] * 2
+    )
 
 
 def test_a_mirrored_sector_is_the_mirror_image():

@@ -182,3 +182,18 @@ def test_skewed_opening_against_counting_its_light(theta):
     counted = float(np.mean((1 + skew * u) * is_open))
     added = (counted - float(exposed_fraction(np.array(theta), model))) / skew
     assert float(skewed_fraction(np.array(theta), model)) == pytest.approx(added, abs=6e-3)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("sweep", [0.02, 0.15])
+def test_skew_of_a_window_is_the_mean_of_many_instants(model, sweep):
+    """Oracle: midpoint rule over 4000 instants of the window (eq. 1); the curve is a parabola, up to sweep^2 / 24 of its bend."""
+    angles = np.random.default_rng(5).uniform(0, TURN, 200)
+    instants = (np.arange(4000) + 0.5) / 4000 * sweep
+    mean = skewed_fraction(angles[:, None] + instants, model).mean(axis=1)
+    found = skewed_fraction(angles, model, sweep_rad=sweep)
+    corners = corner_angles_rad(model).ravel()
+    beside = np.angle(np.exp(1j * (angles[:, None] + sweep / 2 - corners)))
+    smooth = np.all(np.abs(beside) > sweep / 2, axis=1)
+    assert smooth.sum() > 50
+    np.testing.assert_allclose(found[smooth], mean[smooth], atol=0.1 * (sweep / model.opening_angle_rad) ** 2)
