@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate import published, slopes
+from irtiming.estimate.published import slope_delays as published, slopes
 from irtiming.physics.wheel import slope_centres_rad, wheel_model
 from irtiming.records.estimate import PublishedFit, SlopeLine
 from irtiming.records.reduced import ExposedFraction

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate import lag_simulation, row_delay_and_lag, slope_distance
+from irtiming.estimate.published import lag_simulation, row_delay_and_lag, slope_distance
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.lag_estimate import WheelInImage
 

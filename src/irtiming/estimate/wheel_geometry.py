@@ -7,6 +7,7 @@ import numpy as np
 
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import TURN, wheel_model
+from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.rolling import ReducedRows
@@ -45,7 +46,7 @@ def geometry(
     """
     tracks = [r.track if slots == "learned" else r.equal_track for r in recordings]
     gates = gate_angles(float(np.mean([t.gate_separation_rad for t in tracks])), rig.light_gates)
-    edges, u_edge, edges_from, warnings = _edges(rig, tracks)
+    edges, u_edge, edges_from, findings = _edges(rig, tracks)
     shift, u_shift = _mask_shift(recordings) if off_axle_mask else (0.0, None)
     opening = rig.mask_opening
     model = wheel_model(
@@ -66,7 +67,7 @@ def geometry(
     if u_shift is not None:
         budget.append(("mask beside the axle (image)", "A", u_shift))
     roll = _camera_roll(recordings, opening.centre_angle_rad.value)
-    warnings += _doubts(rig, roll if off_axle_mask else None)
+    findings += _doubts(rig, roll if off_axle_mask else None)
     return WheelGeometry(
         model=model,
         gates=gates,
@@ -74,27 +75,37 @@ def geometry(
         u_edge_rad=u_edge,
         edges_from=edges_from,
         camera_roll_rad=roll,
-        warnings=warnings,
+        findings=findings,
         rotation=rig.wheel.rotation,
     )
 
 
-def _doubts(rig: Rig, roll_rad: float | None) -> tuple[str, ...]:
+def _doubts(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:
     """What is missing in rig.toml, or does not fit the image."""
     doubts = []
     if rig.mask_opening.centre_angle_rad.standard_uncertainty == 0:
         doubts.append(
-            "rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too small"
+            Finding(
+                code="mask-angle-without-uncertainty",
+                severity="warning",
+                what="rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too "
+                "small",
+            )
         )
     if roll_rad is not None and abs(roll_rad) > _LARGEST_ROLL_RAD:
         doubts.append(
-            f"the mask stands {np.degrees(roll_rad):+.0f} deg beside its place in rig.toml, more than a rolled camera explains; "
-            "check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored"
+            Finding(
+                code="mask-not-where-stated",
+                severity="warning",
+                what=f"the mask stands {np.degrees(roll_rad):+.0f} deg beside its place in rig.toml, more than a rolled camera "
+                "explains",
+                cure="check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored",
+            )
         )
     return tuple(doubts)
 
 
-def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None, str, tuple[str, ...]]:
+def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None, str, tuple[Finding, ...]]:
     stated = rig.wheel.cutout_edges_rad
     if stated is not None:
         u = float(np.sqrt(np.mean([e.standard_uncertainty**2 for e in stated])))
@@ -104,8 +115,12 @@ def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None
     if seen:
         a, b, c, d = (float(angle) for angle in np.mean(seen, axis=0))
         return (a, b, c, d), None, "application_edges of the recordings", ()
-    text = "cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording tells them"
-    return _IDEAL_EDGES, None, "ideal", (text,)
+    doubt = Finding(
+        code="edges-taken-as-ideal",
+        severity="warning",
+        what="cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording tells them",
+    )
+    return _IDEAL_EDGES, None, "ideal", (doubt,)
 
 
 def _camera_roll(recordings: Sequence[ReducedRecording | ReducedRows], centre_angle_rad: float) -> float | None:

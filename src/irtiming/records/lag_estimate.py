@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.finding import Finding
 from irtiming.records.rig import Rotation
 from irtiming.records.rolling import ExposedRows
 
@@ -76,4 +77,4 @@ class PublishedLagFit:
     simulated_row_fraction: Array
     deviation_rms: float
     n_simulations: int
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TypeAlias, final
 
+from irtiming.records.finding import Finding
 from irtiming.records.rig import Rotation
 
 EdgeAngles: TypeAlias = tuple[float, float, float, float]
@@ -56,5 +57,5 @@ class WheelGeometry:
     u_edge_rad: float | None
     edges_from: str
     camera_roll_rad: float | None
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     rotation: Rotation = "clockwise"

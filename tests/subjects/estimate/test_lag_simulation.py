@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.lag_simulation import crossings, simulate
+from irtiming.estimate.published.lag_simulation import crossings, simulate
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.lag_estimate import LagTiming, WheelInImage
 from irtiming.records.wheel_geometry import WheelModel

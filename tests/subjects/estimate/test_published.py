@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.estimate import published
+from irtiming.estimate.published import slope_delays as published
 from irtiming.physics.wheel import slope_centres_rad, wheel_model
 from irtiming.records.estimate import PublishedFit, SlopeLine
 from irtiming.records.reduced import ExposedFraction

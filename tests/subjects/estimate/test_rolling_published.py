@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.estimate import rolling_published
+from irtiming.estimate.published import lag_timing as rolling_published
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
 from irtiming.records.rolling import ExposedRows
 

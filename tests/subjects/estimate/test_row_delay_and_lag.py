@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import row_delay_and_lag
-from irtiming.estimate.plausible_lag import plausible_time_constant_s
+from irtiming.estimate.published import row_delay_and_lag
+from irtiming.estimate.published.plausible_lag import plausible_time_constant_s
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.lag_estimate import WheelInImage
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate.slope_distance import slope_distances
+from irtiming.estimate.published.slope_distance import slope_distances
 
 TURN = 2 * np.pi
 

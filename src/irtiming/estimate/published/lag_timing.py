@@ -4,13 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irtiming.estimate.rolling_timing import NAMES
-from irtiming.records.estimate import Estimate, RelativeDelay
+from irtiming.records.estimate import Estimate
+from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
-from irtiming.records.rolling_result import RollingContribution, RollingResult
+from irtiming.records.result import Contribution, RelativeDelay, Result
+
+NAMES = ("trigger_delay", "time_constant", "row_delay")
 
 
-def estimate(fits: Sequence[PublishedLagFit]) -> RollingResult:
+def estimate(fits: Sequence[PublishedLagFit]) -> Result:
     """Means over the nominal delays and wheel speeds; the paper has a single one.
 
     Parameters
@@ -22,40 +24,28 @@ def estimate(fits: Sequence[PublishedLagFit]) -> RollingResult:
     u = np.array([_three(fit.u_timing) for fit in fits])
     covariance = np.diag(np.mean(u**2, axis=0) / len(fits))
     scatter = np.sqrt(np.diag(covariance))
-    return RollingResult(
+    return Result(
         method="published",
         estimate=Estimate(names=NAMES, units=("s",) * len(NAMES), values=values.mean(axis=0), covariance=covariance),
         relative_delays=_relative(fits),
         budget=(
-            RollingContribution(
+            Contribution(
                 source="scatter of the line and of the parabola",
                 kind="A",
-                trigger_delay_s=float(scatter[0]),
-                time_constant_s=float(scatter[1]),
-                row_delay_s=float(scatter[2]),
+                standard_uncertainty=dict(zip(NAMES, scatter.tolist(), strict=True)),
             ),
         ),
         edge_delay_s=np.full(4, np.nan),
         u_edge_delay_s=np.full(4, np.nan),
-        warnings=(
-            *dict.fromkeys(text for fit in fits for text in fit.warnings),
-            "published method: the stated uncertainties hold the scatter of the line and of the parabola only, not those of "
-            "mask, gates, edges, slots and blur",
+        findings=(
+            *dict.fromkeys(one for fit in fits for one in fit.findings),
+            Finding(
+                code="published-uncertainty-partial",
+                severity="warning",
+                what="published method: the stated uncertainties hold the scatter of the line and of the parabola only, not "
+                "those of mask, gates, edges, slots and blur",
+            ),
         ),
-    )
-
-
-def without(reason: str) -> RollingResult:
-    """No result, because the procedure could not be run; it must not take the default method with it."""
-    nothing = np.zeros(0)
-    return RollingResult(
-        method="published",
-        estimate=Estimate(names=(), units=(), values=nothing, covariance=np.zeros((0, 0))),
-        relative_delays=(),
-        budget=(),
-        edge_delay_s=np.full(4, np.nan),
-        u_edge_delay_s=np.full(4, np.nan),
-        warnings=(f"the published procedure could not be run: {reason}",),
     )
 
 

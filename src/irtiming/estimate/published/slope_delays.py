@@ -4,7 +4,9 @@ import numpy as np
 
 from irtiming.physics.wheel import TURN, slope_centres_rad
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import Contribution, DelayResult, Estimate, PublishedFit, RelativeDelay
+from irtiming.records.estimate import Estimate, PublishedFit
+from irtiming.records.finding import Finding
+from irtiming.records.result import Contribution, RelativeDelay, Result
 from irtiming.records.wheel_geometry import WheelModel
 
 _FALLING, _RISING = [0, 2], [1, 3]
@@ -44,7 +46,7 @@ def relative_delays(fits: list[PublishedFit]) -> tuple[RelativeDelay, ...]:
     return tuple(entries)
 
 
-def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s: float | None) -> DelayResult:
+def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s: float | None) -> Result:
     """Trigger delays from the lines through the slopes.
 
     Parameters
@@ -71,7 +73,7 @@ def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s:
     names = ("exposure_midpoint_delay", "trigger_delay", "trigger_delay_falling", "trigger_delay_rising")
     keep = [0, 1, 2, 3] if integration_time_s is not None else [0]
     covariance = weights @ np.diag(u_delay.ravel() ** 2) @ weights.T
-    return DelayResult(
+    return Result(
         method="published",
         estimate=Estimate(
             names=tuple(names[k] for k in keep),
@@ -82,14 +84,20 @@ def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s:
         relative_delays=relative_delays(fits),
         budget=(
             Contribution(
-                source="scatter of the lines", kind="A", standard_uncertainty_s=float(np.sqrt(covariance[0, 0]))
+                source="scatter of the lines",
+                kind="A",
+                standard_uncertainty={names[k]: float(np.sqrt(covariance[k, k])) for k in keep},
             ),
         ),
         edge_delay_s=delay.mean(axis=0) - start[1],
         u_edge_delay_s=np.sqrt(np.mean(u_delay**2, axis=0) / len(fits)),
-        warnings=(
-            "published method: the stated uncertainties hold the scatter of the line fits only, not those of mask, gates, "
-            "edges and slots",
+        findings=(
+            Finding(
+                code="published-uncertainty-partial",
+                severity="warning",
+                what="published method: the stated uncertainties hold the scatter of the line fits only, not those of mask, "
+                "gates, edges and slots",
+            ),
         ),
     )
 
@@ -113,15 +121,3 @@ def _centres(fit: PublishedFit) -> Array:
 def _u_centres(fit: PublishedFit) -> Array:
     return np.array([line.u_centre_rad for line in fit.lines])
 
-
-def without(reason: str) -> DelayResult:
-    """No result, because the procedure could not be run; it must not take the default method with it."""
-    return DelayResult(
-        method="published",
-        estimate=Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
-        relative_delays=(),
-        budget=(),
-        edge_delay_s=np.full(4, np.nan),
-        u_edge_delay_s=np.full(4, np.nan),
-        warnings=(f"the published procedure could not be run: {reason}",),
-    )

@@ -11,11 +11,12 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.lag_simulation import MaskCrossings, SimulatedRows, crossings, simulate
-from irtiming.estimate.plausible_lag import plausible_time_constant_s
-from irtiming.estimate.slope_distance import LIMITS, slope_distances
+from irtiming.estimate.published.lag_simulation import MaskCrossings, SimulatedRows, crossings, simulate
+from irtiming.estimate.published.plausible_lag import plausible_time_constant_s
+from irtiming.estimate.published.slope_distance import LIMITS, slope_distances
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit, WheelInImage
 from irtiming.records.rolling import ExposedRows
 from irtiming.records.wheel_geometry import WheelModel
@@ -144,7 +145,7 @@ def fit(data: ExposedRows, model: WheelModel, *, wheel: WheelInImage, initial_ro
         row_delay_s=initial_row_delay_s,
         time_constant_s=plausible_time_constant_s(data),
     )
-    search, n_simulations, warnings = _search(task, initial)
+    search, n_simulations, findings = _search(task, initial)
     best = _determine(task, initial, search.lowest_s)
     return PublishedLagFit(
         data=data,
@@ -164,7 +165,7 @@ def fit(data: ExposedRows, model: WheelModel, *, wheel: WheelInImage, initial_ro
         simulated_row_fraction=best.row_fraction,
         deviation_rms=best.rms,
         n_simulations=n_simulations + ROUNDS + 1,
-        warnings=warnings,
+        findings=findings,
     )
 
 
@@ -189,7 +190,7 @@ def _task(data: ExposedRows, mask: MaskCrossings) -> _Task:
     )
 
 
-def _search(task: _Task, initial: LagTiming) -> tuple[_Search, int, tuple[str, ...]]:
+def _search(task: _Task, initial: LagTiming) -> tuple[_Search, int, tuple[Finding, ...]]:
     """Range that has its minimum in the middle, the simulations that all ranges took, and what there is to say."""
     names = ", ".join(task.data.names)
     wide = _moved_ranges(task, initial, half_range=_WIDE)
@@ -199,15 +200,29 @@ def _search(task: _Task, initial: LagTiming) -> tuple[_Search, int, tuple[str, .
             "look at the opening fractions, or use the default method"
         )
     narrow = _moved_ranges(task, replace(initial, time_constant_s=wide[-1].lowest_s), half_range=_NARROW)
-    warnings = [
-        f"{names}: {tried.text} have no minimum of the RMS deviation inside; continued about {1e3 * tried.best_guess_s:.3f} ms"
+    findings = [
+        Finding(
+            code="published-range-moved",
+            severity="warning",
+            recording=names,
+            what=f"{tried.text} have no minimum of the RMS deviation inside",
+            cure=f"continued about {1e3 * tried.best_guess_s:.3f} ms",
+        )
         for tried in wide
         if not tried.holds_minimum
     ]
     if not narrow[-1].settled:
-        warnings.append(f"{names}: the RMS deviation does not settle in {narrow[-1].text}; {wide[-1].text} were taken")
+        findings.append(
+            Finding(
+                code="published-range-not-settled",
+                severity="warning",
+                recording=names,
+                what=f"the RMS deviation does not settle in {narrow[-1].text}",
+                cure=f"{wide[-1].text} were taken",
+            )
+        )
     n_simulations = (ROUNDS + 1) * _TRIED * (len(wide) + len(narrow))
-    return narrow[-1] if narrow[-1].settled else wide[-1], n_simulations, tuple(warnings)
+    return narrow[-1] if narrow[-1].settled else wide[-1], n_simulations, tuple(findings)
 
 
 def _moved_ranges(task: _Task, initial: LagTiming, *, half_range: float) -> list[_Search]:

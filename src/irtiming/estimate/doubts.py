@@ -1,0 +1,252 @@
+"""Doubts about a result: each a finding with its code, whatever the camera."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import stats
+
+from irtiming.physics.covariance import inverse
+from irtiming.records.estimate import EdgeDelayFit, Estimate
+from irtiming.records.finding import Finding
+from irtiming.records.result import EffectiveTimeConstants, JointFit
+from irtiming.records.row_timing import RowTimingFit, SectorFit
+
+LEAST_WHITENESS = 1e-4
+"""Ljung-Box p-value below which residuals are not called white."""
+
+_CONTRADICTS = 4.0  # standard uncertainties
+_LARGEST_EDGE_RAD = 5e-3
+_CORRELATED = 2.0  # variance inflation of pixel sums from which it is said
+_CORRELATED_ROWS = 4.0  # the same of row sums, whose frames are judged over all rows
+_BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
+
+
+
+def of_edges(u_edge_rad: float) -> tuple[Finding, ...]:
+    """Where the edges differ by more than wheels are cut to.
+
+    Parameters
+    ----------
+    u_edge_rad
+        Standard uncertainty of one cutout edge.
+    """
+    if u_edge_rad <= _LARGEST_EDGE_RAD:
+        return ()
+    return (
+        Finding(
+            code="edges-disagree",
+            severity="warning",
+            what=f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
+            f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad",
+            cure="check [wheel] rotation and cutout_edges_rad",
+        ),
+    )
+
+
+def of_window(estimate: Estimate) -> tuple[Finding, ...]:
+    """Where a camera seems to expose before its trigger.
+
+    Parameters
+    ----------
+    estimate
+        Of the delays; the first is the camera's own.
+    """
+    delay_s = float(estimate.values[0])
+    if delay_s >= 0:
+        return ()
+    return (
+        Finding(
+            code="delay-negative",
+            severity="warning",
+            what=f"the trigger delay is negative ({1e3 * delay_s:.3f} ms): integration would start before the trigger",
+            cure="check [beams] whole_slots_between, [mask] centre_angle_deg and the trigger's edge",
+        ),
+    )
+
+
+def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
+    """Where every row seems to be read before the trigger.
+
+    Parameters
+    ----------
+    estimate
+        Of the delays.
+    n_rows
+        Rows of the image: the last is read ``(n_rows - 1) row_delay`` after the first.
+    """
+    if "trigger_delay" not in estimate:
+        return ()
+    first = estimate.value("trigger_delay")
+    last = first + (n_rows - 1) * (estimate.value("row_delay") if "row_delay" in estimate else 0.0)
+    if max(first, last) >= 0:
+        return ()
+    return (
+        Finding(
+            code="rows-read-before-trigger",
+            severity="warning",
+            what=f"every row would be read before the trigger (the last at {1e3 * max(first, last):.3f} ms)",
+            cure="check [beams] whole_slots_between, [mask] centre_angle_deg and the trigger's edge",
+        ),
+    )
+
+
+def of_angles(joint: JointFit) -> tuple[Finding, ...]:
+    """Where several wheel speeds find the edges' common angle far from where rig.toml allows it.
+
+    Parameters
+    ----------
+    joint
+        Its angles, and what was known of them.
+    """
+    found = float(np.mean([joint.parameters.value(name) for name in joint.prior.names]))
+    allowed = float(np.sqrt(joint.prior.covariance.mean()))
+    if abs(found) <= _CONTRADICTS * allowed:
+        return ()
+    return (
+        Finding(
+            code="speeds-contradict-rig",
+            severity="warning",
+            what=f"the wheel speeds agree on edges that come {1e3 * found:+.2f} mrad early, rig.toml allows u = "
+            f"{1e3 * allowed:.2f} mrad",
+            cure="check [mask] centre_angle_deg and [beams]",
+        ),
+    )
+
+
+def of_joint(joint: JointFit) -> tuple[Finding, ...]:
+    """Where the joint fit stayed where it began, did not settle, or left residuals that are not white.
+
+    Parameters
+    ----------
+    joint
+        The joint fit.
+    """
+    doubts, white = [], joint.whiteness
+    if joint.parameters.value("delay") == joint.start["delay"]:
+        doubts.append(
+            Finding(
+                code="start-not-left",
+                severity="warning",
+                what="the joint fit did not leave its start value: nothing in the recordings moved it",
+            )
+        )
+    if joint.decrement > 1:
+        doubts.append(
+            Finding(
+                code="minimum-not-reached",
+                severity="warning",
+                what=f"the joint fit ended {joint.decrement:.1f} standard uncertainties from its minimum after {joint.n_steps} "
+                "evaluations",
+                cure="analyse the recordings apart to see which differs",
+            )
+        )
+    if np.any(white < LEAST_WHITENESS):
+        doubts.append(
+            Finding(
+                code="residuals-not-white",
+                severity="warning",
+                what=f"residuals of {int(np.sum(white < LEAST_WHITENESS))} of {white.size} recordings are not white along the wheel "
+                f"angle (smallest probability {white.min():.1g})",
+                cure="their uncertainty is widened for it",
+            )
+        )
+    return tuple(doubts)
+
+
+def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
+    """Frames that were left out, and residuals that are correlated.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    """
+    left_out = [
+        Finding(
+            code="frames-left-out",
+            severity="warning",
+            recording=fit.name,
+            what=f"{fit.n_dropped} frames left out as outliers or at the ends",
+        )
+        for fit in fits
+        if fit.n_dropped
+    ]
+    widened = [fit.widening**0.5 for fit in fits if fit.widening > _CORRELATED]
+    if not widened:
+        return tuple(left_out)
+    return (
+        *left_out,
+        Finding(
+            code="residuals-correlated",
+            severity="warning",
+            what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated along the wheel angle: the rig differs from "
+            "the model by more than noise (figure of the residuals)",
+            cure=f"their uncertainty was widened by up to {max(widened):.1f}",
+        ),
+    )
+
+
+def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Finding, ...]:
+    """Residuals that are correlated, and a row delay that the image contradicts.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    sector
+        The opening in the image of the first.
+    """
+    doubts = []
+    widened = [fit.widening**0.5 for fit in fits if fit.widening > _CORRELATED_ROWS]
+    if widened:
+        doubts.append(
+            Finding(
+                code="residuals-correlated",
+                severity="warning",
+                what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated: the rig differs from the model by more "
+                "than noise (figure of the residuals)",
+                cure=f"their uncertainty was widened by up to {max(widened):.1f}",
+            )
+        )
+    if "row_delay" not in fits[0].estimate:
+        return tuple(doubts)
+    row_delay = float(np.mean([fit.estimate.value("row_delay") for fit in fits]))
+    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.estimate.u("row_delay") ** 2 for fit in fits]))))
+    apart = abs(row_delay - sector.row_delay_s)
+    if apart > _CONTRADICTS * u:
+        doubts.append(
+            Finding(
+                code="row-delays-disagree",
+                severity="warning",
+                what=f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels "
+                f"{1e6 * sector.row_delay_s:.3f} us: they differ by {apart / u:.1f} u",
+                cure="lens distortion or a moved camera may be the cause",
+            )
+        )
+    return tuple(doubts)
+
+
+def of_mixture(effective: EffectiveTimeConstants | None) -> tuple[Finding, ...]:
+    """Where the time constants before several blackbodies differ by more than chance.
+
+    Parameters
+    ----------
+    effective
+        One per blackbody temperature.
+    """
+    if effective is None or effective.time_constant_s.size < 2:
+        return ()
+    tau, kelvin = effective.time_constant_s, effective.blackbody_temperature_k
+    weights = inverse(effective.covariance_s2).sum(axis=0)
+    apart = tau - weights @ tau / weights.sum()
+    if stats.chi2.sf(float(apart @ np.linalg.solve(effective.covariance_s2, apart)), tau.size - 1) > _BY_CHANCE:
+        return ()
+    return (
+        Finding(
+            code="lag-depends-on-blackbody",
+            severity="warning",
+            what=f"the time constant changes with the blackbody, from {1e3 * tau[0]:.4f} ms at {kelvin[0]:.1f} K to "
+            f"{1e3 * tau[-1]:.4f} ms at {kelvin[-1]:.1f} K: time_constant is an effective one, a mean over these recordings "
+            "(--substrate-temperature separates the constants of substrate and scene)",
+        ),
+    )

@@ -1,0 +1,273 @@
+"""What is reported of a camera, from the joint fit: by its response, not by its kind.
+
+An integration window (eq. 1) is fitted by its middle; its start is half the integration time earlier. That time is what the
+recordings state, if they do; what the sums say of it is reported beside it and stands in where none is stated. A first-order lag
+(eq. 2) has a delay to the reading of row 0, and a time constant of its own for each blackbody temperature.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from irtiming.estimate.joint import Joint, Measurand
+from irtiming.estimate.shared_numbers import DELAY, IMAGE
+from irtiming.physics.covariance import inverse
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import EDGE_DELAYS, Estimate
+from irtiming.records.finding import Finding
+from irtiming.records.result import Bound, Contribution
+
+WINDOW, LAG, ROW_DELAY = "integration_time", "time_constant", "row_delay"
+_FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
+_SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter is not told from none
+_CONTRADICTS = 4.0  # standard uncertainties
+_UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no number any more
+_SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reported:
+    """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts."""
+
+    estimate: Estimate
+    budget: tuple[Contribution, ...]
+    bounds: tuple[Bound, ...] = ()
+    findings: tuple[Finding, ...] = field(default_factory=tuple)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Window:
+    """What is known of the integration window beside the fit.
+
+    ``stated_s`` is its length as the recordings state it, None where they do not; ``u_beside_s`` what the fit's own uncertainty of it
+    does not hold; ``is_told`` whether the recordings can tell its length at all.
+    """
+
+    stated_s: float | None
+    u_beside_s: float
+    is_told: bool
+
+
+def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Reported:
+    """Start and middle of the integration, the same by falling and by rising slopes alone, its length, the row delay.
+
+    Parameters
+    ----------
+    joint
+        Shared numbers ``delay`` (of the window's middle), ``integration_time`` unless it was held, ``row_delay`` of a rolling readout.
+    window
+        What else is known of its length.
+    degrees_of_freedom
+        Of the frames' noise.
+    """
+    base = [
+        Measurand(name="exposure_midpoint_delay", weights={DELAY: 1.0}),
+        Measurand(name="trigger_delay_falling", weights={DELAY: 1.0}, forgotten=_RISING),
+        Measurand(name="trigger_delay_rising", weights={DELAY: 1.0}, forgotten=_FALLING),
+    ]
+    base += [Measurand(name=name, weights={name: 1.0}) for name in (WINDOW, ROW_DELAY) if name in joint.names]
+    found = _with_more(joint.estimate(base), WINDOW, u_beside=window.u_beside_s)
+    is_seen = window.is_told and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
+    rows = {"exposure_midpoint_delay": {"exposure_midpoint_delay": 1.0}}
+    half_s = 0.0 if window.stated_s is None else window.stated_s / 2
+    if window.stated_s is not None or is_seen:
+        back = {} if window.stated_s is not None else {WINDOW: -0.5}
+        rows = {"trigger_delay": {"exposure_midpoint_delay": 1.0} | back, **rows}
+        rows |= {name: {name: 1.0} | back for name in ("trigger_delay_falling", "trigger_delay_rising")}
+    if is_seen:
+        rows[WINDOW] = {WINDOW: 1.0}
+    if ROW_DELAY in found:
+        rows[ROW_DELAY] = {ROW_DELAY: 1.0}
+    offsets = {name: -half_s for name in rows if name.startswith("trigger_delay")}
+    own = {one.name: one for one in base}
+    budget = _budget(joint, {name: [(own[part], share) for part, share in parts.items()] for name, parts in rows.items()},
+                     degrees_of_freedom=degrees_of_freedom)  # fmt: skip
+    if is_seen:
+        u = window.u_beside_s
+        budget = (*budget, Contribution(
+            source="length of the window (corners)", kind="A",
+            standard_uncertainty={name: abs(parts.get(WINDOW, 0.0)) * u for name, parts in rows.items()},
+        ))  # fmt: skip
+    return Reported(
+        estimate=mixed(found, rows, offsets=offsets),
+        budget=budget,
+        findings=_window_findings(found, window) if is_seen else (),
+    )
+
+
+def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float) -> Reported:
+    """Reading of row 0, time constant, row delay.
+
+    Parameters
+    ----------
+    joint
+        Shared numbers ``delay``, ``row_delay`` of a rolling readout, and ``constants``.
+    constants
+        Names of the time constants, one per blackbody; of several their weighted mean is reported.
+    degrees_of_freedom
+        Of the frames' noise.
+    """
+    taus = joint.estimate([Measurand(name=name, weights={name: 1.0}) for name in constants])
+    weights = inverse(taus.covariance).sum(axis=0)
+    mean = dict(zip(constants, (weights / weights.sum()).tolist(), strict=True))
+    measurands = [Measurand(name="trigger_delay", weights={DELAY: 1.0}), Measurand(name=LAG, weights=mean)]
+    if ROW_DELAY in joint.names:
+        measurands.append(Measurand(name=ROW_DELAY, weights={ROW_DELAY: 1.0}))
+    found = joint.estimate(measurands)
+    budget = _budget(joint, {one.name: [(one, 1.0)] for one in measurands}, degrees_of_freedom=degrees_of_freedom)
+    keep, bounds, findings = _determined(found)
+    return Reported(estimate=found.pick(*keep), budget=budget, bounds=bounds, findings=findings)
+
+
+def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[str, float] | None = None) -> Estimate:
+    """Weighted sums of the numbers of an estimate, with their covariance.
+
+    Parameters
+    ----------
+    found
+        Numbers.
+    rows
+        By the name of each sum, the weights of the numbers.
+    offsets
+        Added to the values of some.
+    """
+    mix = np.array([[weights.get(name, 0.0) for name in found.names] for weights in rows.values()])
+    return Estimate(
+        names=tuple(rows),
+        units=("s",) * len(rows),
+        values=mix @ found.values + np.array([(offsets or {}).get(name, 0.0) for name in rows]),
+        covariance=mix @ found.covariance @ mix.T,
+    )
+
+
+def _with_more(found: Estimate, name: str, *, u_beside: float) -> Estimate:
+    """The same with a larger variance of one number; its sign, which an even model leaves open, made positive."""
+    if name not in found:
+        return found
+    k = found.names.index(name)
+    values, covariance = found.values.copy(), found.covariance.copy()
+    if values[k] < 0:
+        values[k] *= -1
+        covariance[k], covariance[:, k] = -covariance[k], -covariance[:, k]
+        covariance[k, k] = found.covariance[k, k]
+    covariance[k, k] += u_beside**2
+    return Estimate(names=found.names, units=found.units, values=values, covariance=covariance)
+
+
+def _budget(
+    joint: Joint, rows: dict[str, list[tuple[Measurand, float]]], *, degrees_of_freedom: float
+) -> tuple[Contribution, ...]:
+    """What each source adds to the uncertainty of each parameter."""
+    whole = joint.combined()
+    kinds = {part.source: part.kind for part in whole.parts}
+    shares = {name: _shares(joint, parts) for name, parts in rows.items()}
+    return tuple(
+        Contribution(
+            source=source,
+            kind=kind,
+            standard_uncertainty={name: float(np.sqrt(max(0.0, of[source]))) for name, of in shares.items()},
+            degrees_of_freedom=degrees_of_freedom if source == whole.parts[0].source else float("inf"),
+        )
+        for source, kind in kinds.items()
+    )
+
+
+def _shares(joint: Joint, parts: list[tuple[Measurand, float]]) -> dict[str, float]:
+    """Variance of a sum of measurands by source; all say what they say with the same edges."""
+    weights: dict[str, float] = {}
+    for one, share in parts:
+        for name, weight in one.weights.items():
+            weights[name] = weights.get(name, 0.0) + share * weight
+    return joint.combined(parts[0][0].forgotten).shares(weights)
+
+
+def _window_findings(found: Estimate, window: Window) -> tuple[Finding, ...]:
+    """Where the sums contradict the integration time that the recordings state."""
+    length_s, u_s = found.value(WINDOW), found.u(WINDOW)
+    if window.stated_s is None or abs(length_s - window.stated_s) <= _CONTRADICTS * u_s:
+        return ()
+    return (
+        Finding(
+            code="integration-time-contradicted",
+            severity="warning",
+            what=f"the corners of the sums say {1e6 * length_s:.1f} us of integration (u = {1e6 * u_s:.1f} us), their count_time "
+            f"says {1e6 * window.stated_s:.1f} us",
+            cure="trigger_delay counts on the latter, exposure_midpoint_delay on neither",
+        ),
+    )
+
+
+def _determined(found: Estimate) -> tuple[tuple[str, ...], tuple[Bound, ...], tuple[Finding, ...]]:
+    """Which parameters are numbers; bounds and a finding for the others."""
+    tau, u = found.value(LAG), found.u(LAG)
+    if u < _UNDETERMINED * tau:
+        return found.names, (), ()
+    if u < _SHORTEST_LAG_S:
+        doubt = Finding(
+            code="no-lag-seen",
+            severity="warning",
+            what=f"no thermal lag is seen: the time constant is {1e3 * tau:.3f} ms with u = {1e3 * u:.3f} ms (k = 1), a "
+            "microbolometer has some ms",
+            cure="if this is a photon camera, its recording must say so (camera type photon)",
+        )
+        longest = Bound(name=LAG, lower=0.0, upper=max(0.0, tau) + 2 * u)
+        return tuple(name for name in found.names if name != LAG), (longest,), (doubt,)
+    lowest, highest = max(0.0, tau - 2 * u), tau + 2 * u
+    delay, u_delay = found.value("trigger_delay"), found.u("trigger_delay")
+    bounds = (
+        Bound(name=LAG, lower=lowest, upper=highest),
+        Bound(name="trigger_delay", lower=delay - 2 * u_delay, upper=delay + 2 * u_delay),
+    )
+    doubt = Finding(
+        code="lag-not-determined",
+        severity="warning",
+        what=f"the time constant is not determined (u = {1e3 * u:.3g} ms, k = 1): the plateaus are too short or too noisy to "
+        f"tell a lag from a delay; it lies between {1e3 * lowest:.3g} and {1e3 * highest:.3g} ms (2 u), the trigger delay "
+        f"between {1e3 * (delay - 2 * u_delay):.3g} and {1e3 * (delay + 2 * u_delay):.3g} ms",
+        cure="record longer or with more contrast",
+    )
+    return tuple(name for name in found.names if name == ROW_DELAY), bounds, (doubt,)
+
+
+def edge_angles(joint: Joint, angular_frequency_rad_per_s: float) -> tuple[Measurand, ...]:
+    """Angles by which the edges come earlier than rig.toml says, ``edge_angle_0`` .. ``edge_angle_3``, rad.
+
+    Parameters
+    ----------
+    joint
+        Its shared numbers that turn edges.
+    angular_frequency_rad_per_s
+        Of the wheel in the first recording.
+    """
+    errors = [one for one in joint.shared if one.unit == "1" and one.source != IMAGE]
+    omega = angular_frequency_rad_per_s
+    return tuple(
+        Measurand(
+            name=f"edge_angle_{k}",
+            unit="rad",
+            weights={one.name: omega * one.effects[0].get(edge, 0.0) for one in errors},
+        )
+        for k, edge in enumerate(EDGE_DELAYS)
+    )
+
+
+def known_before(measurands: Sequence[Measurand]) -> Estimate:
+    """Sums of errors of standard uncertainty 1 as they were known beforehand: zero, with their covariance.
+
+    Parameters
+    ----------
+    measurands
+        Sums of such errors.
+    """
+    names = list(dict.fromkeys(name for one in measurands for name in one.weights))
+    per_unit = np.array([[one.weights.get(name, 0.0) for name in names] for one in measurands])
+    return Estimate(
+        names=tuple(one.name for one in measurands),
+        units=tuple(one.unit for one in measurands),
+        values=np.zeros(len(measurands)),
+        covariance=per_unit @ per_unit.T,
+    )

@@ -1,0 +1,330 @@
+r"""The pixel sums of one recording: what they say of the numbers that they follow from, and the fit of one recording alone.
+
+Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
+
+.. math:: \mathrm{covered} + \mathrm{step}\,(F(\theta_n) + \mathrm{drift}\,t_n + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n))
+
+Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
+passing of that edge shows it), the opening angle, the length of the window, and by how much the mask's radial edges miss the
+axle. Covered level, step, drift, skew and plate are the recording's own; they enter linearly and are projected out.
+
+The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two does
+no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`) begins, how
+large the noise is, and which frames are wild.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.inference import correlated_noise, optimiser, variable_projection
+from irtiming.inference.optimiser import Linearised
+from irtiming.inference.variable_projection import Projected
+from irtiming.physics.light import pixel_sum
+from irtiming.physics.light.pixel_sum import Passing, Radii
+from irtiming.physics.wheel import TURN, WheelModel, exposed_fraction
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
+from irtiming.records.reduced import ReducedRecording
+
+SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high")
+"""Local numbers beside the edges' delays: rad, s, rad, rad."""
+
+N_OWN = 5
+"""Numbers that each recording has for itself: covered level, step, drift, skew, plate."""
+
+_BORDER_RAD = 0.1  # where the axle was not found in the image
+_UNSEEN_LEAN_RAD = 0.01
+_EXTENT = (0.02, 0.98)  # of the pixels' radii
+_SCAN = 240  # trial delays over a quarter turn to either side
+_OUTLIER = 6.0  # times the robust standard deviation
+_LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
+_NEIGHBOURS = 15
+_GAP_SEARCH = 81  # delays over the scan: closer together than the shortest gap in the slots is long
+_DROPPED_SHARE = 0.05
+_LARGEST_SPREAD = 0.1  # of the step
+_FEWEST_FRAMES = 100
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PixelSums:
+    """One recording before its model.
+
+    ``kept`` (n_frame,) are the frames that count, ``time`` (n_frame,) their triggers over the length of the recording, about 0.
+    ``unit_dn`` is a first guess of the step, by which residuals are divided: a fitted one would let them vanish by growing.
+    ``noise`` is the standard deviation of a residual in that unit.
+    """
+
+    reduced: ReducedRecording
+    wheel: WheelModel
+    kept: Mask
+    time: Array
+    unit_dn: float
+    border_rad: float
+    noise: float = 1.0
+    radii: Radii = field(default_factory=Radii)
+
+    @property
+    def angular_frequency_rad_per_s(self) -> float:
+        """Of the wheel."""
+        return self.reduced.track.angular_frequency_rad_per_s
+
+    @property
+    def sums(self) -> Array:
+        """Pixel sums of the kept frames in the unit of the guessed step, shape (n_kept,)."""
+        return np.asarray(self.reduced.pixel_sum[self.kept] / self.unit_dn)
+
+    def angle(self, delay_s: float) -> Array:
+        """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,)."""
+        delay = delay_s + self.reduced.trigger_delay_time_set_s
+        return wheel_angle_rad(delay, self.reduced.track, at_ticks=self.reduced.trigger_ticks[self.kept])
+
+    def passing(self, numbers: Mapping[str, float]) -> Passing:
+        """Wheel, window and opening at the local numbers."""
+        delays, omega = np.array([numbers[name] for name in EDGE_DELAYS]), self.angular_frequency_rad_per_s
+        middle = float(delays.mean())
+        return Passing(
+            wheel=self.wheel,
+            middle_rad=self.angle(middle),
+            edges_early_rad=omega * (delays - middle),
+            opening_angle_rad=numbers["opening_angle"],
+            swept_rad=omega * numbers["integration_time"],
+            lean_low_rad=numbers["lean_low"],
+            lean_high_rad=numbers["lean_high"],
+            border_rad=self.border_rad,
+            radii=self.radii,
+        )
+
+    def projected(self, numbers: Mapping[str, float]) -> Projected:
+        """Residuals with the recording's own numbers at their best; levels are covered, step, drift, skew and plate.
+
+        Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
+        """
+        passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
+        made, time = pixel_sum.shapes(passing), self.time[self.kept]
+        columns = np.stack([np.ones(time.size), made.fraction, time, made.skew, made.plate], axis=1)
+        per_unit = {"integration_time": ("swept", omega)} | {
+            name: (f"edge_{k}", omega) for k, name in enumerate(EDGE_DELAYS)
+        }
+
+        def slopes_of(levels: Array) -> Array:
+            step = float(levels[1])
+            found = pixel_sum.slopes(passing, skew=float(levels[3]) / step, plate=float(levels[4]) / step)
+            taken = [per_unit.get(name, (name, 1.0)) for name in numbers]
+            return np.stack([step * unit * found[name] for name, unit in taken], axis=1) / self.noise
+
+        return variable_projection.project(self.sums / self.noise, columns / self.noise, slopes_of=slopes_of)
+
+    def at(self, numbers: Mapping[str, float]) -> Linearised:
+        """Residuals over the noise, and derivatives; the model of the optimiser."""
+        return self.projected(numbers).at
+
+
+def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
+    """The recording with all its frames.
+
+    Parameters
+    ----------
+    reduced
+        Of a snapshot photon camera.
+    wheel
+        As drawn by rig.toml.
+    """
+    low, high = (float(v) for v in np.quantile(reduced.pixel_sum, [0.03, 0.97]))
+    hot = reduced.opening.peaks_dn[1] > reduced.opening.peaks_dn[0]
+    ticks, border = reduced.trigger_ticks, _BORDER_RAD
+    distance, radii = _radii_px(reduced), Radii()
+    if distance is not None:
+        border = float(np.clip(reduced.opening.border_px / distance.mean(), 1e-2, 0.3))
+        inner, outer = np.quantile(distance, _EXTENT)
+        radii = pixel_sum.radii(float(inner), float(outer))
+    return PixelSums(
+        reduced=reduced,
+        wheel=wheel,
+        kept=np.ones(ticks.size, bool),
+        time=(ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks))),
+        unit_dn=high - low if hot else low - high,
+        border_rad=border,
+        radii=radii,
+    )
+
+
+def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple[Array, float]:
+    """Angles by which the ends of the opening lean, low and high wheel coordinate, as the image shows them; and their u, rad.
+
+    Zero, with a wide uncertainty, where the image does not tell.
+
+    Parameters
+    ----------
+    reduced
+        Its axle view.
+    turns_clockwise
+        As the camera sees the wheel: wheel coordinates grow against polar angles then.
+
+    Returns
+    -------
+    Shape (2,), and the standard uncertainty of either.
+    """
+    radii, axle = _radii_px(reduced), reduced.axle
+    if radii is None or axle is None or axle.edge_miss_px is None:
+        return np.zeros(2), _UNSEEN_LEAN_RAD
+    inner, outer = np.quantile(radii, _EXTENT)
+    miss = np.array(axle.edge_miss_px)
+    leans = -miss[::-1] if turns_clockwise else miss
+    return 2 * leans / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
+
+
+def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
+    """Delay of the window's middle as seen from each of the four wheel edges, from one recording alone.
+
+    Parameters
+    ----------
+    reduced
+        One recording.
+    wheel
+        Wheel and opening; its edge angles are where a zero delay would be.
+
+    Returns
+    -------
+    The window's length is held at what the recording states; the mask's edges are taken to point to the axle.
+
+    Raises
+    ------
+    EstimationError
+        If the sums do not follow the model, or too many frames are outliers.
+    """
+    given = _inside_track(replace(pixel_sums(reduced, wheel), radii=Radii()))
+    start = _start(given, _scan(given))
+    first = _solved(given, start)
+    kept = given.kept.copy()
+    kept[np.flatnonzero(kept)[_wild(given, first)]] = False
+    given = replace(given, kept=kept)
+    middle = float(np.mean([first[name] for name in EDGE_DELAYS]))
+    return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=start)
+
+
+def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
+    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0)
+    return dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True))
+
+
+def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
+    """Edge delays and opening angle at their best."""
+    held = [name for name in SHAPE if name != "opening_angle"]
+    found = optimiser.minimise(given.at, start=start, held=held).values
+    if not 0.2 < found["opening_angle"] / given.wheel.opening_angle_rad < 5:
+        raise EstimationError(
+            f"{given.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "
+            f"{np.degrees(found['opening_angle']):.2f} deg, rig.toml says {np.degrees(given.wheel.opening_angle_rad):.2f} deg; "
+            "check rig.toml and that the timestamps belong to these frames"
+        )
+    return found
+
+
+def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:
+    """Frames that differ from what their neighbours along the wheel angle foretell, shape (n_kept,)."""
+    residual = given.at(numbers).residual
+    residual = residual - np.median(residual)  # where many are wild, the rest is shifted
+    spread = 1.4826 * float(np.median(np.abs(residual)))
+    if spread > _LARGEST_SPREAD:
+        raise EstimationError(
+            f"{given.reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the "
+            f"step, at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
+        )
+    alone = _beside_neighbours(residual, given.angle(float(np.mean([numbers[name] for name in EDGE_DELAYS]))))
+    spread = 1.4826 * float(np.median(np.abs(alone)))
+    outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
+    if outlier.mean() > _DROPPED_SHARE:
+        raise EstimationError(
+            f"{given.reduced.name}: {outlier.sum()} of {outlier.size} frames differ from their neighbours by more than "
+            f"{_OUTLIER:.0f} standard deviations ({spread:.2g} of the step), at most {_DROPPED_SHARE:.0%} may; check rig.toml "
+            "against the mean frame and the frames for disturbances"
+        )
+    return np.asarray(outlier)
+
+
+def _beside_neighbours(residual: Array, angle: Array) -> Array:
+    """Residuals less what their neighbours along the wheel angle foretell: a frame that is wild, not a model that is coarse.
+
+    The median of the means of pairs to both sides follows a slope, and does not hold the frame itself.
+    """
+    order = np.argsort(np.mod(angle, TURN))
+    sorted_by_angle = residual[order]
+    pairs = [(np.roll(sorted_by_angle, k) + np.roll(sorted_by_angle, -k)) / 2 for k in range(1, _NEIGHBOURS // 2 + 1)]
+    alone = np.empty_like(residual)
+    alone[order] = sorted_by_angle - np.median(pairs, axis=0)
+    return alone
+
+
+def _inside_track(given: PixelSums) -> PixelSums:
+    """Leave out frames whose exposure, for any delay of the scan, may fall outside the recorded wheel or into a gap."""
+    quarter_s = TURN / 4 / given.angular_frequency_rad_per_s
+    trials = np.linspace(-quarter_s, quarter_s, _GAP_SEARCH)
+    inside = np.all([np.isfinite(given.angle(float(trial))) for trial in trials], axis=0)
+    if inside.sum() < _FEWEST_FRAMES:
+        raise EstimationError(
+            f"{given.reduced.name}: {inside.sum()} frames lie a quarter turn inside the recorded wheel, at least "
+            f"{_FEWEST_FRAMES} must; record the wheel's edges from before the first to after the last frame"
+        )
+    return replace(given, kept=inside)
+
+
+def _scan(given: PixelSums) -> float:
+    """Best of a grid of delays over a quarter turn to either side: the fit needs no start value from the user."""
+    quarter_s = TURN / 4 / given.angular_frequency_rad_per_s
+    sums = given.sums - given.sums.mean()
+    trials = np.linspace(-quarter_s, quarter_s, _SCAN, endpoint=False)
+    fits = [exposed_fraction(given.angle(float(t)), given.wheel) for t in trials]
+    match = [float(sums @ (f - f.mean())) / float(np.std(f)) for f in fits]
+    return float(trials[int(np.argmax(match))])
+
+
+def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, float]) -> EdgeDelayFit:
+    names, half_s = (*EDGE_DELAYS, "opening_angle"), (given.reduced.integration_time_s or 0.0) / 2
+    best = given.projected(numbers)
+    step = float(best.levels[1])
+    free = best.at.residual.size - len(names) - N_OWN
+    delays = np.array([numbers[name] for name in EDGE_DELAYS])
+    angle = np.mod(given.angle(float(delays.mean()) - half_s), TURN)
+    order = np.argsort(angle)
+    residual = best.at.residual / step
+    widening = correlated_noise.variance_inflation(residual[order])
+    jacobian = best.at.jacobian[:, [list(numbers).index(name) for name in names]]
+    scale = np.linalg.norm(jacobian, axis=0)
+    white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
+    made = pixel_sum.shapes(given.passing(numbers))
+    expected = made.fraction + (best.levels[3] * made.skew + best.levels[4] * made.plate) / step
+    return EdgeDelayFit(
+        name=given.reduced.name,
+        trigger_delay_time_set_s=given.reduced.trigger_delay_time_set_s,
+        angular_frequency_rad_per_s=given.angular_frequency_rad_per_s,
+        estimate=Estimate(
+            names=names,
+            units=("s",) * 4 + ("rad",),
+            values=np.array([numbers[name] for name in names]),
+            covariance=white * best.at.deviance / free * widening,
+        ),
+        edge_delay_s=delays - half_s,
+        start_delay_s=start[EDGE_DELAYS[0]] - half_s,
+        wheel_angle_rad=angle[order],
+        fraction=(residual + expected)[order],
+        residual=residual[order],
+        noise=float(np.sqrt(residual @ residual / free)),
+        step=step,
+        widening=widening,
+        n_dropped=int(given.reduced.trigger_ticks.size - given.kept.sum()),
+        kept=given.kept,
+    )
+
+
+def _radii_px(reduced: ReducedRecording) -> Array | None:
+    """Distance of the opening's pixels from the axle, shape (n,); None where the axle was not found."""
+    if reduced.axle is None:
+        return None
+    rows, columns = np.nonzero(reduced.opening.mask)
+    return np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px)

@@ -1,0 +1,150 @@
+"""By how much recordings differ, over what their noise explains: between edges, between runs, and along the wheel angle."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import EDGE_DELAYS, Estimate, RecordingFit
+from irtiming.records.finding import Finding
+from irtiming.records.wheel_geometry import WheelGeometry
+
+_T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
+_RUNS_THAT_TELL = 4
+_SUSPICIOUS = 2.0  # standard deviations of a Birge ratio
+_CAMERA = ("time_constant", "row_delay")  # of the local numbers, beside the delay: what runs may differ in
+
+Groups = Callable[[Sequence[RecordingFit]], list[list[int]]]
+
+
+def edge_uncertainty(fits: Sequence[RecordingFit], geometry: WheelGeometry) -> float:
+    """Standard uncertainty of one cutout edge, rad: as stated, else from the scatter of the four edges.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    geometry
+        What rig.toml states.
+
+    Notes
+    -----
+    The four edges of a perfect wheel would give one delay. Their scatter, with 3 degrees of freedom, is that of the cutout
+    edges against the ring (plus noise, which is small beside it).
+    """
+    if geometry.u_edge_rad is not None:
+        return geometry.u_edge_rad
+    angles = np.mean([_delays(fit) * fit.angular_frequency_rad_per_s for fit in fits], axis=0)
+    return float(np.sqrt(_T_FACTOR * np.var(angles, ddof=1)))
+
+
+def alike(fits: Sequence[RecordingFit], blackbodies: Sequence[Sequence[int]]) -> list[tuple[float, list[int]]]:
+    """Wheel rate in Hz and the indices of the fits of one rate and blackbody, for each such pair.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    blackbodies
+        Indices of the fits before each blackbody.
+    """
+    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
+    return [
+        (float(speed), both)
+        for speed in np.unique(speeds)
+        for group in blackbodies
+        if (both := [k for k in np.flatnonzero(speeds == speed).tolist() if k in group])
+    ]
+
+
+def birge_ratio(group: Sequence[RecordingFit]) -> float:
+    """Scatter of what single recordings find of the camera, over what their own noise explains; 1 where it explains all.
+
+    Parameters
+    ----------
+    group
+        Fits of recordings that should agree, two or more.
+
+    Raises
+    ------
+    EstimationError
+        If they have no finite scatter.
+    """
+    found = [_of_camera(fit.estimate) for fit in group]
+    values = np.array([one.values for one in found])
+    inverses = np.array([np.linalg.inv(one.covariance) for one in found])
+    mean = np.linalg.solve(inverses.sum(axis=0), np.einsum("fij,fj->i", inverses, values))
+    apart = values - mean
+    square = float(np.einsum("fi,fij,fj->", apart, inverses, apart))
+    ratio = float(np.sqrt(max(square, 0.0) / (values.shape[1] * (len(group) - 1))))
+    if not np.isfinite(ratio):
+        raise EstimationError(
+            f"the delays of {len(group)} recordings have no finite scatter: {values[:, 0]}; check the frames"
+        )
+    return ratio
+
+
+def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, list[int]]]) -> Array:
+    """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1.
+
+    Only where four or more recordings that should agree tell it: fewer say little about their scatter.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    groups
+        From `alike`.
+    """
+    factor = np.ones(len(fits))
+    for _, members in groups:
+        if len(members) >= _RUNS_THAT_TELL:
+            factor[members] = max(1.0, birge_ratio([fits[k] for k in members]) ** 2)
+    return factor
+
+
+def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, list[int]]]) -> list[Finding]:
+    """Where recordings that should agree scatter far more than their own uncertainties say.
+
+    Parameters
+    ----------
+    fits, groups
+        As for `run_to_run`.
+    """
+    found = []
+    for speed, members in groups:
+        if len(members) < 2:
+            continue
+        n_numbers = _of_camera(fits[members[0]].estimate).values.size
+        ratio = birge_ratio([fits[k] for k in members])
+        if ratio > 1 + _SUSPICIOUS / np.sqrt(2 * n_numbers * (len(members) - 1)):
+            found.append(
+                Finding(
+                    code="recordings-disagree",
+                    severity="warning",
+                    what=f"{len(members)} recordings at {speed:.4g} Hz scatter {ratio:.2f} times more than their noise "
+                    "explains (Birge ratio)",
+                    cure="something changed between them",
+                )
+            )
+    return found
+
+
+def _delays(fit: RecordingFit) -> Array:
+    return np.array([fit.estimate.value(name) for name in EDGE_DELAYS])
+
+
+def _of_camera(estimate: Estimate) -> Estimate:
+    """Mean delay over the edges, and what else is the camera's own."""
+    beside = [name for name in _CAMERA if name in estimate]
+    weights = np.zeros((1 + len(beside), len(estimate.names)))
+    weights[0, [estimate.names.index(name) for name in EDGE_DELAYS]] = 0.25
+    for k, name in enumerate(beside):
+        weights[k + 1, estimate.names.index(name)] = 1.0
+    return Estimate(
+        names=("delay", *beside),
+        units=("s",) * (1 + len(beside)),
+        values=weights @ estimate.values,
+        covariance=weights @ estimate.covariance @ weights.T,
+    )

@@ -1,0 +1,150 @@
+"""What all recordings of a camera on a rig share, one name each: what is sought, and every error that is known to a size.
+
+A nuisance parameter is one `SharedNumber`: its name, what is known of it, and by how much one unit of it changes the local numbers of
+each recording. It then takes part in the fit, the budget, the profiles and the report by itself.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.estimate.wheel_geometry import WheelGeometry
+from irtiming.inference.information import NOISE, EvaluationType
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
+from irtiming.records.row_timing import SectorFit
+
+DELAY = "delay"
+"""Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
+
+EDGES, RESIDUALS, IMAGE = "cutout edges", "structure of the residuals common to all recordings", "axle, mask and blur in the image"
+"""Sources of a budget beside those that rig.toml names."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SharedNumber:
+    """One number that all recordings share.
+
+    Parameters
+    ----------
+    name, unit
+        Of it; errors are counted in units of their standard uncertainty, "1".
+    start
+        Where the search begins.
+    effects
+        One per recording; by how much each local number changes per unit, those that do not change left out.
+    u, known
+        What is known of it beforehand, standard uncertainty and value; None: nothing.
+    source, kind
+        Who knows it, as a budget names it.
+    may_be_mirrored
+        Whether its other sign looks nearly alike.
+    """
+
+    name: str
+    effects: Sequence[Mapping[str, float]]
+    unit: str = "s"
+    start: float = 0.0
+    u: float | None = None
+    known: float = 0.0
+    source: str = NOISE
+    kind: EvaluationType = "A"
+    may_be_mirrored: bool = False
+
+
+def design(shared: Sequence[SharedNumber], recording: int, *, names: tuple[str, ...]) -> Array:
+    """What makes the local numbers of one recording of the shared ones, shape (k, n)."""
+    return np.array([[one.effects[recording].get(name, 0.0) for one in shared] for name in names])
+
+
+def delay(fits: Sequence[RecordingFit], *, start: float) -> SharedNumber:
+    """The camera's own, with the delay set taken off."""
+    return SharedNumber(name=DELAY, start=start, effects=[dict.fromkeys(EDGE_DELAYS, 1.0)] * len(fits))
+
+
+def same(
+    name: str, fits: Sequence[RecordingFit], *, start: float, unit: str = "s", prior: tuple[float, float] | None = None
+) -> SharedNumber:
+    """A local number that is the same in all recordings; ``prior`` is what is known of it, value and standard uncertainty."""
+    known, u = prior or (0.0, None)
+    return SharedNumber(
+        name=name, unit=unit, start=start, effects=[{name: 1.0}] * len(fits), known=known, u=u,
+        may_be_mirrored=name.startswith("lean"),
+    )  # fmt: skip
+
+
+def rig_errors(
+    fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float, residuals_rad2: Array
+) -> list[SharedNumber]:
+    """Errors of the wheel's angles: of every edge alike by source, of each cutout edge, and what the residuals share.
+
+    Parameters
+    ----------
+    fits
+        One per recording; of each the wheel's speed counts.
+    geometry
+        Sizes of the common errors.
+    u_edge_rad
+        Standard uncertainty of one cutout edge.
+    residuals_rad2
+        Shape (4, 4); covariance of the edges' angles that the residuals' structure stands for.
+    """
+    kind: EvaluationType = "A" if geometry.u_edge_rad is None else "B"
+    errors = [
+        _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
+        for k, column in enumerate(_root(residuals_rad2).T)
+        if np.any(column)
+    ]
+    errors += [
+        _turned(f"cutout edge {k}", fits, column, source=EDGES, kind=kind)
+        for k, column in enumerate(u_edge_rad * np.eye(4))
+    ]
+    errors += [
+        _turned(source, fits, np.full(4, u), source=source, kind="A" if kind == "A" else "B")
+        for source, kind, u in geometry.angle_budget
+    ]
+    return errors
+
+
+def _turned(
+    name: str, fits: Sequence[RecordingFit], per_unit_rad: Array, *, source: str, kind: EvaluationType
+) -> SharedNumber:
+    """An error, counted in its standard uncertainty, by which the four edges come early by ``per_unit_rad``."""
+    effects = [
+        dict(zip(EDGE_DELAYS, (per_unit_rad / fit.angular_frequency_rad_per_s).tolist(), strict=True)) for fit in fits
+    ]
+    return SharedNumber(name=name, unit="1", effects=effects, u=1.0, source=source, kind=kind)
+
+
+def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> list[SharedNumber]:
+    """Errors of the opening's shape in the image, by what each fit owes to them.
+
+    Parameters
+    ----------
+    fits, sectors
+        In the same order; the errors of one sector are common to all fits that used it.
+    """
+    errors = []
+    for g, sector in enumerate({id(sector): sector for sector in sectors}.values()):
+        root = _root(sector.covariance)
+        for m in range(root.shape[1]):
+            effects = [
+                dict(zip(fit.estimate.names, (fit.shape_effect @ root[:, m]).tolist(), strict=True))
+                if own is sector and fit.shape_effect is not None
+                else {}
+                for fit, own in zip(fits, sectors, strict=True)
+            ]
+            errors.append(
+                SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=IMAGE, kind="A")
+            )
+    return errors
+
+
+def _root(covariance: Array) -> Array:
+    """A matrix whose product with its transpose is this, which may be singular."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    sizes, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(sizes, 0.0)))

@@ -1,0 +1,223 @@
+r"""The sum over the mask opening as the wheel covers and uncovers it, averaged over the integration window (eq. 1, figure 4b).
+
+.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P
+
+F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
+earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
+nor blackbody: an opening that is wider by the summed border. Blur moves light but keeps its sum, so it has no place here.
+
+The window rounds the corners of F over the angle that the wheel sweeps. A radial edge of the mask that misses the axle rounds its
+corners too, over an angle that does not depend on the wheel's speed: at the radius r it stands ``lean`` (r_0 / r - mean) beside
+its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.wheel import (
+    EDGE_SIGNS,
+    TURN,
+    PointAverage,
+    WheelModel,
+    at_point,
+    exposed_fraction,
+    skewed_fraction,
+)
+from irtiming.records.arrays import Array
+
+_NARROWEST_RAD = 1e-3
+_SHORTEST_RAD = 1e-5  # a window that sweeps less looks like one that sweeps this: no derivative of a sum has a step
+_RADII = 4  # Gauss-Legendre nodes over the opening's radii
+_DIFFERENCE_RAD = 1e-5
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Radii:
+    """Over which radii F is averaged: shares of the area and places r_0 / r - mean, shapes (k,)."""
+
+    share: Array = field(default_factory=lambda: np.ones(1))
+    place: Array = field(default_factory=lambda: np.zeros(1))
+
+
+def radii(inner_px: float, outer_px: float) -> Radii:
+    """Gauss-Legendre nodes between two radii."""
+    node, weight = np.polynomial.legendre.leggauss(_RADII)
+    radius = (inner_px + outer_px) / 2 + (outer_px - inner_px) / 2 * node
+    share = weight * radius / np.sum(weight * radius)
+    place = (outer_px + inner_px) / 2 / radius
+    return Radii(share=share, place=place - float(share @ place))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Passing:
+    """What passes the opening during the window, and the opening itself.
+
+    Parameters
+    ----------
+    wheel
+        As drawn; of its opening only the centre counts.
+    middle_rad
+        Shape (n,); wheel angle at the middle of the window.
+    edges_early_rad
+        Shape (4,); by how much edge 0..3 comes earlier than drawn.
+    opening_angle_rad
+        Of the mask.
+    swept_rad
+        Angle by which the wheel turns during the window; its sign does not matter.
+    lean_low_rad, lean_high_rad
+        By how much the radial mask edges at the low and the high wheel coordinate miss the axle, at the mean radius.
+    border_rad
+        Angle by which the summed region exceeds the opening at either end.
+    radii
+        Of the opening.
+    """
+
+    wheel: WheelModel
+    middle_rad: Array
+    edges_early_rad: Array
+    opening_angle_rad: float
+    swept_rad: float
+    lean_low_rad: float = 0.0
+    lean_high_rad: float = 0.0
+    border_rad: float = 0.1
+    radii: Radii = field(default_factory=Radii)
+
+    @property
+    def sweep_rad(self) -> float:
+        """Of the window, never zero: a smooth and even function of the angle swept."""
+        return float(np.hypot(self.swept_rad, _SHORTEST_RAD))
+
+    @property
+    def start_rad(self) -> Array:
+        """Wheel angle at the start of the window, shape (n,)."""
+        return np.asarray(self.middle_rad - self.sweep_rad / 2)
+
+    @property
+    def actual(self) -> WheelModel:
+        """The wheel with its edges and opening as given."""
+        a, b, c, d = (float(e - d) for e, d in zip(self.wheel.cutout_edges_rad, self.edges_early_rad, strict=True))
+        return replace(
+            self.wheel, cutout_edges_rad=(a, b, c, d), opening_angle_rad=max(self.opening_angle_rad, _NARROWEST_RAD)
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shapes:
+    """F, S and P; shapes (n,)."""
+
+    fraction: Array
+    skew: Array
+    plate: Array
+
+
+def shapes(passing: Passing) -> Shapes:
+    """What the sum is made of, each at amount 1.
+
+    Parameters
+    ----------
+    passing
+        Wheel, window and opening.
+    """
+    wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
+    wide = replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad)
+    narrow, broad = (exposed_fraction(start, one, sweep_rad=sweep) for one in (wheel, wide))
+    return Shapes(
+        fraction=_fraction(_rings(passing, wheel), wheel),
+        skew=skewed_fraction(start, wheel, sweep_rad=sweep),
+        plate=broad - narrow,
+    )
+
+
+def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0) -> dict[str, Array]:
+    """Derivatives of f by name, each of shape (n,).
+
+    Parameters
+    ----------
+    passing
+        Wheel, window and opening.
+    skew, plate
+        Amounts of S and P.
+
+    Returns
+    -------
+    By ``edge_0`` .. ``edge_3`` (per rad by which the edge comes earlier; their sum is the derivative to the wheel angle),
+    ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad).
+    """
+    wheel = passing.actual
+    out = _fraction_slopes(_rings(passing, wheel), passing, wheel)
+    even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
+    pair = [
+        _fraction_slopes(_rings(even, one), even, one)[:6]
+        for one in (wheel, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad))
+    ]
+    out[:6] += plate * (pair[1] - pair[0]) + skew * _skew_slopes(passing, wheel)
+    out[5] *= passing.swept_rad / passing.sweep_rad
+    names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
+    return dict(zip(names, out, strict=True))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Ring:
+    """The opening at one radius: its share of the area, place r_0 / r - mean, low and high end."""
+
+    share: float
+    place: float
+    low: PointAverage
+    high: PointAverage
+
+
+def _rings(passing: Passing, wheel: WheelModel) -> list[_Ring]:
+    centre = np.mod(wheel.opening_coordinate_rad + passing.start_rad, TURN)
+    half, edges, sweep = wheel.opening_angle_rad / 2, wheel.cutout_edges_rad, passing.sweep_rad
+    return [
+        _Ring(
+            share=float(share),
+            place=float(place),
+            low=at_point(centre - half + passing.lean_low_rad * place, edges, sweep_rad=sweep),
+            high=at_point(centre + half + passing.lean_high_rad * place, edges, sweep_rad=sweep),
+        )
+        for share, place in zip(passing.radii.share, passing.radii.place, strict=True)
+    ]
+
+
+def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:
+    arcs = sum(ring.share * (ring.high.arc_rad - ring.low.arc_rad) for ring in rings)
+    return np.asarray(arcs / wheel.opening_angle_rad)
+
+
+def _fraction_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) -> Array:
+    """Derivatives of F to the angles by which edges come earlier, opening angle, sweep and both leans, shape (8, n), per rad."""
+    gamma, fraction = wheel.opening_angle_rad, _fraction(rings, wheel)
+    out = np.zeros((8, fraction.size))
+    for ring in rings:
+        low_open, high_open = ring.low.openness, ring.high.openness
+        out[:4] += ring.share * np.array(EDGE_SIGNS)[:, None] * (ring.high.passed - ring.low.passed)
+        out[4] += ring.share * (low_open + high_open) / 2
+        out[5] += ring.share * (ring.high.ends_rad - ring.low.ends_rad)
+        out[6] -= ring.share * ring.place * low_open
+        out[7] += ring.share * ring.place * high_open
+    out /= gamma
+    out[4] -= fraction / gamma
+    out[5] = (out[5] - fraction) / passing.sweep_rad
+    return out
+
+
+def _skew_slopes(passing: Passing, wheel: WheelModel) -> Array:
+    """The same of S: to opening angle and sweep by differences, since both are small; to the edges 0, being smaller yet."""
+    start, sweep, h = passing.start_rad, passing.sweep_rad, _DIFFERENCE_RAD
+    out = np.zeros((6, start.size))
+    by_gamma = [
+        skewed_fraction(start, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + k * h), sweep_rad=sweep)
+        for k in (1, -1)
+    ]
+    out[4] = (by_gamma[0] - by_gamma[1]) / (2 * h)
+    if sweep > 2 * h:
+        by_sweep = [skewed_fraction(start - k * h / 2, wheel, sweep_rad=sweep + k * h) for k in (1, -1)]
+        out[5] = (by_sweep[0] - by_sweep[1]) / (2 * h)
+    return out
