@@ -27,7 +27,7 @@ from irtiming.archive.live.recording import COMPLETE, TickStream
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame, CameraSetup, StreamCounts
 from irtiming.records.instrument_state import BlackbodyState
-from irtiming.records.recording import NonuniformityReference
+from irtiming.records.recording import USUAL_READOUT, NonuniformityReference
 from irtiming.records.series_plan import CameraWishes
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
@@ -222,7 +222,7 @@ class _Capture:
         head = RecordingHead(
             name=self._order.path.stem,
             camera_type=camera.camera_type,
-            readout_mode="snapshot" if camera.camera_type == "photon" else "rolling",
+            readout_mode=camera.readout_mode or USUAL_READOUT[camera.camera_type],
             clock_frequency_hz=self._rig.generator.clock_frequency_hz,
             run=self._order.run,
             camera=self._rig.camera.identity,

@@ -10,7 +10,7 @@ from typing import Any, final
 
 from irtiming.archive.toml_file import read_table, shown
 from irtiming.errors import ArchiveError, UnitError
-from irtiming.records.recording import CameraType
+from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 from irtiming.records.series_plan import (
     MEASURANDS,
     BlackbodyWishes,
@@ -37,7 +37,7 @@ _WISHES = (
 )  # fmt: skip
 _KEYS = {
     "devices": ("camera", "trigger_generator", "chopper", "blackbody", "speed"),
-    "camera": ("type", "integration_time", "bit_depth", "features", "serial_number", "correction"),
+    "camera": ("type", "readout_mode", "integration_time", "bit_depth", "features", "serial_number", "correction"),
     "wiring": ("falling", "glitch_filter", "camera_pulse", "camera_input"),
     "series": ("plan", *_WISHES),
     "blackbody": ("temperature", "settle_within", "tolerance"),
@@ -46,6 +46,7 @@ _KEYS = {
     "files": ("name",),
 }
 _TYPES: tuple[CameraType, ...] = ("photon", "microbolometer")
+_READOUTS: tuple[ReadoutMode, ...] = ("snapshot", "rolling")
 _TIMES: tuple[ReferenceTime, ...] = ("before", "after", "both")
 _KELVIN = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(K|mK)\s*")
 
@@ -199,6 +200,9 @@ def _camera(section: _Section) -> CameraWishes:
     kind = section.text("type", example="photon")
     if kind not in _TYPES:
         raise section.wrong("type", f"is '{kind}'", cure=_choice(kind, _TYPES))
+    readout = section.text("readout_mode", default=USUAL_READOUT[kind])
+    if readout not in _READOUTS:
+        raise section.wrong("readout_mode", f"is '{readout}'", cure=_choice(readout, _READOUTS))
     integrates = section.has("integration_time")
     if integrates and kind != "photon":
         raise section.wrong(
@@ -213,6 +217,7 @@ def _camera(section: _Section) -> CameraWishes:
         features.append((name, str(value).lower() if isinstance(value, bool) else str(value)))
     return CameraWishes(
         camera_type=kind,
+        readout_mode=readout,
         integration_time_s=section.time("integration_time", (1e-9, 10.0), default=0.0) if integrates else None,
         bit_depth=section.count("bit_depth", (1, 16), default=16) if section.has("bit_depth") else None,
         features=tuple(features),

@@ -3,13 +3,14 @@
 import asyncio
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irtiming.cli.gateware_build_command import build
 from irtiming.cli.gateware_firmware_command import firmware
 from irtiming.errors import ArchiveError, InstrumentError, PlanError, UnitError
+from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
 if TYPE_CHECKING:
@@ -123,8 +124,12 @@ def combine(
     timestamps: Annotated[Path, typer.Argument(help="File that irtiming gateware record wrote.")],
     frames: Annotated[Path, typer.Argument(help="The camera's frames of that run: .npy, .npz, or a recording.")],
     out: Annotated[Path, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")],
-    camera: Annotated[
-        Literal["photon", "microbolometer"] | None, typer.Option(help="Kind of camera; for .npy and .npz.")
+    camera: Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")] = None,
+    readout: Annotated[
+        ReadoutMode | None,
+        typer.Option(
+            help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."
+        ),
     ] = None,
     integration_time: Annotated[
         str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
@@ -142,13 +147,16 @@ def combine(
     from irtiming.archive.timestamps_file import read_timestamps
 
     require_place(out, besides=[timestamps, frames])
-    if camera is None and (integration_time is not None or bit_depth is not None):
-        raise ArchiveError("--integration-time and --bit-depth go with --camera; give it too, or leave them out")
+    if camera is None and (readout, integration_time, bit_depth) != (None, None, None):
+        raise ArchiveError(
+            "--readout, --integration-time and --bit-depth go with --camera; give it too, or leave them out"
+        )
     stamped = read_timestamps(timestamps)
     facts = None
     if camera is not None:
         facts = CameraFacts(
             camera_type=camera,
+            readout_mode=readout,
             rotation_speed_hz=stamped.rotation_speed_hz,
             integration_time_s=None if integration_time is None else seconds(integration_time),
             trigger_delay_time_set_s=stamped.trigger_delay_time_set_s,

@@ -1,11 +1,12 @@
 """`irtiming import-capture`: timestamps from a logic analyser, where there is no trigger generator."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irtiming.errors import ArchiveError, UnitError
+from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
 if TYPE_CHECKING:
@@ -53,8 +54,12 @@ def import_capture(
             "--delayed-trigger", help="The captured trigger comes after the set trigger delay, which is taken off."
         ),
     ] = False,
-    camera: Annotated[
-        Literal["photon", "microbolometer"] | None, typer.Option(help="Kind of camera; for .npy and .npz.")
+    camera: Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")] = None,
+    readout: Annotated[
+        ReadoutMode | None,
+        typer.Option(
+            help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."
+        ),
     ] = None,
     wheel_hz: Annotated[float | None, typer.Option(help="Nominal wheel rate in Hz; for .npy and .npz.")] = None,
     integration_time: Annotated[
@@ -87,13 +92,14 @@ def import_capture(
     for place in (out, json):
         if place is not None:
             require_place(place, besides=inputs if place is out else [*inputs, *([out] if out else [])])
-    given = (camera, wheel_hz, integration_time, trigger_delay_set, bit_depth)
+    given = (camera, readout, wheel_hz, integration_time, trigger_delay_set, bit_depth)
     facts = None
     if any(value is not None for value in given):
         if camera is None or wheel_hz is None:
             raise ArchiveError("--camera and --wheel-hz belong together; give both for frames in .npy or .npz")
         facts = CameraFacts(
             camera_type=camera,
+            readout_mode=readout,
             rotation_speed_hz=wheel_hz,
             integration_time_s=None if integration_time is None else seconds(integration_time),
             trigger_delay_time_set_s=seconds(trigger_delay_set or "0 s"),

@@ -2,13 +2,13 @@
 
 import signal
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from irtiming.errors import ArchiveError, PlanError
+from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
 if TYPE_CHECKING:
@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 
 def rig(
     simulate: Annotated[bool, typer.Option("--simulate", help="Serve a simulated rig until Ctrl-C.")] = False,
-    camera: Annotated[
-        Literal["photon", "microbolometer"], typer.Option(help="Kind of camera on the simulated rig.")
-    ] = "photon",
+    camera: Annotated[CameraType, typer.Option(help="Kind of camera on the simulated rig.")] = "photon",
+    readout: Annotated[
+        ReadoutMode | None,
+        typer.Option(help="How it is read, if not as usual: photon cameras at once, others row by row."),
+    ] = None,
     rows: Annotated[int, typer.Option(min=16, max=4096, help="Pixels down the image.")] = 120,
     columns: Annotated[int, typer.Option(min=16, max=4096, help="Pixels across the image.")] = 160,
     speed: Annotated[
@@ -64,8 +66,10 @@ def rig(
     """
     from rich.console import Console as Screen
 
+    from irtiming.twin.cameras import camera_scene
     from irtiming.twin.devices.bench import Bench, Workplace
     from irtiming.twin.devices.console import WORDS, Console, say
+    from irtiming.twin.rig import draw
 
     notes = Screen(highlight=False)
     if tell is not None:
@@ -86,7 +90,7 @@ def rig(
         settling_s=seconds(settling),
         seed=seed,
     )
-    drawn = _drawn(camera, rows, columns, seed=seed)
+    drawn = draw(camera_scene(camera, readout, rows=rows, columns=columns), seed=seed)
     notes.print(f"a {camera} camera of {columns} x {rows} pixels is being set up", soft_wrap=True)
     with Bench(drawn, place=place) as bench, Console(bench, port=console) as words:
         if out is not None:
@@ -100,14 +104,6 @@ def rig(
             signal.signal(number, lambda *_: bench.end())
         bench.serve(lasts_s)
     notes.print("the rig has ended")
-
-
-def _drawn(camera: str, rows: int, columns: int, *, seed: int) -> "SimulatedRig":
-    from irtiming.twin.rig import draw
-    from irtiming.twin.scene import microbolometer_scene, paper_scene
-
-    scene = paper_scene(rows, columns) if camera == "photon" else microbolometer_scene(rows, columns)
-    return draw(replace(scene, faults=replace(scene.faults, lost_frames=0)), seed=seed)
 
 
 def _write(bench: "Bench", drawn: "SimulatedRig", out: Path, *, console: int) -> None:
@@ -131,13 +127,15 @@ def _write(bench: "Bench", drawn: "SimulatedRig", out: Path, *, console: int) ->
 
 def _plan(bench: "Bench", drawn: "SimulatedRig", *, console: int) -> str:
     """A series that this rig can record, to be changed as one likes."""
+    from irtiming.twin.scene import readout_mode_of
+
     timing = drawn.scene.timing
     integration_s = getattr(timing, "integration_time_s", None)
     kind = "microbolometer" if integration_s is None else "photon"
     devices = "".join(f'{name} = "{address}"\n' for name, address in bench.addresses.items())
     lines = [
         f"[devices]\n{devices}speed = {bench.place.speed:g}   # seconds of the rig in one of yours; leave it out on a real rig\n",
-        f'[camera]\ntype = "{kind}"\n',
+        f'[camera]\ntype = "{kind}"\nreadout_mode = "{readout_mode_of(timing)}"\n',
         f"[series]\nwheel_hz = {[3, 9] if kind == 'photon' else [3]}\nframe_hz = 30.303\nsamples = 1000\n",
         f'[blackbody]\ntemperature = "{drawn.scene.radiance.blackbody_k:g} K"\n',
     ]

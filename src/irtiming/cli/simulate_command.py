@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, final
+from typing import TYPE_CHECKING, Annotated, final
 
 import typer
 
 from irtiming.cli.progress import Told, shown
 from irtiming.errors import ArchiveError, PlanError
+from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 from irtiming.units import kelvin, readable_time, seconds
 
 if TYPE_CHECKING:
@@ -22,7 +23,13 @@ _SHORTEST_S = 1e-6
 _STEEPEST_DRIFT = 1000.0  # DN per second
 
 OutDir = Annotated[Path, typer.Argument(help="Folder for the recordings; made if it is not there.")]
-Camera = Annotated[Literal["photon", "microbolometer"], typer.Option(help="Snapshot or rolling camera.")]
+Camera = Annotated[
+    CameraType, typer.Option(help="What its pixels do: integrate over a window, or follow the scene with a lag.")
+]
+Readout = Annotated[
+    ReadoutMode | None,
+    typer.Option(help="All rows at once or one after the other; snapshot if not given, of a microbolometer rolling."),
+]
 Rows = Annotated[
     int | None, typer.Option(min=16, max=4096, help="Pixels down the image: 512, of a microbolometer 480.")
 ]
@@ -59,7 +66,15 @@ RowDelay = Annotated[
     str | None,
     typer.Option(
         "--row-delay",
-        help="Between rows of a microbolometer: '38.76 us', or '-40 us' from the last row up; else drawn.",
+        help="Between rows of a rolling camera: '38.76 us', or '-40 us' from the last row up; else drawn.",
+    ),
+]
+References = Annotated[
+    int | None,
+    typer.Option(
+        "--reference-frames",
+        min=0,
+        help="Of a photon camera at each reference temperature, 50 if not given; 0 records none.",
     ),
 ]
 NucAt = Annotated[
@@ -97,8 +112,10 @@ class _Series:
 class _Asked:
     """What the user wants of the camera, as it was typed; None where nothing was said."""
 
-    camera: Literal["photon", "microbolometer"]
+    camera: CameraType
+    readout: ReadoutMode
     integration_time: str | None
+    reference_frames: int | None
     trigger_delay: str | None
     time_constant: str | None
     scene_time_constant: str | None
@@ -110,28 +127,38 @@ class _Asked:
 
     def refuse_foreign(self) -> None:
         """Refuse options that make no sense for this kind of camera."""
-        foreign: dict[str, object] = {"--integration-time": self.integration_time}
-        if self.camera == "photon":
-            foreign = {
-                "--time-constant": self.time_constant,
-                "--scene-time-constant": self.scene_time_constant,
-                "--substrate-temperature": self.substrate_temperature,
-                "--blackbody-temperature": self.blackbody_temperature or None,
-                "--row-delay": self.row_delay,
-                "--nuc-at": self.nuc_at or None,
-                "--drift-dn-per-s": self.drift_dn_per_s,
-            }
-        given = [option for option, value in foreign.items() if value is not None]
-        if given:
-            raise PlanError(
-                f"{', '.join(given)} with --camera {self.camera}, which has no such thing; leave out "
-                f"{given[0]}, or take --camera {'microbolometer' if self.camera == 'photon' else 'photon'}"
-            )
+        photons: dict[str, object] = {
+            "--integration-time": self.integration_time,
+            "--reference-frames": self.reference_frames,
+        }
+        lags: dict[str, object] = {
+            "--time-constant": self.time_constant,
+            "--scene-time-constant": self.scene_time_constant,
+            "--substrate-temperature": self.substrate_temperature,
+            "--blackbody-temperature": self.blackbody_temperature or None,
+            "--nuc-at": self.nuc_at or None,
+            "--drift-dn-per-s": self.drift_dn_per_s,
+        }
+        rows: dict[str, object] = {"--row-delay": self.row_delay}
+        other = "--camera microbolometer" if self.camera == "photon" else "--camera photon"
+        _refuse(lags if self.camera == "photon" else photons, f"--camera {self.camera}", other)
+        if self.readout == "snapshot":
+            _refuse(rows, f"--camera {self.camera} --readout snapshot", "--readout rolling")
+
+
+def _refuse(foreign: dict[str, object], camera: str, other: str) -> None:
+    """Refuse options that were given and that this camera has no use for."""
+    given = [option for option, value in foreign.items() if value is not None]
+    if given:
+        raise PlanError(
+            f"{', '.join(given)} with {camera}, which has no such thing; leave out {given[0]}, or take {other}"
+        )
 
 
 def simulate(
     out_dir: OutDir,
     camera: Camera = "photon",
+    readout: Readout = None,
     rows: Rows = None,
     columns: Columns = 640,
     delay: Delays = None,
@@ -148,6 +175,7 @@ def simulate(
     row_delay: RowDelay = None,
     nuc_at: NucAt = None,
     drift_dn_per_s: DriftRate = None,
+    reference_frames: References = None,
     seed: Seed = 1,
     blur_px: Blur = 0.7,
     counterclockwise: Counterclockwise = False,
@@ -166,7 +194,9 @@ def simulate(
 
     asked = _Asked(
         camera=camera,
+        readout=readout or USUAL_READOUT[camera],
         integration_time=integration_time,
+        reference_frames=reference_frames,
         trigger_delay=trigger_delay,
         time_constant=time_constant,
         scene_time_constant=scene_time_constant,
@@ -207,22 +237,18 @@ def simulate(
 
 def _nominal(asked: _Asked, rows: int | None, columns: int) -> "Scene":
     """Scene of the paper for this kind of camera, with what was asked for that is never drawn."""
-    from irtiming.twin.scene import microbolometer_scene, paper_scene
+    from irtiming.twin.cameras import camera_scene
     from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
 
     asked.refuse_foreign()
-    if asked.camera == "photon":
-        return paper_scene(rows or 512, columns)
-    scene = microbolometer_scene(rows or 480, columns)
+    scene = camera_scene(asked.camera, asked.readout, rows=rows, columns=columns)
+    if asked.reference_frames is not None:
+        scene = replace(scene, radiance=replace(scene.radiance, reference_frames=asked.reference_frames))
     drift = asked.drift_dn_per_s or 0.0
     if not abs(drift) <= _STEEPEST_DRIFT:
         raise PlanError(f"a drift of {drift} DN per second was asked for; it must lie within +-{_STEEPEST_DRIFT:g}")
     events = tuple(ShutterEvent(start_s=start_s) for start_s in sorted(seconds(text) for text in asked.nuc_at))
-    return replace(
-        scene,
-        correction=SelfCorrection(events=events),
-        drift=Drift(per_second_dn=drift),
-    )
+    return replace(scene, correction=SelfCorrection(events=events), drift=Drift(per_second_dn=drift))
 
 
 def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
@@ -232,6 +258,8 @@ def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
     if asked.trigger_delay is not None:
         delay_s = _between(asked.trigger_delay, "a trigger delay", lowest_s=0.0)
         drawn = replace(drawn, trigger_delay_s=delay_s)
+    if asked.row_delay is not None:
+        drawn = replace(drawn, row_delay_s=_between(asked.row_delay, "a row delay", lowest_s=-1.0))
     if isinstance(drawn, CameraTiming):
         integration_s = _between(asked.integration_time or "250 us", "an integration time", lowest_s=_SHORTEST_S)
         return replace(drawn, integration_time_s=integration_s)
@@ -246,8 +274,6 @@ def _stated(drawn: "Timing", asked: _Asked) -> "Timing":
         raise PlanError(
             "--substrate-temperature is of use with --scene-time-constant only; give that too, or leave it out"
         )
-    if asked.row_delay is not None:
-        drawn = replace(drawn, row_delay_s=_between(asked.row_delay, "a row delay", lowest_s=-1.0))
     return drawn
 
 
@@ -300,7 +326,7 @@ def _write_all(rig: "SimulatedRig", wanted: _Series, out_dir: Path) -> dict[str,
 
 def _refuse_impossible(scene: "Scene") -> None:
     """Refuse rows that take longer than a frame, and a correction outside the run."""
-    from irtiming.twin.bolometer import refuse_slow_readout
+    from irtiming.twin.readout import refuse_slow_readout
 
     refuse_slow_readout(scene)
     trigger = scene.trigger

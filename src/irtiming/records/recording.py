@@ -1,6 +1,6 @@
 """One uninterrupted series of triggered frames with the timestamps taken beside it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, Protocol, final
 
@@ -10,6 +10,8 @@ from irtiming.records.finding import Finding
 
 CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
+USUAL_READOUT: Mapping[CameraType, ReadoutMode] = {"photon": "snapshot", "microbolometer": "rolling"}
+"""How cameras of a type are read where nobody says."""
 
 
 class FrameStack(Protocol):

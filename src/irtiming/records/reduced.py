@@ -3,11 +3,16 @@
 from dataclasses import dataclass
 from typing import Literal, final
 
+from irtiming.errors import EstimationError, UnitError, places
 from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.recording import Recording
 from irtiming.records.wheel_track import WheelTrack
 
 Method = Literal["pixel-sum", "published"]
 """The project's best method, and the procedure of Schatz 2023 step by step."""
+
+_PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
+"""Choices that mean something for the pixel sums of a snapshot photon camera only."""
 
 ReferenceEdge = Literal["automatic", "first", "second"]
 """Which of the two alternating application edges is edge 0: the one before the longer interval, or as told."""
@@ -36,6 +41,51 @@ class Choices:
     reference_edge: ReferenceEdge = "automatic"
     substrate_temperature_k: float | None = None
     wheel_temperature_k: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be, whatever the recording."""
+        for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
+            if not low <= getattr(self, name) <= high:
+                raise UnitError(f"{{0}} is {getattr(self, name)}, must lie between {low} and {high}", name)
+        low, high = self.slope_limits
+        if not 0 < low < high < 1:
+            raise UnitError(f"{{0}} is {low:g},{high:g}, must be two fractions with 0 < LOW < HIGH < 1", "slope_limits")
+        if self.roi is not None and not (0 <= self.roi[0] < self.roi[1] and 0 <= self.roi[2] < self.roi[3]):
+            numbers = ",".join(map(str, self.roi))
+            raise UnitError(f"{{0}} is {numbers}, must be R0,R1,C0,C1 with 0 <= R0 < R1 and 0 <= C0 < C1", "roi")
+        if self.wheel_temperature_k is not None and self.substrate_temperature_k is None:
+            raise UnitError(
+                "{0} is of use with {1} only; give that too, or leave it out",
+                "wheel_temperature_k",
+                "substrate_temperature_k",
+            )
+
+    def check_for(self, recording: Recording) -> None:
+        """Refuse what means nothing for the kind of camera.
+
+        Parameters
+        ----------
+        recording
+            To be analysed with these choices.
+
+        Raises
+        ------
+        EstimationError
+            If one was made.
+        """
+        usual, kind = Choices(), recording.camera_type
+        given = [name for name in _PIXEL_SUMS_ONLY if getattr(self, name) != getattr(usual, name)]
+        if given and (recording.camera_type, recording.readout_mode) != ("photon", "snapshot"):
+            raise EstimationError(
+                f"{places(given)} with {recording.name}, the recording of a {kind} camera, which is analysed without threshold "
+                f"values, plateaus and straight slopes; leave {'them' if len(given) > 1 else 'it'} out",
+                *given,
+            )
+        if self.substrate_temperature_k is not None and recording.camera_type != "microbolometer":
+            raise EstimationError(
+                f"{{0}} with {recording.name}, the recording of a {kind} camera, which has no time constants; leave it out",
+                "substrate_temperature_k",
+            )
 
 
 @final

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal, final
 
-from irtiming.records.recording import CameraType
+from irtiming.records.recording import CameraType, ReadoutMode
 
 ReferenceTime = Literal["before", "after", "both"]
 
@@ -29,6 +29,7 @@ class CameraWishes:
     """How the camera is to be set; features have their names of GenICam SFNC, and are set in this order."""
 
     camera_type: CameraType
+    readout_mode: ReadoutMode | None = None
     integration_time_s: float | None = None
     bit_depth: int | None = None
     features: tuple[tuple[str, str], ...] = ()

@@ -78,9 +78,8 @@ def spin(scene: Scene, *, seed: int) -> Motion:
 
 def _longest_read_s(scene: Scene) -> float:
     """How long after its trigger delay a frame still takes values."""
-    if isinstance(scene.timing, CameraTiming):
-        return scene.timing.integration_time_s
-    return max(0.0, (scene.detector.rows - 1) * scene.timing.row_delay_s)
+    window_s = scene.timing.integration_time_s if isinstance(scene.timing, CameraTiming) else 0.0
+    return max(0.0, (scene.detector.rows - 1) * (scene.timing.row_delay_s or 0.0)) + window_s
 
 
 def _run_in(wander: SpeedWander, step_s: float) -> int:

@@ -2,19 +2,17 @@
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from os import cpu_count
 from typing import Protocol, final
 
 import numpy as np
 
 from irtiming.errors import ReductionError
-from irtiming.records.arrays import Array, Pixels, Ticks
+from irtiming.records.arrays import Array, Pixels
 from irtiming.records.recording import NonuniformityReference
-from irtiming.twin.noise import FixedPattern, Purpose, Values, digitise, fixed_pattern, generator
-from irtiming.twin.pixels import Picture, expose, picture
-from irtiming.twin.scene import CameraTiming, Detector, Radiance, Scene, Timing
+from irtiming.twin.noise import FixedPattern, Purpose, Values, digitise, generator
+from irtiming.twin.scene import Radiance
 
 _BLOCK_BYTES = 16e6
 
@@ -25,65 +23,6 @@ class FrameMaker(Protocol):
     def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
         """Write frame ``index``, shape (row, column), to ``out``; ``signal_dn`` is room for the work."""
         ...
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class WheelShots:
-    """Frames of the turning wheel.
-
-    Shapes: wheel_angle_rad (n_frame, n_instant), rad, at equally spaced instants of each frame's integration
-    window; frame_number (n_frame,), the trigger of each frame.
-    """
-
-    shot: Picture
-    pattern: FixedPattern
-    wheel_angle_rad: Array
-    frame_number: Ticks
-    seed: int
-
-    def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
-        """Expose the frame and read it out."""
-        expose(self.shot, self.wheel_angle_rad[index], out=signal_dn)
-        random = generator(self.seed, "frame", index=int(self.frame_number[index]))
-        digitise(signal_dn, self.pattern, random=random, out=out)
-
-
-def prepared(scene: Scene) -> tuple[Picture, FixedPattern]:
-    """Rays and fixed pattern of a snapshot: the same for every run of a rig, so kept from one run to the next."""
-    steady = replace(scene, timing=Scene().timing, trigger=Scene().trigger, faults=Scene().faults)
-    return _picture(steady), pattern_of(scene.detector)
-
-
-@lru_cache(maxsize=2)
-def _picture(scene: Scene) -> Picture:
-    return picture(scene)
-
-
-@lru_cache(maxsize=2)
-def pattern_of(detector: Detector) -> FixedPattern:
-    """`fixed_pattern`, kept from one call to the next."""
-    return fixed_pattern(detector)
-
-
-def started_at_s(timing: Timing, triggered_s: Array, *, jitter: Array) -> Array:
-    """When the integration, or the reading of row 0, begins; shape (n_trigger,), s.
-
-    Parameters
-    ----------
-    timing
-        Of the camera.
-    triggered_s
-        Shape (n_trigger,): when the triggers reach the camera, s.
-    jitter
-        Shape (n_trigger,): in standard deviations.
-    """
-    return triggered_s + timing.trigger_delay_s + timing.jitter_s * jitter
-
-
-def window_s(timing: CameraTiming) -> Array:
-    """Middles of the equal parts of an integration window, shape (n_instant,), s after its beginning."""
-    return (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
 
 
 @final

@@ -14,7 +14,7 @@ import numpy as np
 
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.twin.live_view import LiveRun, Make, Moment, SeenWheel, Surroundings
-from irtiming.twin.scene import BolometerTiming, CameraTiming, Scene
+from irtiming.twin.scene import CameraTiming, Scene
 
 _POLL_S = 0.002
 _MOST_BEHIND = 24
@@ -90,8 +90,8 @@ class LiveCamera:
 
     @property
     def is_rolling(self) -> bool:
-        """Whether it is a microbolometer, which reads row after row."""
-        return isinstance(self._scene.timing, BolometerTiming)
+        """Whether it reads row after row."""
+        return self._scene.timing.row_delay_s is not None
 
     @property
     def integration_time_s(self) -> float | None:

@@ -8,23 +8,31 @@ from typing import Any, final
 
 import numpy as np
 
-from irtiming.errors import GeometryError, PlanError
-from irtiming.records.arrays import Ticks
+from irtiming.errors import GeometryError
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.twin.bolometer import bolometer_shots
 from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
-from irtiming.twin.frames import (
-    SimulatedFrames,
-    WheelShots,
-    nonuniformity_reference,
-    pattern_of,
-    prepared,
-    started_at_s,
-    window_s,
-)
+from irtiming.twin.frames import SimulatedFrames, nonuniformity_reference
 from irtiming.twin.noise import generator
-from irtiming.twin.scene import BolometerTiming, CameraTiming, ChopperWheel, Detector, Radiance, Scene, Timing
+from irtiming.twin.readout import pattern_of, wheel_shots
+from irtiming.twin.scene import (
+    BolometerTiming,
+    CameraTiming,
+    ChopperWheel,
+    Detector,
+    Radiance,
+    Scene,
+    Timing,
+    readout_mode_of,
+)
+
+_NAMES = {
+    (True, "snapshot"): "cooled",
+    (True, "rolling"): "cmos",
+    (False, "rolling"): "bolo",
+    (False, "snapshot"): "lagging",
+}
+"""How recordings begin: whether of photons, and the readout."""
 
 
 @final
@@ -34,7 +42,7 @@ class Tolerances:
 
     ``ring_edge_rad`` is half the width of a uniform spread. ``slot_eccentricity_rad`` is the amplitude of
     the slots' once-per-turn error, at a random phase. ``trigger_delay_s`` is a photon camera's; a microbolometer
-    has ``bolometer_delay_s``, ``time_constant_s`` and ``row_delay_s``.
+    has ``bolometer_delay_s`` and ``time_constant_s``; ``row_delay_s`` is a rolling readout's.
     """
 
     ring_edge_rad: float = 0.5e-3
@@ -102,14 +110,14 @@ def draw(nominal: Scene, *, seed: int, tolerances: Tolerances | None = None) -> 
 
 def _drawn_timing(nominal: Timing, spread: Tolerances, random: np.random.Generator) -> Timing:
     """Timing of one camera of its kind."""
-    if isinstance(nominal, CameraTiming):
-        return replace(nominal, trigger_delay_s=abs(random.normal(nominal.trigger_delay_s, spread.trigger_delay_s)))
-    return replace(
-        nominal,
-        trigger_delay_s=abs(random.normal(nominal.trigger_delay_s, spread.bolometer_delay_s)),
-        time_constant_s=abs(random.normal(nominal.time_constant_s, spread.time_constant_s)),
-        row_delay_s=random.normal(nominal.row_delay_s, spread.row_delay_s),
-    )
+    photon = isinstance(nominal, CameraTiming)
+    u_delay_s = spread.trigger_delay_s if photon else spread.bolometer_delay_s
+    drawn = replace(nominal, trigger_delay_s=abs(random.normal(nominal.trigger_delay_s, u_delay_s)))
+    if isinstance(drawn, BolometerTiming):
+        drawn = replace(drawn, time_constant_s=abs(random.normal(drawn.time_constant_s, spread.time_constant_s)))
+    if drawn.row_delay_s is not None:
+        drawn = replace(drawn, row_delay_s=random.normal(drawn.row_delay_s, spread.row_delay_s))
+    return drawn
 
 
 def _drawn_wheel(nominal: ChopperWheel, spread: Tolerances, random: np.random.Generator) -> ChopperWheel:
@@ -193,14 +201,18 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         Title of the recording.
     """
     kept = _kept_frames(scene, seed)
+    shots = wheel_shots(scene, motion, kept=kept, seed=seed)
     trigger, timing = scene.trigger, scene.timing
     photon = isinstance(timing, CameraTiming)
-    make = (_wheel_shots if photon else bolometer_shots)(scene, motion, kept=kept, seed=seed)
+    referenced = photon and scene.radiance.reference_frames > 0
     return Recording(
         name=name,
         camera_type="photon" if photon else "microbolometer",
-        readout_mode="snapshot" if photon else "rolling",
-        frames=SimulatedFrames(shape=(kept.size, scene.detector.rows, scene.detector.columns), make=make),
+        readout_mode=readout_mode_of(timing),
+        frames=SimulatedFrames(
+            shape=(kept.size, scene.detector.rows, scene.detector.columns),
+            make=shots,
+        ),
         frame_number=kept,
         clock_frequency_hz=trigger.clock_frequency_hz,
         camera_trigger_ticks=ticks.camera_trigger,
@@ -214,20 +226,8 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         camera_period_ticks=trigger.camera_period_ticks,
         wheel_period_ticks=trigger.turn_period_ticks,
         blackbody_temperature_k=scene.radiance.blackbody_k,
-        nonuniformity=_reference(scene.radiance, scene.detector) if photon else None,
+        nonuniformity=_reference(scene.radiance, scene.detector) if referenced else None,
         source=f"twin, seed {seed}",
-    )
-
-
-def _wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> WheelShots:
-    """Frames of one run of a photon camera."""
-    shot, pattern = prepared(scene)
-    return WheelShots(
-        shot=shot,
-        pattern=pattern,
-        wheel_angle_rad=_exposed_angles(scene, motion, seed)[kept],
-        frame_number=kept,
-        seed=seed,
     )
 
 
@@ -241,18 +241,6 @@ def _kept_frames(scene: Scene, seed: int) -> Any:
     n = scene.trigger.n_triggers
     lost = generator(seed, "faults").choice(n, size=min(scene.faults.lost_frames, n), replace=False)
     return np.delete(np.arange(n, dtype=np.int64), lost)
-
-
-def _exposed_angles(scene: Scene, motion: Motion, seed: int) -> Any:
-    """Wheel angles, shape (n_trigger, n_instant), rad, at the middles of the equal parts of each window."""
-    trigger, timing = scene.trigger, scene.timing
-    if not isinstance(timing, CameraTiming):
-        raise PlanError("snapshots from a microbolometer camera; start from paper_scene()")
-    set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / trigger.clock_frequency_hz
-    triggered_s = np.arange(trigger.n_triggers) * trigger.camera_period_ticks / trigger.clock_frequency_hz
-    jitter = generator(seed, "exposure").standard_normal(trigger.n_triggers)
-    start_s = started_at_s(timing, triggered_s + set_s, jitter=jitter)
-    return motion.angle_at(start_s[:, None] + window_s(timing))
 
 
 def series(
@@ -278,7 +266,7 @@ def series(
         random = generator(seed, "run", index=index)
         start = random.uniform(0, 2 * math.pi) if random_start else scene.trigger.start_angle_rad
         trigger = replace(scene.trigger, trigger_delay_time_set_s=delay_s, start_angle_rad=start)
-        kind = "cooled" if isinstance(scene.timing, CameraTiming) else "bolo"
+        kind = _NAMES[isinstance(scene.timing, CameraTiming), readout_mode_of(scene.timing)]
         name = f"{kind}-{trigger.wheel_hz:g}Hz-{delay_s * 1e3:g}ms" + (f"-run{repeat + 1:02d}" if repeats > 1 else "")
         yield simulate(replace(scene, trigger=trigger), seed=int(random.integers(2**31)), name=name)
 
@@ -323,18 +311,20 @@ def _lag_truth(timing: BolometerTiming) -> dict[str, object]:
 def _camera_truth(scene: Scene) -> dict[str, object]:
     """What is true of this kind of camera only."""
     timing, drift, events = scene.timing, scene.drift, scene.correction.events
+    shared: dict[str, object] = {"readout_mode": readout_mode_of(timing), "trigger_delay_s": timing.trigger_delay_s}
+    if timing.row_delay_s is not None:
+        shared["row_delay_s"] = timing.row_delay_s
     if isinstance(timing, CameraTiming):
         return {
             "camera": "photon",
-            "trigger_delay_s": timing.trigger_delay_s,
+            **shared,
             "exposure_midpoint_delay_s": timing.trigger_delay_s + timing.integration_time_s / 2,
             "integration_time_s": timing.integration_time_s,
         }
     return {
         "camera": "microbolometer",
-        "trigger_delay_s": timing.trigger_delay_s,
+        **shared,
         **_lag_truth(timing),
-        "row_delay_s": timing.row_delay_s,
         "shutter_start_s": [event.start_s for event in events],
         "shutter_duration_s": [event.duration_s for event in events],
         "shutter_kind": " ".join(event.kind for event in events),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeAlias, final
 
 from irtiming.errors import GeometryError, PlanError
+from irtiming.records.recording import ReadoutMode
 from irtiming.records.rig import Rotation
 from irtiming.twin.upkeep import Drift, SelfCorrection
 
@@ -194,13 +195,15 @@ class Detector:
 @final
 @dataclass(frozen=True, kw_only=True)
 class CameraTiming:
-    """Snapshot camera: light counts from ``trigger_delay_s`` after the trigger for ``integration_time_s``.
+    """Photon camera: light counts from ``trigger_delay_s`` after the trigger for ``integration_time_s``.
 
-    ``jitter_s`` is the standard deviation of the start; ``substeps`` instants stand for the window.
+    In a rolling camera, row y begins y ``row_delay_s`` later, which is None for a snapshot. ``jitter_s`` is the standard
+    deviation of the start; ``substeps`` instants stand for the window.
     """
 
     trigger_delay_s: float = 412.7e-6
     integration_time_s: float = 250e-6
+    row_delay_s: float | None = None
     jitter_s: float = 0.05e-6
     substeps: int = 16
 
@@ -231,16 +234,16 @@ class RadiativeExchange:
 @final
 @dataclass(frozen=True, kw_only=True)
 class BolometerTiming:
-    """Rolling microbolometer: row y is read ``trigger_delay_s`` + y ``row_delay_s`` after the trigger.
+    """Microbolometer: row y is read ``trigger_delay_s`` + y ``row_delay_s`` after the trigger.
 
     Each pixel follows what it sees with ``time_constant_s``; with a ``radiative`` exchange it is not linear, and
     ``time_constant_s`` is that of the exchange with the substrate alone. ``row_delay_s`` is negative where the last row
-    is read first. ``jitter_s`` is the standard deviation of the whole frame's delay.
+    is read first, and None for a snapshot. ``jitter_s`` is the standard deviation of the whole frame's delay.
     """
 
     trigger_delay_s: float = 3.872e-3
     time_constant_s: float = 4.819e-3
-    row_delay_s: float = 38.76e-6
+    row_delay_s: float | None = 38.76e-6
     jitter_s: float = 0.05e-6
     radiative: RadiativeExchange | None = None
 
@@ -254,7 +257,12 @@ class BolometerTiming:
 
 
 Timing: TypeAlias = CameraTiming | BolometerTiming
-"""When a camera takes its values; also says which kind of camera it is."""
+"""When a camera takes its values: its class is the pixels' response, whether it has a row delay the readout."""
+
+
+def readout_mode_of(timing: Timing) -> ReadoutMode:
+    """How a camera reads its rows."""
+    return "snapshot" if timing.row_delay_s is None else "rolling"
 
 
 @final

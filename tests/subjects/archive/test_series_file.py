@@ -38,6 +38,7 @@ speed = 4
 
 [camera]
 type = "photon"
+readout_mode = "rolling"
 integration_time = "250 us"
 bit_depth = 14
 features = {TriggerSource = "Line1", Gain = 1.5, ReverseX = true}
@@ -102,6 +103,7 @@ def test_every_key_is_read(written):
     )
     assert plan.camera == CameraWishes(
         camera_type="photon",
+        readout_mode="rolling",
         integration_time_s=pytest.approx(250e-6),
         bit_depth=14,
         features=(("TriggerSource", "Line1"), ("Gain", "1.5"), ("ReverseX", "true")),
@@ -143,6 +145,10 @@ def test_the_least_plan(written, tmp_path):
         (("[camera]", "[kamera]"), r"\[kamera\] is not a section of plan.toml; did you mean 'camera'\?"),
         (("type =", "typ ="), r"\[camera\] typ is not a key of this section; did you mean 'type'\?"),
         (('"photon"', '"foton"'), r"type is 'foton'; it must be photon or microbolometer, did you mean 'photon'\?"),
+        (
+            ('"photon"', '"photon"\nreadout_mode = "roling"'),
+            r"'roling'; it must be snapshot or rolling, did you mean 'rolling'",
+        ),
         (('"photon"', "3"), r"\[camera\] type is 3; it must be text"),
         (('camera = "gige:127.0.0.2"', ""), r"\[devices\] camera is missing; write camera = "),
         (('"photon"', '"photon"\nintegration_time = "250"'), r"integration_time cannot be read; '250' has no unit"),

@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ndtr
 
-from irtiming.twin.bolometer import Lens
 from irtiming.twin.clockwork import Motion
 from irtiming.twin.lag import Fading, lagging_picture, read_rows, response
 from irtiming.twin.nodes import pixel_spread, trace_nodes
 from irtiming.twin.scene import ChopperWheel, Scene, microbolometer_scene
+from irtiming.twin.views import LaggingView
 
 _TAU_S, _RATE = 4.819e-3, 6 * math.pi
 _UNEVEN = ChopperWheel(
@@ -119,7 +119,7 @@ def test_light_of_the_opening_lags_behind_the_wheel_as_it_really_turned(
     """Oracle: the open share of an ideal opening, by hand, its past weighted by exp(-age / tau): 0.2 us, a frame 2.5."""
     grid_s = np.arange(-0.6, 0.8, 1e-4)
     motion = Motion(time_s=grid_s, angle_rad=1.0 + _RATE * (grid_s + wander * 0.08 * np.sin(grid_s / 0.08)))
-    lens = Lens(
+    lens = LaggingView(
         shot=lagging_picture(scene, _RATE * tau_s), motion=motion, nominal_rad_per_s=_RATE, time_constant_s=tau_s
     )
     age_s = (np.arange(60_000) + 0.5) * tau_s / 2000

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from irtiming.twin import rig as twin
+from irtiming.twin.cameras import camera_scene
 from irtiming.twin.clockwork import TickStreams
 from irtiming.twin.driven_wheel import DrivenWheel
 from irtiming.twin.live_camera import LiveCamera
@@ -90,6 +91,13 @@ EVENTS = (
     ShutterEvent(start_s=0.7, duration_s=0.2, kind="frozen"),
 )
 BOLOMETER = microbolometer_scene(48, 64)
+ROLLING_PHOTON = camera_scene("photon", "rolling", rows=48, columns=64)
+SNAPSHOT_LAG = camera_scene("microbolometer", "snapshot", rows=48, columns=64)
+KINDS = pytest.mark.parametrize(
+    "scene",
+    [paper_scene(64, 80), BOLOMETER, ROLLING_PHOTON, SNAPSHOT_LAG],
+    ids=["photon", "microbolometer", "rolling photon", "snapshot lag"],
+)
 
 
 @pytest.mark.parametrize(
@@ -100,8 +108,18 @@ BOLOMETER = microbolometer_scene(48, 64)
         replace(BOLOMETER, timing=replace(BOLOMETER.timing, row_delay_s=-50e-6)),
         replace(BOLOMETER, correction=SelfCorrection(events=EVENTS), drift=Drift(per_second_dn=3.0, settling_dn=20.0)),
         replace(BOLOMETER, timing=replace(BOLOMETER.timing, radiative=RadiativeExchange(scene_time_constant_s=30e-3))),
+        replace(ROLLING_PHOTON, timing=replace(ROLLING_PHOTON.timing, integration_time_s=4e-3)),
+        SNAPSHOT_LAG,
     ],
-    ids=["photon", "microbolometer", "last row first", "shutter and drift", "radiating pixels"],
+    ids=[
+        "photon",
+        "microbolometer",
+        "last row first",
+        "shutter and drift",
+        "radiating pixels",
+        "rolling photon",
+        "snapshot lag",
+    ],
 )
 def test_frames_are_those_of_a_recording_with_the_same_wheel_and_triggers(scene):
     """Oracle: `twin.rig.recorded`, which makes all frames at the end."""
@@ -148,11 +166,11 @@ def test_nothing_comes_without_an_acquisition_or_from_another_kind_of_trigger():
     assert len(bench.frames) == 1
 
 
-@pytest.mark.parametrize("scene", [paper_scene(32, 40), BOLOMETER], ids=["photon", "microbolometer"])
+@KINDS
 def test_a_frame_leaves_when_its_last_row_is_read_and_not_before(scene):
     """Oracle: by hand: trigger delay, and integration time or all row delays, in cycles of 48 MHz."""
     timing = replace(scene.timing, jitter_s=0.0)
-    rows_s = getattr(timing, "row_delay_s", 0.0) * (scene.detector.rows - 1)
+    rows_s = (timing.row_delay_s or 0.0) * (scene.detector.rows - 1)
     last_s = timing.trigger_delay_s + rows_s + getattr(timing, "integration_time_s", 0.0)
     bench = Bench(replace(scene, timing=timing))
     with bench.camera:
@@ -182,6 +200,16 @@ def test_a_trigger_while_rows_are_read_is_ignored():
     assert [frame.moment.trigger_cycle for frame in bench.frames] == [PERIOD + 144_000 * k for k in range(5)]
 
 
+def test_a_trigger_while_rows_still_integrate_is_ignored():
+    """Oracle: by hand: 47 row delays of 20 us and a window of 1 ms take 1.94 ms; of triggers 1.5 ms apart every other one."""
+    bench = Bench(replace(ROLLING_PHOTON, timing=replace(ROLLING_PHOTON.timing, integration_time_s=1e-3)))
+    with bench.camera:
+        bench.begin()
+        bench.turn(10 * PERIOD, triggers=PERIOD + 72_000 * np.arange(10))
+        bench.wait_for(5)
+    assert bench.camera.triggers_ignored == 5
+
+
 def test_a_camera_that_triggers_itself_keeps_its_rate():
     """Oracle: 48 MHz over 50 Hz."""
     bench = Bench(paper_scene(32, 40))
@@ -194,7 +222,7 @@ def test_a_camera_that_triggers_itself_keeps_its_rate():
     assert set(np.diff([frame.moment.trigger_cycle for frame in bench.frames])) == {960_000}
 
 
-@pytest.mark.parametrize("scene", [paper_scene(64, 80), BOLOMETER], ids=["photon", "microbolometer"])
+@KINDS
 def test_before_a_wheel_that_stands_all_frames_are_alike(scene):
     """Oracle: the angle: where a wheel came to rest 45 degrees further, other pixels are open; noise apart, nothing moves."""
     scene = replace(scene, detector=replace(scene.detector, noise_dn=0.0))
@@ -218,7 +246,7 @@ def test_before_a_wheel_that_stands_all_frames_are_alike(scene):
     assert np.count_nonzero(pixels[3] != pixels[0]) > 0.05 * pixels[0].size
 
 
-@pytest.mark.parametrize("scene", [paper_scene(64, 80), BOLOMETER], ids=["photon", "microbolometer"])
+@KINDS
 def test_another_blackbody_temperature_is_that_of_a_scene_with_it(scene):
     """Oracle: the recording of a scene whose blackbody has this temperature from the beginning."""
     scene, warmer_k = _at_speed(scene), scene.radiance.blackbody_k + 1.5

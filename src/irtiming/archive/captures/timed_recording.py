@@ -22,7 +22,7 @@ from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
-from irtiming.records.recording import CameraType, NonuniformityReference, Recording
+from irtiming.records.recording import USUAL_READOUT, CameraType, NonuniformityReference, ReadoutMode, Recording
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
@@ -41,6 +41,7 @@ class CameraFacts:
     integration_time_s: float | None = None
     trigger_delay_time_set_s: float = 0.0
     bit_depth: int = 16
+    readout_mode: ReadoutMode | None = None
 
 
 def write_timed(
@@ -167,7 +168,7 @@ def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
     return Recording(
         name=source.stem,
         camera_type=facts.camera_type,
-        readout_mode="snapshot" if facts.camera_type == "photon" else "rolling",
+        readout_mode=facts.readout_mode or USUAL_READOUT[facts.camera_type],
         frames=ArrayFrames(arrays["frames"]),
         frame_number=numbers.astype(np.int64),
         clock_frequency_hz=float(ticks.clock_frequency_hz),

@@ -101,7 +101,7 @@ class GigeCamera:
         identity = Identity(
             address=address,
             serial_number=self._traits.serial_number,
-            model="Twin microbolometer" if camera.is_rolling else "Twin photon camera",
+            model="Twin microbolometer" if camera.integration_time_s is None else "Twin photon camera",
             rows=detector.rows,
             columns=detector.columns,
             highest_value=round(min(2.0**detector.bits - 1, detector.saturation_dn)),

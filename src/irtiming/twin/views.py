@@ -1,0 +1,170 @@
+"""What pixels make of the turning wheel: a photon detector's window, counted; a bolometer's lag, stepped."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Protocol, final
+
+import numpy as np
+
+from irtiming.errors import PlanError
+from irtiming.records.arrays import Array
+from irtiming.twin.lag import LaggingPicture, lagging_picture, read_rows
+from irtiming.twin.noise import Values
+from irtiming.twin.pixels import Picture, expose, picture
+from irtiming.twin.scene import BolometerTiming, CameraTiming, Detector, Scene
+from irtiming.twin.wide_range import WidePicture, read_wide_rows, wide_picture, wide_pixel
+
+
+class Turning(Protocol):
+    """What tells the angle of a wheel: a whole `Motion`, or a wheel that still turns."""
+
+    def angle_at(self, time_s: Array) -> Array:
+        """Unwrapped wheel angle, rad, at these times, any shape."""
+        ...
+
+
+class View(Protocol):
+    """What pixels would give if there were neither shutter nor noise."""
+
+    def show(self, row_time_s: Array, *, out: Values) -> None:
+        """Signal, DN, shape (row, column), of rows whose turn begins at these times, shape (row,), s."""
+        ...
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WindowView:
+    """The turning wheel as pixels see it that average over instants_s, shape (n_instant,), after their row's turn."""
+
+    shot: Picture
+    motion: Turning
+    instants_s: Array
+
+    def show(self, row_time_s: Array, *, out: Values) -> None:
+        """Signal, DN, shape (row, column), of rows whose windows begin at these times, shape (row,), s."""
+        begin_s = row_time_s if np.ptp(row_time_s) > 0 else row_time_s[:1]
+        expose(self.shot, self.motion.angle_at(begin_s[:, None] + self.instants_s), out=out)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LaggingView:
+    """The turning wheel as lagging pixels see it."""
+
+    shot: LaggingPicture | WidePicture
+    motion: Turning
+    nominal_rad_per_s: float
+    time_constant_s: float
+
+    def show(self, row_time_s: Array, *, out: Values) -> None:
+        """Signal, DN, shape (row, column), of rows that are read at these times, shape (row,), s."""
+        if isinstance(self.shot, WidePicture):
+            read_wide_rows(self.shot, self.motion.angle_at(row_time_s), out=out)
+            return
+        middle = np.median(row_time_s) - np.array([0.0, self.time_constant_s])
+        now, before = self.motion.angle_at(middle)
+        speed = (now - before) / (self.time_constant_s * self.nominal_rad_per_s) - 1
+        read_rows(self.shot, self.motion.angle_at(row_time_s), speed=speed, out=out)
+
+
+def view_of_wheel(scene: Scene, motion: Turning) -> View:
+    """The wheel at its nominal speed as the pixels of this scene's camera see it.
+
+    Parameters
+    ----------
+    scene
+        The rig as it truly is.
+    motion
+        Of its wheel.
+    """
+    if isinstance(scene.timing, CameraTiming):
+        return WindowView(shot=still_picture(scene), motion=motion, instants_s=instants_s(scene.timing))
+    return lagging_view(scene, motion, rad_per_s=2 * math.pi * scene.trigger.wheel_hz)
+
+
+def instants_s(timing: CameraTiming) -> Array:
+    """Middles of the equal parts of an integration window, shape (n_instant,), s after its beginning."""
+    return (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
+
+
+def lagging_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> LaggingView:
+    """Linear pixels, or those that radiate.
+
+    Parameters
+    ----------
+    scene
+        Whose camera lags.
+    motion
+        Of its wheel.
+    rad_per_s
+        Its nominal speed.
+    """
+    timing = lag_of(scene)
+    lag_s = settling_s(scene)
+    if timing.radiative is None:
+        shot: LaggingPicture | WidePicture = _lagging_picture(_still(scene), rad_per_s * lag_s)
+    else:
+        alone = BolometerTiming(time_constant_s=timing.time_constant_s, radiative=timing.radiative)
+        shot = _wide_picture(replace(_still(scene), timing=alone), rad_per_s)
+    return LaggingView(shot=shot, motion=motion, nominal_rad_per_s=rad_per_s, time_constant_s=lag_s)
+
+
+def lag_of(scene: Scene) -> BolometerTiming:
+    """Timing of a camera whose pixels lag.
+
+    Raises
+    ------
+    PlanError
+        If they do not.
+    """
+    if isinstance(scene.timing, CameraTiming):
+        raise PlanError("pixels without lag in a photon camera; start from microbolometer_scene()")
+    return scene.timing
+
+
+def settling_s(scene: Scene) -> float:
+    """Time constant with which lagging pixels leave the shutter, s; of pixels that radiate the shortest."""
+    timing = lag_of(scene)
+    return timing.time_constant_s if timing.radiative is None else wide_pixel(scene).shortest_lag_s
+
+
+def settled_dn(scene: Scene, temperature_k: float) -> float:
+    """What a mean pixel gives that has looked at nothing but this temperature for long, DN."""
+    if isinstance(scene.timing, BolometerTiming) and scene.timing.radiative is not None:
+        return float(wide_pixel(scene).settled_dn(np.array(temperature_k)))
+    return scene.radiance.level_dn(temperature_k)
+
+
+def still_picture(scene: Scene) -> Picture:
+    """Rays of a scene, the same for every run of a rig, so kept from one run to the next."""
+    return _picture(_still(scene))
+
+
+@lru_cache(maxsize=2)
+def _picture(scene: Scene) -> Picture:
+    return picture(scene)
+
+
+@lru_cache(maxsize=2)
+def _lagging_picture(scene: Scene, lag_rad: float) -> LaggingPicture:
+    """Light of each pixel at one speed."""
+    return lagging_picture(scene, lag_rad)
+
+
+@lru_cache(maxsize=2)
+def _wide_picture(scene: Scene, rad_per_s: float) -> WidePicture:
+    """The same for pixels that radiate."""
+    return wide_picture(scene, rad_per_s)
+
+
+def _still(scene: Scene) -> Scene:
+    """The part of a scene that says what each point sees of the wheel."""
+    return Scene(
+        wheel=scene.wheel,
+        beams=scene.beams,
+        mask=scene.mask,
+        optics=scene.optics,
+        radiance=scene.radiance,
+        detector=Detector(rows=scene.detector.rows, columns=scene.detector.columns),
+    )
