@@ -159,12 +159,7 @@ def fit(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Joint:
     EstimationError
         If the recordings give no finite residuals at the start.
     """
-    made = [design(shared, k, names=model.names) for k, model in enumerate(models)]
-    start = {number.name: number.start for number in shared}
-
-    def at(numbers: Mapping[str, float]) -> Linearised:
-        return _whole(models, made, shared=shared, numbers=numbers)
-
+    start, at = {number.name: number.start for number in shared}, residuals(models, shared)
     best = optimiser.minimise(at, start=start)
     for number in shared:
         if number.may_be_mirrored:
@@ -189,21 +184,31 @@ def at_point(models: Sequence[LocalModel], shared: Sequence[SharedNumber], *, fo
     return Joint(models=tuple(models), shared=tuple(shared), found=found, pieces=tuple(pieces), priors=priors)
 
 
-def _whole(
-    models: Sequence[LocalModel], made: Sequence[Array], *, shared: Sequence[SharedNumber], numbers: Mapping[str, float]
-) -> Linearised:
-    """Residuals of all recordings, then of all numbers that are known beforehand."""
-    values = np.array(list(numbers.values()))
-    residuals, slopes = [], []
-    for model, local in zip(models, made, strict=True):
-        there = model.at(dict(zip(model.names, (local @ values).tolist(), strict=True)))
-        residuals.append(there.residual)
-        slopes.append(there.jacobian @ local)
-    for k, one in enumerate(shared):
-        if one.u is not None:
-            residuals.append(np.array([(values[k] - one.known) / one.u]))
-            slopes.append(np.eye(len(shared))[[k]] / one.u)
-    return Linearised(residual=np.concatenate(residuals), jacobian=np.concatenate(slopes))
+def residuals(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Model:
+    """Residuals of all recordings, then of all numbers that are known beforehand, over the shared numbers.
+
+    Parameters
+    ----------
+    models, shared
+        As for `fit`.
+    """
+    made = [design(shared, k, names=model.names) for k, model in enumerate(models)]
+    known = [(k, one) for k, one in enumerate(shared) if one.u is not None]
+    prior_slopes = np.array([np.eye(len(shared))[k] / float(one.u or 1.0) for k, one in known]).reshape(-1, len(shared))
+
+    def at(numbers: Mapping[str, float]) -> Linearised:
+        values = np.array(list(numbers.values()))
+        there = [
+            model.at(dict(zip(model.names, (local @ values).tolist(), strict=True)))
+            for model, local in zip(models, made, strict=True)
+        ]
+        beside = np.array([(values[k] - one.known) / float(one.u or 1.0) for k, one in known])
+        return Linearised(
+            residual=np.concatenate([*(one.residual for one in there), beside]),
+            jacobian=np.concatenate([*(one.jacobian @ local for one, local in zip(there, made, strict=True)), prior_slopes]),
+        )
+
+    return at
 
 
 def each_delay(joint: Joint, setting: Sequence[int]) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ recordings state, if they do; what the sums say of it is reported beside it and 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -30,12 +30,16 @@ _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reported:
-    """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts."""
+    """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts.
+
+    ``profiled`` are those that are one sum of shared numbers.
+    """
 
     estimate: Estimate
     budget: tuple[Contribution, ...]
+    profiled: tuple[Measurand, ...]
     bounds: tuple[Bound, ...] = ()
-    findings: tuple[Finding, ...] = field(default_factory=tuple)
+    findings: tuple[Finding, ...] = ()
 
 
 @final
@@ -92,9 +96,15 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
             source="length of the window (corners)", kind="A",
             standard_uncertainty={name: abs(parts.get(WINDOW, 0.0)) * u for name, parts in rows.items()},
         ))  # fmt: skip
+    profiled = [
+        replace(own[next(iter(parts))], name=name, offset=offsets.get(name, 0.0))
+        for name, parts in rows.items()
+        if len(parts) == 1
+    ]
     return Reported(
         estimate=mixed(found, rows, offsets=offsets),
         budget=budget,
+        profiled=tuple(profiled),
         findings=_window_findings(found, window) if is_seen else (),
     )
 
@@ -120,7 +130,13 @@ def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float)
     found = joint.estimate(measurands)
     budget = _budget(joint, {one.name: [(one, 1.0)] for one in measurands}, degrees_of_freedom=degrees_of_freedom)
     keep, bounds, findings = _determined(found)
-    return Reported(estimate=found.pick(*keep), budget=budget, bounds=bounds, findings=findings)
+    return Reported(
+        estimate=found.pick(*keep),
+        budget=budget,
+        profiled=tuple(one for one in measurands if one.name in keep),
+        bounds=bounds,
+        findings=findings,
+    )
 
 
 def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[str, float] | None = None) -> Estimate:

@@ -96,7 +96,6 @@ def rig_errors(
     errors = [
         _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
         for k, column in enumerate(_root(residuals_rad2).T)
-        if np.any(column)
     ]
     errors += [
         _turned(f"cutout edge {k}", fits, column, source=EDGES, kind=kind)

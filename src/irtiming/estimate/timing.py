@@ -46,7 +46,8 @@ _LEAST_U_LEAN_RAD = 1e-5
 class Timing:
     """Result, and what led to it: recordings (which now know the axle), geometry, sectors, fits, and the joint fit.
 
-    ``exact`` are models of the recordings where ``joint`` takes parabolas; the same where it takes none.
+    ``exact`` are models of the recordings where ``joint`` takes parabolas; the same where it takes none. ``profiled`` are the
+    parameters of the result that are one sum of shared numbers.
     """
 
     recordings: tuple[ReducedRecording, ...]
@@ -55,6 +56,7 @@ class Timing:
     fits: Fits
     joint: Joint
     exact: tuple[LocalModel, ...]
+    profiled: tuple[joint.Measurand, ...]
     joint_fit: JointFit
     result: Result
 
@@ -114,7 +116,8 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_joint(record),
     )  # fmt: skip
     return Timing(
-        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, joint=found, exact=models, joint_fit=record,
+        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, joint=found, exact=models,
+        profiled=reported.profiled, joint_fit=record,
         result=replace(result, findings=findings),
     )  # fmt: skip
 
@@ -185,7 +188,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )  # fmt: skip
     return Timing(
         recordings=rows.recordings, geometry=rows.geometry, sectors=rows.sectors, fits=fits, joint=found, exact=exact,
-        joint_fit=record, result=replace(result, findings=findings, effective=effective),
+        profiled=reported.profiled, joint_fit=record, result=replace(result, findings=findings, effective=effective),
     )  # fmt: skip
 
 

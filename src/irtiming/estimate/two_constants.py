@@ -23,6 +23,7 @@ from typing import final
 import numpy as np
 from scipy import optimize, stats
 
+from irtiming.errors import EstimationError
 from irtiming.physics.radiance import in_band_radiance
 from irtiming.physics.response.two_constants import (
     REFERENCE_TEMPERATURE_K,
@@ -33,7 +34,9 @@ from irtiming.physics.response.two_constants import (
 )
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
-from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
+from irtiming.records.finding import Finding
+from irtiming.records.reduced import Choices
+from irtiming.records.result import Bound, EffectiveTimeConstants, Result
 from irtiming.records.two_constants import PixelSurroundings, TwoConstantsResult
 
 NAMES = ("substrate_time_constant", "scene_time_constant")
@@ -162,7 +165,7 @@ def estimate(
         change_per_k_s=_changes(problem, share) if is_number else np.full((2, 2), np.nan),
         bend_s=problem.sum_of_both(share) * h * bend / (1 + bend),
         bounds=bounds,
-        warnings=_warnings(problem, share, bounds=bounds, least=least),
+        findings=_findings(problem, share, bounds=bounds, least=least),
     )
 
 
@@ -228,6 +231,35 @@ def _estimate(problem: _Problem, share: float) -> Estimate:
     )
 
 
+def of_result(result: Result, *, choices: Choices) -> TwoConstantsResult | None:
+    """Constants of substrate and scene, where a person says how warm the substrate is; None where nobody does.
+
+    Parameters
+    ----------
+    result
+        Its effective time constants.
+    choices
+        Temperatures of substrate and wheel.
+
+    Raises
+    ------
+    EstimationError
+        If not every recording tells its blackbody's temperature.
+    """
+    if choices.substrate_temperature_k is None:
+        return None
+    if result.effective is None:
+        raise EstimationError(
+            "the substrate's temperature was given, but not every recording tells that of its blackbody "
+            "(entry/instrument/blackbody/temperature); write it, or leave the substrate's out"
+        )
+    return estimate(
+        result.effective,
+        substrate_temperature_k=choices.substrate_temperature_k,
+        wheel_temperature_k=choices.wheel_temperature_k,
+    )
+
+
 def _nothing() -> Estimate:
     return Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
 
@@ -241,9 +273,9 @@ def _bounds(problem: _Problem, deviation: Array) -> tuple[Bound, ...]:
     first, last = problem.constants(low), problem.constants(high)
     return (
         Bound(
-            name=NAMES[0], lower_s=float(first[0]), upper_s=None if high == _SHARES[-1] else float(last[0])
+            name=NAMES[0], lower=float(first[0]), upper=None if high == _SHARES[-1] else float(last[0])
         ),
-        Bound(name=NAMES[1], lower_s=float(last[1]), upper_s=None if low == 0 else float(first[1])),
+        Bound(name=NAMES[1], lower=float(last[1]), upper=None if low == 0 else float(first[1])),
     )  # fmt: skip
 
 
@@ -259,36 +291,54 @@ def _changes(problem: _Problem, share: float) -> Array:
     return np.stack([(one.constants(one.least_between(*reach)[0]) - here) / _NUDGE_K for one in moved], axis=1)
 
 
-def _warnings(
+def _findings(
     problem: _Problem, share: float, *, bounds: tuple[Bound, ...], least: float | None
-) -> tuple[str, ...]:  # fmt: skip
+) -> tuple[Finding, ...]:  # fmt: skip
     """Why there is no number, and whether the model describes the data."""
-    effective, texts = problem.effective, []
+    effective, found = problem.effective, []
     kelvin = effective.blackbody_temperature_k
     if kelvin.size < 2:
-        texts.append(
-            f"the constants of substrate and scene are not separated: all recordings show a blackbody of {kelvin[0]:.1f} K; "
-            "record at two temperatures or more, 20 K apart or wider"
+        found.append(
+            Finding(
+                code="constants-one-temperature",
+                severity="warning",
+                what=f"the constants of substrate and scene are not separated: all recordings show a blackbody of {kelvin[0]:.1f} K",
+                cure="record at two temperatures or more, 20 K apart or wider",
+            )
         )
     elif bounds:
         scatter = 1e6 * float(np.sqrt(np.mean(np.diag(effective.covariance_s2))))
         allowed = _SHARES[problem.deviances <= problem.deviances.min() + _TWO_U]
         cure = "no share would show in them" if least is None else f"one from {least:.2f} on would show"
-        texts.append(
-            f"the constants of substrate and scene are not separated: blackbodies from {kelvin[0]:.1f} K to {kelvin[-1]:.1f} K "
-            f"with u = {scatter:.2g} us of each time constant allow a share of the scene in the exchange of heat "
-            f"of {allowed[0]:.2f} to {allowed[-1]:.2f} (2 u); {cure}; record wider apart, or longer"
+        found.append(
+            Finding(
+                code="constants-not-separated",
+                severity="warning",
+                what=f"the constants of substrate and scene are not separated: blackbodies from {kelvin[0]:.1f} K to {kelvin[-1]:.1f} "
+                f"K with u = {scatter:.2g} us of each time constant allow a share of the scene in the exchange of heat "
+                f"of {allowed[0]:.2f} to {allowed[-1]:.2f} (2 u)",
+                cure=f"{cure}; record wider apart, or longer",
+            )
         )
     misfit = problem.deviance(share)
     freedom = kelvin.size - 2
     if freedom > 0 and stats.chi2.sf(misfit, freedom) < _BY_CHANCE:
-        texts.append(
-            f"time constants over the blackbody's temperature do not follow the two-constant model (chi squared {misfit:.1f} "
-            f"with {freedom} degrees of freedom); check the temperatures, and whether the camera changed between recordings"
+        found.append(
+            Finding(
+                code="constants-do-not-fit",
+                severity="warning",
+                what=f"time constants over the blackbody's temperature do not follow the two-constant model (chi squared {misfit:.1f} "
+                f"with {freedom} degrees of freedom)",
+                cure="check the temperatures, and whether the camera changed between recordings",
+            )
         )
     if problem.around.wheel_temperature_from == "assumption":
-        texts.append(
-            f"wheel taken to look like {_ASSUMED_WHEEL_K:g} K, which the contrast of the recordings does not tell; give "
-            "--wheel-temperature"
+        found.append(
+            Finding(
+                code="wheel-temperature-assumed",
+                severity="warning",
+                what=f"wheel taken to look like {_ASSUMED_WHEEL_K:g} K, which the contrast of the recordings does not tell",
+                cure="give --wheel-temperature",
+            )
         )
-    return tuple(texts)
+    return tuple(found)

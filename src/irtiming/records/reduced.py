@@ -199,6 +199,7 @@ class ExposedFraction:
 
     trigger_delay_time_set_s: float
     rotation_speed_hz: float
+    angular_frequency_rad_per_s: float
     names: tuple[str, ...]
     wheel_angle_rad: Array
     fraction: Array

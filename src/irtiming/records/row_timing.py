@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, ComplexArray, Ticks
-from irtiming.records.joint_fit import Profile
 
 
 @final
@@ -171,29 +170,3 @@ class TimeConstantScan:
 
     time_constant_s: Array
     deviation: Array
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RowLikelihood:
-    """One likelihood over the row sums of all recordings of a rolling camera, exactly, where the estimate takes parabolas.
-
-    Parameters
-    ----------
-    values
-        Shape (3,); trigger delay, time constant and row delay at its minimum, s.
-    start
-        Shape (3,); where the search began.
-    n_steps
-        Steps from there.
-    whiteness
-        Shape (n_fit,); probability of residuals at least as correlated along the wheel angle, were they white.
-    profiles
-        Of each reported parameter.
-    """
-
-    values: Array
-    start: Array
-    n_steps: int
-    whiteness: Array
-    profiles: tuple[Profile, ...]

@@ -5,7 +5,8 @@ from typing import Literal, final
 
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
-from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
+from irtiming.records.finding import Finding
+from irtiming.records.result import Bound, EffectiveTimeConstants
 
 WheelTemperatureFrom = Literal["you", "contrast", "assumption"]
 """Who says how warm the wheel is."""
@@ -57,7 +58,7 @@ class TwoConstantsResult:
     bend_s
         Shape (k,); by how much the model's effective constants were raised because the answer to a large step is no
         exponential.
-    bounds, warnings
+    bounds, findings
         Of constants that are not determined; doubts.
     """
 
@@ -76,4 +77,4 @@ class TwoConstantsResult:
     change_per_k_s: Array
     bend_s: Array
     bounds: tuple[Bound, ...]
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]

@@ -42,6 +42,7 @@ def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> Ex
     return ExposedFraction(
         trigger_delay_time_set_s=runs[0].trigger_delay_time_set_s,
         rotation_speed_hz=runs[0].rotation_speed_hz,
+        angular_frequency_rad_per_s=float(np.mean([run.equal_track.angular_frequency_rad_per_s for run in runs])),
         names=names,
         wheel_angle_rad=visits.wheel_angle_rad,
         fraction=fraction,

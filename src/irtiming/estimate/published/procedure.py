@@ -1,12 +1,14 @@
 """The procedures of Schatz 2023, 3.1 and 3.2, step by step: the baseline of every result."""
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 
 from irtiming.errors import EstimationError, IrTimingError
 from irtiming.estimate import by_blackbody, wheel_geometry
 from irtiming.estimate.published import lag_timing, row_delay_and_lag, slope_delays, slopes
+from irtiming.estimate.timing import common_integration_time
 from irtiming.records.analysis import Published
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
@@ -15,6 +17,9 @@ from irtiming.records.reduced import Choices, ExposedFraction, ExposedRows, Redu
 from irtiming.records.result import Result
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_geometry import WheelGeometry
+
+Average: TypeAlias = ExposedFraction | ExposedRows
+"""Opening fractions of one nominal delay."""
 
 
 def groups(recordings: Sequence[ReducedRecording]) -> list[list[ReducedRecording]]:
@@ -37,9 +42,8 @@ def groups(recordings: Sequence[ReducedRecording]) -> list[list[ReducedRecording
 
 
 def estimate(
-    averages: Sequence[ExposedFraction] | Sequence[ExposedRows], recordings: Sequence[ReducedRecording], *, rig: Rig,
-    choices: Choices, integration_time_s: float | None,
-) -> Published:  # fmt: skip
+    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, rig: Rig, choices: Choices
+) -> Published:
     """Timing as the paper finds it, of the two kinds of cameras that it has.
 
     Parameters
@@ -50,8 +54,6 @@ def estimate(
         What they were made of.
     choices
         Between which opening fractions lines are fitted.
-    integration_time_s
-        As the recordings state it.
 
     Returns
     -------
@@ -65,7 +67,7 @@ def estimate(
     """
     equal = wheel_geometry.geometry(recordings, rig, slots="equal", off_axle_mask=False)
     try:
-        return _run(averages, recordings, equal=equal, choices=choices, integration_time_s=integration_time_s)
+        return _run(averages, recordings, equal=equal, choices=choices)
     except IrTimingError as error:
         if choices.method == "published":
             raise
@@ -73,9 +75,8 @@ def estimate(
 
 
 def _run(
-    averages: Sequence[ExposedFraction] | Sequence[ExposedRows], recordings: Sequence[ReducedRecording], *,
-    equal: WheelGeometry, choices: Choices, integration_time_s: float | None,
-) -> Published:  # fmt: skip
+    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, equal: WheelGeometry, choices: Choices
+) -> Published:
     first = recordings[0]
     if first.pixels is not None:
         lines = tuple(
@@ -83,7 +84,7 @@ def _run(
             for one in averages
             if isinstance(one, ExposedFraction)
         )
-        result = slope_delays.estimate(list(lines), equal.model, integration_time_s=integration_time_s)
+        result = slope_delays.estimate(list(lines), equal.model, integration_time_s=common_integration_time(recordings))
         return Published(result=result, fits=lines, geometry=equal)
     if (first.camera_type, first.readout_mode) != ("microbolometer", "rolling"):
         raise EstimationError(
