@@ -26,7 +26,7 @@ class IrTimingError(Exception):
     what
         What is, what must be and what to do.
     fields
-        Fields of a record that ``what`` names by {0}, {1}, ...: a door to the program may call them by its own names.
+        Fields of a record whose names stand in braces in ``what``: a door to the program may call them by its own names.
     where
         What it is about, such as a file; stands before ``what``.
     """
@@ -39,14 +39,14 @@ class IrTimingError(Exception):
     def call_fields(self, name: Callable[[str], str]) -> None:
         """Say the same with other names for the fields."""
         self.what = self._form
-        for k, field in enumerate(self._fields):
-            self.what = self.what.replace(f"{{{k}}}", name(field))
+        for field in self._fields:
+            self.what = self.what.replace(f"{{{field}}}", name(field))
         self.args = (f"{self.where}: {self.what}" if self.where else self.what,)
 
 
-def places(fields: Sequence[str]) -> str:
-    """Where the names of all ``fields`` come in the text of an error: ``"{0}, {1}"``."""
-    return ", ".join(f"{{{k}}}" for k in range(len(fields)))
+def listed(fields: Sequence[str]) -> str:
+    """All ``fields`` as they stand in the text of an error: ``"{one}, {other}"``."""
+    return ", ".join(f"{{{field}}}" for field in fields)
 
 
 class UnitError(IrTimingError):

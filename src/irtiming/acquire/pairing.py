@@ -92,11 +92,6 @@ class Pairing:
         """Trigger of the last frame so far, -1 before the first."""
         return self._numbers[-1] if self._numbers else -1
 
-    @property
-    def is_doubtful(self) -> bool:
-        """Whether something speaks against the pairing already."""
-        return bool(self._reasons)
-
     def take(self, frame: CameraFrame) -> Place | None:
         """Place of the next frame; None for one that has none, which is then told by `judge`."""
         before = self._ids[-1] if self._ids else -1

@@ -70,6 +70,20 @@ def write_atomically(text: str, path: str | Path) -> None:
         raise unwritable(target, error) from error
 
 
+def make_folder(path: str | Path) -> None:
+    """Make a folder and those above it, where they are not there.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be made.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ArchiveError(f"{path} cannot be made ({error.strerror}); give another folder") from error
+
+
 def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> None:
     """Refuse a place where no result may be written, before the long work whose result should go there.
 

@@ -5,10 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.screen import in_options
+from irtiming.cli.screen import in_options, temperature_k
 from irtiming.errors import UnitError
 from irtiming.records.reduced import Choices, Method, ReferenceEdge
-from irtiming.units import kelvin
 
 _SLOPE_LIMITS = "0.05,0.95"
 
@@ -92,8 +91,8 @@ def analyse(
         plateau_margin=plateau_margin,
         slope_limits=(low, high),
         reference_edge=reference_edge,
-        substrate_temperature_k=None if substrate_temperature is None else kelvin(substrate_temperature),
-        wheel_temperature_k=None if wheel_temperature is None else kelvin(wheel_temperature),
+        substrate_temperature_k=temperature_k(substrate_temperature),
+        wheel_temperature_k=temperature_k(wheel_temperature),
     )
     order = AnalysisOrder(
         recordings=tuple(recording),

@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from irtiming.cli.screen import in_options
-from irtiming.units import seconds
+from irtiming.cli.screen import in_options, time_s
 
 
 @in_options
@@ -93,9 +92,9 @@ def plan(
         noise=noise,
         contrast=contrast,
         opening_pixels=opening_pixels,
-        integration_time_s=None if integration_time is None else seconds(integration_time),
+        integration_time_s=time_s(integration_time),
         known_integration_time=known_integration_time,
-        time_constant_s=None if time_constant is None else seconds(time_constant),
+        time_constant_s=time_s(time_constant),
         like=like,
     )
     order = PlanOrder(

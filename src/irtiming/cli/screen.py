@@ -8,9 +8,10 @@ from rich.console import Console
 from rich.markup import escape
 
 from irtiming.errors import IrTimingError
+from irtiming.units import kelvin, seconds
 
 _UNITS = ("_k", "_s")
-_OTHER = {"wanted": "--for"}
+_OTHER = {"wanted": "--for", "drift_dn_per_s": "--drift-dn-per-s"}
 
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")
@@ -38,6 +39,16 @@ def in_options(command: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
             raise
 
     return run
+
+
+def time_s(text: str | None) -> float | None:
+    """Seconds of an option, where it is given."""
+    return None if text is None else seconds(text)
+
+
+def temperature_k(text: str | None) -> float | None:
+    """Kelvin of an option, where it is given."""
+    return None if text is None else kelvin(text)
 
 
 def _option(field: str) -> str:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, final
 
-from irtiming.errors import EstimationError, UnitError, places
+from irtiming.errors import EstimationError, UnitError, listed
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.recording import Recording
 from irtiming.records.wheel_track import WheelTrack
@@ -46,16 +46,18 @@ class Choices:
         """Refuse what cannot be, whatever the recording."""
         for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
             if not low <= getattr(self, name) <= high:
-                raise UnitError(f"{{0}} is {getattr(self, name)}, must lie between {low} and {high}", name)
+                raise UnitError(f"{{{name}}} is {getattr(self, name)}, must lie between {low} and {high}", name)
         low, high = self.slope_limits
         if not 0 < low < high < 1:
-            raise UnitError(f"{{0}} is {low:g},{high:g}, must be two fractions with 0 < LOW < HIGH < 1", "slope_limits")
+            raise UnitError(
+                f"{{slope_limits}} is {low:g},{high:g}, must be two fractions with 0 < LOW < HIGH < 1", "slope_limits"
+            )
         if self.roi is not None and not (0 <= self.roi[0] < self.roi[1] and 0 <= self.roi[2] < self.roi[3]):
             numbers = ",".join(map(str, self.roi))
-            raise UnitError(f"{{0}} is {numbers}, must be R0,R1,C0,C1 with 0 <= R0 < R1 and 0 <= C0 < C1", "roi")
+            raise UnitError(f"{{roi}} is {numbers}, must be R0,R1,C0,C1 with 0 <= R0 < R1 and 0 <= C0 < C1", "roi")
         if self.wheel_temperature_k is not None and self.substrate_temperature_k is None:
             raise UnitError(
-                "{0} is of use with {1} only; give that too, or leave it out",
+                "{wheel_temperature_k} is of use with {substrate_temperature_k} only; give that too, or leave it out",
                 "wheel_temperature_k",
                 "substrate_temperature_k",
             )
@@ -77,13 +79,14 @@ class Choices:
         given = [name for name in _PIXEL_SUMS_ONLY if getattr(self, name) != getattr(usual, name)]
         if given and (recording.camera_type, recording.readout_mode) != ("photon", "snapshot"):
             raise EstimationError(
-                f"{places(given)} with {recording.name}, the recording of a {kind} camera, which is analysed without threshold "
+                f"{listed(given)} with {recording.name}, the recording of a {kind} camera, which is analysed without threshold "
                 f"values, plateaus and straight slopes; leave {'them' if len(given) > 1 else 'it'} out",
                 *given,
             )
         if self.substrate_temperature_k is not None and recording.camera_type != "microbolometer":
             raise EstimationError(
-                f"{{0}} with {recording.name}, the recording of a {kind} camera, which has no time constants; leave it out",
+                f"{{substrate_temperature_k}} with {recording.name}, the recording of a {kind} camera, which has no time "
+                "constants; leave it out",
                 "substrate_temperature_k",
             )
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal, final
 
 from irtiming.archive.result_camera import read_camera
-from irtiming.errors import PlanError, places
+from irtiming.errors import PlanError, listed
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 
 _OWN = {"photon": ("integration_time_s", "known_integration_time"), "microbolometer": ("time_constant_s",)}
@@ -29,7 +29,7 @@ class Described:
     def __post_init__(self) -> None:
         if self.contrast is not None and not self.contrast > 0:
             raise PlanError(
-                f"{{0}} is {self.contrast:g}, but must be greater than 0: blackbody minus wheel without sign",
+                f"{{contrast}} is {self.contrast:g}, but must be greater than 0: blackbody minus wheel without sign",
                 "contrast",
             )
 
@@ -68,7 +68,7 @@ def _refuse_foreign(described: Described, kind: str) -> None:
         if other != kind and getattr(described, name) not in (None, False)
     ]
     if wrong:
-        raise PlanError(f"{places(wrong)} with a {kind} camera, which has no such thing; leave it out", *wrong)
+        raise PlanError(f"{listed(wrong)} with a {kind} camera, which has no such thing; leave it out", *wrong)
 
 
 def _noise_to_contrast(described: Described, found: Camera) -> float | None:
@@ -86,6 +86,7 @@ def _start(described: Described) -> Camera:
     found = read_camera(described.like)
     if described.camera not in (None, _kind(found)):
         raise PlanError(
-            f"{described.like} is of a {_kind(found)} camera, {{0}} says {described.camera}; leave it out", "camera"
+            f"{described.like} is of a {_kind(found)} camera, {{camera}} says {described.camera}; leave it out",
+            "camera",
         )
     return found

@@ -6,7 +6,7 @@ from typing import Any, final
 
 from irtiming.archive.result_file import write_atomically, write_result
 from irtiming.archive.rig_file import read_rig
-from irtiming.errors import PlanError, places
+from irtiming.errors import PlanError, listed
 from irtiming.plan.assumptions import assumed
 from irtiming.plan.drawing import sampling_svg
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE
@@ -49,18 +49,20 @@ class PlanOrder:
         missing = [name for name in ("clock_hz", "wheel_hz", "frame_hz", "samples") if not getattr(self.wishes, name)]
         if not self.wanted and missing:
             raise PlanError(
-                f"{places(missing)} must be given; only with {{{len(missing)}}}, such as {{{len(missing)}}} "
-                "'trigger_delay=0.5us', are they found",
+                f"{listed(missing)} must be given; only with {{wanted}}, such as {{wanted}} 'trigger_delay=0.5us', "
+                "are they found",
                 *missing,
                 "wanted",
             )
         if not self.wanted and (self.camera != Described() or self.rig is not None):
             raise PlanError(
-                "camera and rig are described, but nothing is asked of them; add {0} 'trigger_delay=0.5us'", "wanted"
+                "camera and rig are described, but nothing is asked of them; add {wanted} 'trigger_delay=0.5us'",
+                "wanted",
             )
         if self.wanted and self.wishes.repeats.strip() != "1":
             raise PlanError(
-                f"{{0}} {self.wishes.repeats} with {{1}}, which finds the number of runs itself; leave one of them out",
+                f"{{repeats}} {self.wishes.repeats} with {{wanted}}, which finds the number of runs itself; "
+                "leave one of them out",
                 "repeats",
                 "wanted",
             )

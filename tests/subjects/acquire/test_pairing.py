@@ -201,6 +201,38 @@ def test_an_identifier_out_of_all_proportion_makes_no_blanks():
     assert not verdict.is_trusted
 
 
+@pytest.mark.parametrize(("last", "number"), [(39, 39), (40, None)])
+def test_an_identifier_may_run_to_twice_the_triggers(last, number):
+    """Oracle: the limit; of 20 triggers as many again may have been lost, and no more are told by name."""
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=20, device_frequency_hz=0)
+    pairing.take(_frame(0, 0, device_hz=0))
+    place = pairing.take(_frame(last, last, device_hz=0))
+    assert (place and place.number) == number
+    assert place is None or len(place.lost_ids) == 38
+
+
+@pytest.mark.parametrize(("beside", "trusted"), [(0.45, True), (-0.45, True), (0.6, False), (-0.6, False)])
+def test_a_usual_latency_holds_within_half_a_period(beside, trusted):
+    """Oracle: by hand; further off, the frames could be those of the next triggers, or of the ones before."""
+    usual = 0.023 + beside * PERIOD_S
+    assert _judged(list(range(19)), n_triggers=20, latency_s=0.023, usual=usual)[1].is_trusted is trusted
+
+
+@pytest.mark.parametrize(("speed", "drift_s", "trusted"), [(10.0, 3e-3, True), (10.0, 9e-3, False), (1.0, 3e-3, True)])
+def test_what_a_computer_may_come_late_is_its_own_time(speed, drift_s, trusted):
+    """Oracle: by hand; 5 ms of the computer are 50 ms of a rig that runs ten times as fast. The camera's clock is 2 % off."""
+    n = 1000
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=n, device_frequency_hz=1e6)
+    for k in range(n):
+        frame = _frame(k, k, clock_error=0.02)
+        late = drift_s * (k >= n // 2)
+        pairing.take(replace(frame, host_time_s=(0.5 + k * PERIOD_S + LATENCY_S) / speed + late))
+    verdict = pairing.judge(
+        _timestamps(n), earliest_s=lambda ticks: ticks / CLOCK_HZ / speed, speed=speed, usual_latency_s=None
+    )
+    assert verdict.is_trusted is trusted
+
+
 def test_no_frame_at_all():
     """Oracle: the words."""
     _, verdict = _judged([], n_triggers=20)

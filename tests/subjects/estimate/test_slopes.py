@@ -170,3 +170,21 @@ def test_too_few_points_are_refused(measured):
     model, data = measured(0.0)
     with pytest.raises(EstimationError, match=r"slope of edge . has [789] points between 0.48 and 0.52, at least 10"):
         fit(data, model, angular_frequency_rad_per_s=OMEGA, limits=(0.48, 0.52))
+
+
+@pytest.mark.parametrize("n", [5, 12])
+def test_covariance_of_a_line_through_few_points_is_that_of_many_draws(n):
+    """Oracle: 3000 draws; mean stated covariance of (m, c) over that of the lines, and the residual variance, are one."""
+    random, x = np.random.default_rng(n), np.linspace(2.0, 3.0, n)
+    lines, covariances, variances = [], [], []
+    for _ in range(3000):
+        y = 0.5 + 0.8 * (x - 2.4) + random.normal(0, 2e-3, n)
+        line, covariance, variance = line_through(x, y, u_x=None, u_y=None)
+        lines.append(line)
+        covariances.append(covariance)
+        variances.append(variance)
+    seen, stated = np.cov(np.array(lines).T), np.mean(covariances, axis=0)
+    np.testing.assert_allclose(np.diag(stated) / np.diag(seen), 1, atol=0.1)
+    assert stated[0, 1] / seen[0, 1] == pytest.approx(1, abs=0.2)
+    assert np.mean(variances) == pytest.approx(4e-6, rel=0.05)
+    assert np.mean(lines, axis=0) == pytest.approx([0.8, 2.4], abs=1e-3)

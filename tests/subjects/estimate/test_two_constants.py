@@ -1,5 +1,7 @@
 """Constants of substrate and scene against exact steady states, and what is said when they cannot be told apart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -62,6 +64,23 @@ def test_noise_stays_within_the_stated_uncertainty():
     )
     assert np.all(u < 1.5 * alone.estimate.standard_uncertainties)
     assert found.surroundings.wheel_temperature_from == "you"
+
+
+@pytest.mark.parametrize("common_s", [0.0, 20e-6])
+def test_covariance_is_that_of_the_time_constants_carried_through_the_estimate(common_s):
+    """Oracle: central differences of the estimate to each effective constant, J C J^T, off the diagonal too."""
+    seen = _seen(0.4, [263.15, 303.15, 343.15], u_s=1e-6, common_s=common_s)
+
+    def at(values_s):
+        moved = replace(seen, time_constant_s=values_s)
+        return two_constants.estimate(moved, substrate_temperature_k=SUBSTRATE_K, wheel_temperature_k=WHEEL_K).estimate
+
+    here, step_s = seen.time_constant_s, 2e-6
+    jacobian = np.stack(
+        [(at(here + step).values - at(here - step).values) / (2 * step_s) for step in step_s * np.eye(3)], axis=1
+    )
+    expected = jacobian @ seen.covariance_s2 @ jacobian.T
+    np.testing.assert_allclose(at(here).covariance, expected, rtol=0.01)
 
 
 @pytest.mark.parametrize(

@@ -159,6 +159,21 @@ def test_budget_by_hand(rig, recording):
     assert [kind for _, kind, _ in found.angle_budget] == ["B", "B", "B", "A", "A"]
 
 
+def test_the_register_is_that_of_the_worst_recording(rig, recording):
+    """Oracle: by hand; the register is common to all, so that it does not average out: 3e-4 of 1e-4, 3e-4 and 2e-4."""
+    views = [recording(u_gate_separation_rad=u) for u in (1e-4, 3e-4, 2e-4)]
+    alone = [recording(u_gate_separation_rad=3e-4)]
+    budgets = [geometry(some, rig, slots="learned", off_axle_mask=False).angle_budget for some in (views, alone)]
+    assert [u for _, _, u in budgets[0]] == pytest.approx([u for _, _, u in budgets[1]])
+
+
+def test_the_mask_beside_the_axle_is_as_uncertain_as_its_images(rig, recording):
+    """Oracle: by hand; they look through one lens at one mask, so that the mean of 2e-4 and 4e-4 stands there."""
+    views = [recording(axle=_axle(2e-3, u)) for u in (2e-4, 4e-4)]
+    budget = geometry(views, rig, slots="learned", off_axle_mask=True).angle_budget
+    assert budget[-1] == ("mask beside the axle (image)", "A", pytest.approx(3e-4))
+
+
 def test_mask_without_stated_uncertainty_is_told(rig, recording):
     """Oracle: conventions.md; an error of phi_M is an error of absolute angle, so silence about it is a risk."""
     exact = replace(rig, mask_opening=replace(rig.mask_opening, centre_angle_rad=Measured(radians(-90))))

@@ -68,7 +68,7 @@ def test_a_door_calls_the_fields_by_its_own_names():
         Choices(wheel_temperature_k=300.0)
     refused.value.call_fields(str.upper)
     assert str(refused.value).startswith("WHEEL_TEMPERATURE_K is of use with SUBSTRATE_TEMPERATURE_K only")
-    error = EstimationError("{0} with {run}.nxs, {1}", "a", "b", where="file")
+    error = EstimationError("{a} with {run}.nxs, {b}", "a", "b", where="file")
     assert str(error) == "file: a with {run}.nxs, b"
     error.call_fields(str.upper)
     assert (str(error), error.where, error.what) == ("file: A with {run}.nxs, B", "file", "A with {run}.nxs, B")

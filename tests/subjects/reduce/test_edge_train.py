@@ -74,6 +74,17 @@ def test_jitter_and_slow_wander_are_followed():
     assert train.number.tolist() == sorted(set(range(n)) - set(gone.tolist()))
 
 
+@pytest.mark.parametrize("last", [1.45, 0.6])
+def test_a_speed_that_drifts_beyond_the_tolerance_is_followed(last):
+    """Oracle: the generated numbers; periods that go from 1 to 1.45 or 0.6 of the nominal one, a step far beyond 25 %."""
+    n = 3000
+    ticks = np.rint(PERIOD * np.cumsum(np.linspace(1, last, n))).astype(np.int64)
+    gone = [700, 1500, 2500, 2900]
+    train = _numbered(np.delete(ticks, gone))
+    assert train.number.tolist() == sorted(set(range(n)) - set(gone))
+    assert (train.n_missing, train.n_spurious) == (4, 0)
+
+
 def test_spurious_edge_beside_a_missing_one_is_not_taken_for_it():
     """Oracle: by hand; edge 400 is gone and a pulse 0.4 periods later stands in its stead."""
     ticks = _regular()

@@ -61,6 +61,21 @@ def test_stated_uncertainty_is_honest(paper_wheel):
     assert 0.9 < spread < 1.1  # 3000 pulls know their spread to 1.3 %, a common widening to some more
 
 
+@pytest.mark.parametrize("turns", [9, 12, 30])
+def test_pulls_of_few_turns_are_standard(turns):
+    """Oracle: 300 trains whose edges jitter each for itself; rms error of 20 slots over the root of the mean variance."""
+    random, n_slots, period = np.random.default_rng(turns), 20, 100_000
+    errors, variances = [], []
+    for _ in range(300):
+        number = np.arange(turns * n_slots)
+        ticks = np.rint(period * number + random.normal(0, 200, number.size)).astype(np.int64)
+        train = EdgeTrain(ticks=ticks, number=number, n_missing=0, n_spurious=0)
+        table = learn_slots(train, n_slots)
+        errors.append(np.mean(table.deviation_rad**2))
+        variances.append(table.u_deviation_rad[0] ** 2)
+    assert np.sqrt(np.mean(errors) / np.mean(variances)) == pytest.approx(1, abs=0.08)
+
+
 def test_missing_edges_do_little_harm(paper_wheel):
     """Oracle: the slot angles that made the ticks; 40 of 10 200 edges are lost and bridged."""
     wheel = paper_wheel(slots=_wrong_slots())

@@ -129,16 +129,43 @@ def test_gate_separation_of_any_rig(paper_wheel, recorded, rig, separation, thet
     assert np.abs(_beside(wheel, found, _between(recorded(wheel)))).max() < 3e-6
 
 
-def test_uncertainty_of_the_separation_holds_the_slots(paper_wheel, recorded, rig):
-    """Oracle: 40 wheels whose 100 random slot errors have a mean, against edge 0: pulls of the separation spread by 1."""
+def test_uncertainty_of_the_separation_is_that_of_a_mean(paper_wheel, recorded, rig):
+    """Oracle: by hand; reference edges 300 ticks early and late in turn: their mean has 300 / sqrt(n - 1) ticks, equal slots."""
+    n = 6
+    edges = 9_000 + 8_192_000 * np.arange(2 * n)
+    edges[::2] += np.where(np.arange(n) % 2, 300, -300) - 20_000
+    recording = replace(
+        recorded(paper_wheel()), control_slot_ticks=163_840 * np.arange(-50, 700), application_slot_ticks=edges
+    )
+    found = track(recording, rig, slots="equal")
+    per_tick = TURN / 16_384_000
+    assert found.u_gate_separation_rad == pytest.approx(300 / np.sqrt(n - 1) * per_tick, rel=1e-6)
+
+
+def test_pulls_of_the_separation_are_standard(paper_wheel, recorded, rig):
+    """Oracle: 200 recordings whose 12 edges jitter by 5 us; Student's t with 11 degrees of freedom."""
     pulls = []
-    for seed in range(40):
+    for seed in range(200):
+        wheel = paper_wheel(duration_s=4.0, theta_0=0.03 * seed)
+        recording = recorded(wheel, n_triggers=10)
+        jitter = np.random.default_rng(seed).normal(0, 5e-6 * CLOCK_HZ, recording.application_slot_ticks.size)
+        moved = recording.application_slot_ticks + np.rint(jitter).astype(np.int64)
+        found = track(replace(recording, application_slot_ticks=moved), rig, slots="equal")
+        pulls.append((found.gate_separation_rad - wheel.gate_separation) / found.u_gate_separation_rad)
+    assert np.std(pulls) == pytest.approx(np.sqrt(11 / 9), abs=0.15)
+    assert abs(np.mean(pulls)) < 0.2
+
+
+def test_uncertainty_of_the_separation_holds_the_slots(paper_wheel, recorded, rig):
+    """Oracle: 120 wheels whose 100 random slot errors have a mean, against edge 0: pulls of the separation spread by 1."""
+    pulls = []
+    for seed in range(120):
         rng = np.random.default_rng(seed)
         slots = TURN * np.arange(100) / 100 + rng.normal(0, 1e-3, 100)
-        found = track(recorded(paper_wheel(slots=slots, duration_s=6.0), n_triggers=10), rig)
+        found = track(recorded(paper_wheel(slots=slots, duration_s=4.0), n_triggers=10), rig)
         pulls.append((found.gate_separation_rad - 0.5697) / found.u_gate_separation_rad)
-    assert 0.7 < np.std(pulls) < 1.3
-    assert abs(np.mean(pulls)) < 0.5
+    assert np.std(pulls) == pytest.approx(1, abs=0.15)
+    assert abs(np.mean(pulls)) < 0.3
 
 
 def test_missing_doubled_and_spurious_edges_change_no_angle(paper_wheel, recorded, rig):

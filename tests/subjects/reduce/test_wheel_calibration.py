@@ -1,6 +1,7 @@
 """Calibration of a wheel from the twin's timestamps, whose slots, edges and ripple are known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from irtiming.errors import ReductionError
 from irtiming.physics import slot_orders
 from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce import pooled_slots
 from irtiming.reduce.wheel_angles import both_tracks, track
 from irtiming.reduce.wheel_calibration import calibrate, from_recordings
@@ -150,6 +152,60 @@ def test_a_ripple_does_not_make_it_another_wheel(spun):
     _, found = pooled_slots.pool([_Run(run)], before=before)
     assert found.warnings == ()
     assert _error_us(found, run) < 1.0
+
+
+def _paper_run(name, *, scatter_rad=0.0, separation=0.5, edges=None, u_edges=None, hz=3.0, turns=12):
+    """A run by hand: 20 slots of known table, a gate separation with its own scatter, edges as given."""
+    deviation = 1e-4 * np.cos(np.arange(20)) - np.mean(1e-4 * np.cos(np.arange(20)))
+    variance = np.full(11, 4e-10)
+    u_slot, mean = np.sqrt(4e-10 * 19 / 20), np.sqrt(np.mean(deviation**2) / 20)
+    number = np.arange(20 * turns)
+    alpha = TURN * number / 20 + deviation[number % 20]
+    placed = WheelTrack(
+        edge_ticks=np.rint(1e7 * alpha).astype(np.int64),
+        edge_angle_rad=alpha - separation,
+        clock_frequency_hz=1e7 * TURN * hz,
+        angular_frequency_rad_per_s=TURN * hz,
+        gate_separation_rad=separation,
+        u_gate_separation_rad=float(np.sqrt(scatter_rad**2 + u_slot**2 + mean**2)),
+        slot_deviation_rad=deviation,
+        u_slot_deviation_rad=np.full(20, u_slot),
+        order_variance_rad2=variance,
+        application_edges_rad=edges,
+        u_application_edges_rad=u_edges,
+    )
+    return SimpleNamespace(name=name, sha256=name, track=placed)
+
+
+def test_uncertainties_of_gates_and_edges_by_hand():
+    """Oracle: by hand; of four alike recordings their own scatter halves, register and slots beside two edges are common."""
+    edges, u_edges = (0.0, 1.6, 3.2, 4.7), (1e-5, 2e-5, 3e-5, 4e-5)
+    scatters = (5e-5, 5e-5, 5e-5, 11e-5)
+    runs = [_paper_run(str(k), scatter_rad=s, edges=edges, u_edges=u_edges) for k, s in enumerate(scatters)]
+    found = calibrate(runs)
+    u_slot = np.sqrt(4e-10 * 19 / 20 / 4)  # the table of four is twice as good
+    mean = np.sqrt(np.mean(runs[0].track.slot_deviation_rad ** 2) / 20)
+    own = np.sqrt(3 * 5e-5**2 + 11e-5**2) / 4
+    assert found.u_gate_separation_rad == pytest.approx(np.sqrt(own**2 + u_slot**2 + mean**2), rel=1e-3)
+    expected = np.hypot(np.array(u_edges) / 2, np.sqrt(2) * u_slot * np.array([0, 1, 1, 1]))
+    np.testing.assert_allclose(found.u_application_edges_rad, expected, rtol=1e-3)
+    assert found.application_edges_rad == pytest.approx(edges, abs=1e-9)
+
+
+def test_recordings_that_scatter_more_than_each_says_widen_the_mean():
+    """Oracle: by hand; separations and edges at -1, 0 and +1 times 3e-4: standard deviation of the mean 3e-4 / sqrt(3)."""
+    steps = 3e-4 * np.array([-1.0, 0.0, 1.0])
+    runs = [
+        _paper_run(str(k), scatter_rad=1e-6, separation=0.5 + s, edges=(0.0, 1.6 + s, 3.2, 4.7), u_edges=(1e-7,) * 4)
+        for k, s in enumerate(steps)
+    ]
+    found = calibrate(runs)
+    register = np.sqrt(4e-10 * 19 / 20 / 3 + np.mean(runs[0].track.slot_deviation_rad ** 2) / 20)
+    assert found.gate_separation_rad == pytest.approx(0.5, abs=1e-9)
+    assert found.u_gate_separation_rad == pytest.approx(np.hypot(3e-4 / np.sqrt(3), register), rel=1e-3)
+    assert found.u_application_edges_rad[1] == pytest.approx(
+        np.hypot(3e-4 / np.sqrt(3), np.sqrt(2 * 4e-10 * 19 / 20 / 3)), rel=1e-3
+    )
 
 
 def _turned(run):

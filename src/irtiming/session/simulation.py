@@ -1,0 +1,250 @@
+"""Recordings of a simulated camera on a simulated rig, with the truth beside them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import final
+
+from irtiming.archive import rig_file, writer
+from irtiming.archive.result_file import make_folder, write_result
+from irtiming.errors import PlanError, listed
+from irtiming.measurement import Progress
+from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
+from irtiming.records.rig import Rotation
+from irtiming.twin.cameras import camera_scene
+from irtiming.twin.readout import refuse_slow_readout
+from irtiming.twin.rig import SimulatedRig, draw, series, truth
+from irtiming.twin.scene import CameraTiming, RadiativeExchange, Scene, Timing, with_wheel_speed
+from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
+from irtiming.units import readable_time
+
+_STEEPEST_DRIFT = 1000.0  # DN per second
+_TIMES_S = {
+    "trigger_delay_s": 0.0,
+    "integration_time_s": 1e-6,
+    "time_constant_s": 1e-6,
+    "scene_time_constant_s": 1e-6,
+    "row_delay_s": -1.0,
+}
+"""The shortest that each time may be; the longest is a second."""
+
+_LAG_ONLY = (
+    "time_constant_s", "scene_time_constant_s", "substrate_temperature_k", "blackbody_temperature_k", "nuc_at_s",
+    "drift_dn_per_s",
+)  # fmt: skip
+_FOREIGN = {"photon": _LAG_ONLY, "microbolometer": ("integration_time_s", "reference_frames")}
+_OTHER: dict[CameraType, CameraType] = {"photon": "microbolometer", "microbolometer": "photon"}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CameraOrder:
+    """What a person wants of the camera; what is None, or empty, is as usual or drawn."""
+
+    camera: CameraType = "photon"
+    readout: ReadoutMode | None = None
+    rows: int | None = None
+    columns: int = 640
+    trigger_delay_s: float | None = None
+    integration_time_s: float | None = None
+    reference_frames: int | None = None
+    time_constant_s: float | None = None
+    scene_time_constant_s: float | None = None
+    substrate_temperature_k: float | None = None
+    blackbody_temperature_k: tuple[float, ...] = ()
+    row_delay_s: float | None = None
+    nuc_at_s: tuple[float, ...] = ()
+    drift_dn_per_s: float | None = None
+
+    def __post_init__(self) -> None:
+        other = _OTHER[self.camera]
+        self._refuse(_FOREIGN[self.camera], f"{{camera}} {self.camera}", cure=f"{{camera}} {other}")
+        if (self.readout or USUAL_READOUT[self.camera]) == "snapshot":
+            self._refuse(("row_delay_s",), f"{{camera}} {self.camera} {{readout}} snapshot", cure="{readout} rolling")
+        for name, shortest_s in _TIMES_S.items():
+            self._check_time(name, shortest_s)
+        if not abs(drift := self.drift_dn_per_s or 0.0) <= _STEEPEST_DRIFT:
+            raise PlanError(f"a drift of {drift} DN per second was asked for; it must lie within +-{_STEEPEST_DRIFT:g}")
+        if self.substrate_temperature_k is not None and self.scene_time_constant_s is None:
+            raise PlanError(
+                "{substrate_temperature_k} is of use with {scene_time_constant_s} only; give that too, or leave it out",
+                "substrate_temperature_k",
+                "scene_time_constant_s",
+            )
+
+    def _refuse(self, foreign: tuple[str, ...], camera: str, *, cure: str) -> None:
+        """Refuse what this camera has no use for."""
+        given = [name for name in foreign if getattr(self, name) not in (None, ())]
+        if given:
+            raise PlanError(
+                f"{listed(given)} with {camera}, which has no such thing; leave out {listed(given[:1])}, or take {cure}",
+                *given,
+                "camera",
+                "readout",
+            )
+
+    def _check_time(self, name: str, shortest_s: float) -> None:
+        time_s = getattr(self, name)
+        if time_s is not None and not shortest_s <= time_s <= 1:
+            words = name.removesuffix("_s").replace("_", " ")
+            raise PlanError(
+                f"{'an' if words[0] in 'aeiou' else 'a'} {words} of '{readable_time(time_s)}' was asked for; it must lie "
+                f"between {readable_time(shortest_s)} and 1 s"
+            )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SimulationOrder:
+    """What a person wants simulated: a rig whose imperfections the ``seed`` draws, and runs at all speeds with all delays."""
+
+    folder: Path
+    camera: CameraOrder
+    delays_s: tuple[float, ...] = (0.0,)
+    wheel_rates_hz: tuple[float, ...] = (3.0,)
+    frame_hz: float = 30.303
+    frames: int = 1000
+    runs: int = 1
+    seed: int = 1
+    blur_px: float = 0.7
+    rotation: Rotation = "clockwise"
+    distortion: float = 0.0
+    mask_offset_m: float | None = None
+    lost_frames: int = 0
+
+    def __post_init__(self) -> None:
+        if self.lost_frames >= self.frames:
+            raise PlanError(
+                f"{self.lost_frames} lost frames of {self.frames} were asked for; at least one must be left"
+            )
+
+    @property
+    def all_frames(self) -> int:
+        """Frames in all recordings."""
+        speeds, blackbodies = len(self.wheel_rates_hz), max(1, len(self.camera.blackbody_temperature_k))
+        return (self.frames - self.lost_frames) * self.runs * len(self.delays_s) * speeds * blackbodies
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Simulated:
+    """Files that were made."""
+
+    recordings: tuple[Path, ...]
+    rig: Path
+    truth: Path
+
+
+def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Simulated:
+    """Simulate a measurement, and write its recordings, rig.toml and truth.json.
+
+    Parameters
+    ----------
+    order
+        What to simulate.
+    progress
+        Called as frames are written, with the folder's name.
+
+    Raises
+    ------
+    IrTimingError
+        If this camera or rig cannot be, or a file cannot be written.
+    """
+    rig = _drawn(order)
+    scenes = _scenes(rig.scene, order)
+    for scene in scenes:
+        _refuse_impossible(scene)
+    make_folder(order.folder)
+    known = truth(rig.scene)
+    measured, true = order.folder / "rig.toml", order.folder / "truth.json"
+    rig_file.write_rig(rig.measured, measured)
+    write_result(known, true)
+    recordings = list[Path]()
+    for recording in _recordings(scenes, order):
+        path = order.folder / f"{recording.name}.nxs"
+        writer.write(recording, path, truth=known, progress=_share(order, len(recordings), progress))
+        recordings.append(path)
+    return Simulated(recordings=tuple(recordings), rig=measured, truth=true)
+
+
+def _drawn(order: SimulationOrder) -> SimulatedRig:
+    """A rig with imperfections, but for what was asked for."""
+    rig = draw(_nominal(order), seed=order.seed)
+    scene = replace(rig.scene, timing=_stated(rig.scene.timing, order.camera))
+    if order.mask_offset_m is not None:
+        scene = replace(scene, mask=replace(scene.mask, centre_x_m=order.mask_offset_m, centre_y_m=0.0))
+    return replace(rig, scene=scene)
+
+
+def _nominal(order: SimulationOrder) -> Scene:
+    """Scene of the paper for this kind of camera, with what was asked for that is never drawn."""
+    asked = order.camera
+    scene = camera_scene(asked.camera, asked.readout, rows=asked.rows, columns=asked.columns)
+    frames = scene.radiance.reference_frames if asked.reference_frames is None else asked.reference_frames
+    events = tuple(ShutterEvent(start_s=start_s) for start_s in sorted(asked.nuc_at_s))
+    return replace(
+        scene,
+        wheel=replace(scene.wheel, rotation=order.rotation),
+        optics=replace(scene.optics, blur_px=order.blur_px, distortion=order.distortion),
+        faults=replace(scene.faults, lost_frames=order.lost_frames),
+        radiance=replace(scene.radiance, reference_frames=frames),
+        correction=SelfCorrection(events=events),
+        drift=Drift(per_second_dn=asked.drift_dn_per_s or 0.0),
+    )
+
+
+def _stated(drawn: Timing, asked: CameraOrder) -> Timing:
+    """The camera's timing, with what was asked for in place of what was drawn."""
+    own = "integration_time_s" if isinstance(drawn, CameraTiming) else "time_constant_s"
+    names = ("trigger_delay_s", "row_delay_s", own)
+    said = {name: getattr(asked, name) for name in names if getattr(asked, name) is not None}
+    if isinstance(drawn, CameraTiming):
+        return replace(drawn, **{"integration_time_s": 250e-6, **said})
+    if asked.scene_time_constant_s is None:
+        return replace(drawn, **said)
+    substrate_k = 303.15 if asked.substrate_temperature_k is None else asked.substrate_temperature_k
+    exchange = RadiativeExchange(scene_time_constant_s=asked.scene_time_constant_s, substrate_k=substrate_k)
+    return replace(drawn, radiative=exchange, **said)
+
+
+def _scenes(scene: Scene, order: SimulationOrder) -> list[Scene]:
+    """The same rig at each wheel rate, before each blackbody."""
+    return [
+        replace(
+            with_wheel_speed(scene, rate_hz, frame_hz=order.frame_hz, samples=order.frames),
+            radiance=replace(scene.radiance, blackbody_k=blackbody_k),
+        )
+        for rate_hz in order.wheel_rates_hz
+        for blackbody_k in order.camera.blackbody_temperature_k or [scene.radiance.blackbody_k]
+    ]
+
+
+def _refuse_impossible(scene: Scene) -> None:
+    """Refuse rows that take longer than a frame, and a correction outside the run."""
+    refuse_slow_readout(scene)
+    trigger = scene.trigger
+    run_s = trigger.n_triggers * trigger.camera_period_ticks / trigger.clock_frequency_hz
+    for event in scene.correction.events:
+        if not -event.duration_s < event.start_s < run_s:
+            raise PlanError(
+                f"{{nuc_at_s}} {readable_time(event.start_s)} lies outside the run of {readable_time(run_s)}; "
+                "give a time within it, or more {frames}",
+                "nuc_at_s",
+                "frames",
+            )
+
+
+def _share(order: SimulationOrder, n_before: int, progress: Progress | None) -> Callable[[int, int], None] | None:
+    """Progress of one file as a part of all files."""
+    if progress is None:
+        return None
+    before = n_before * (order.frames - order.lost_frames)
+    return lambda done, _: progress(str(order.folder), before + done, order.all_frames)
+
+
+def _recordings(scenes: list[Scene], order: SimulationOrder) -> Iterator[Recording]:
+    """Every run, speed by speed."""
+    for index, scene in enumerate(scenes):
+        for run in series(scene, order.delays_s, repeats=order.runs, seed=order.seed + 1_000_003 * index):
+            blackbody = f"-{scene.radiance.blackbody_k:g}K" if len(order.camera.blackbody_temperature_k) > 1 else ""
+            yield replace(run, name=f"{run.name}{blackbody}")

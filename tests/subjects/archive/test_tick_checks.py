@@ -1,0 +1,118 @@
+"""Checks of the ticks at their limits: what is just right says nothing, one tick or edge more is told."""
+
+import numpy as np
+import pytest
+
+from irtiming.archive import layout
+from irtiming.archive.consistency import check_temperatures
+from irtiming.archive.tick_checks import check_ticks
+
+SLOTS = 1000 + 100 * np.arange(1000, dtype=np.int64)
+EDGES = 1030 + 5000 * np.arange(20, dtype=np.int64)
+TRIGGERS = 2000 + 700 * np.arange(100, dtype=np.int64)
+SOUND = {
+    layout.CLOCK_FREQUENCY: 30_000.0,
+    layout.ROTATION_SPEED: 3.0,
+    layout.CAMERA_TRIGGER: TRIGGERS,
+    layout.CONTROL_SLOT: SLOTS,
+    layout.APPLICATION_SLOT: EDGES,
+    layout.CAMERA_PERIOD: 700,
+    layout.WHEEL_PERIOD: 10_000,
+    layout.FRAME_NUMBER: np.arange(100),
+}
+
+
+def _told(**changed):
+    """Severity, place and text of what is found where fields are changed."""
+    found = check_ticks(SOUND | {getattr(layout, name): value for name, value in changed.items()})
+    return [(one.severity, one.where, one.what) for one in found]
+
+
+def test_sound_ticks_say_nothing():
+    """Oracle: by hand; 3 Hz at 30 kHz are 10 000 ticks a turn, 100 slots, two edges."""
+    assert _told() == []
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "n_outside"),
+    [(EDGES[0], EDGES[-1], 0), (EDGES[0] - 1, EDGES[-1], 1), (EDGES[0], EDGES[-1] + 1, 1), (EDGES[0] - 1, EDGES[-1] + 1, 2)],
+)  # fmt: skip
+def test_a_trigger_at_the_first_or_last_edge_is_not_outside(first, last, n_outside):
+    """Oracle: by hand; the edges end there, and one tick beyond there are none."""
+    triggers = np.array([first, 20_000, 40_000, last])
+    told = _told(CAMERA_TRIGGER=triggers, CAMERA_PERIOD=None, FRAME_NUMBER=None)
+    assert [what for _, _, what in told] == (
+        [f"has {n_outside} of 4 triggers outside the ticks of {layout.APPLICATION_SLOT.path}"] if n_outside else []
+    )
+    assert all(severity == "warning" for severity, _, _ in told)
+
+
+def test_triggers_that_are_all_outside_are_an_error():
+    """Oracle: by hand; no frame has an angle then."""
+    told = _told(CAMERA_TRIGGER=SLOTS[-1] + TRIGGERS)
+    assert ("error", layout.CAMERA_TRIGGER.path) in [(severity, where) for severity, where, _ in told]
+
+
+@pytest.mark.parametrize(("off", "n_told"), [(-1, 0), (1, 0), (2, 1), (-2, 1)])
+def test_an_interval_may_be_off_by_one_tick(off, n_told):
+    """Oracle: by hand; a period that is no whole number of ticks makes intervals one tick longer or shorter."""
+    triggers = TRIGGERS.copy()
+    triggers[40:] += off
+    told = _told(CAMERA_TRIGGER=triggers)
+    assert len(told) == n_told
+    if n_told:
+        assert told[0][2] == (
+            f"has 1 intervals other than camera_period = 700 ticks, the first of {700 + off} ticks after trigger 39"
+        )
+
+
+@pytest.mark.parametrize(("hz", "n_told"), [(3.0 / 1.0199, 0), (3.0 / 1.0201, 1), (3.0 / 0.9801, 0), (3.0 / 0.9799, 1)])
+def test_speeds_may_differ_by_two_per_cent(hz, n_told):
+    """Oracle: by hand; the edges pass at 3 Hz, and so does the wheel's period."""
+    told = _told(ROTATION_SPEED=hz)
+    assert [(severity, where) for severity, where, _ in told] == [
+        ("error", layout.ROTATION_SPEED.path), ("warning", layout.WHEEL_PERIOD.path)
+    ][: 2 * n_told]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("edges", "says"),
+    [
+        (np.delete(EDGES, 7), "has 1 missing edges, the first after entry 6"),
+        (np.insert(EDGES, 8, EDGES[7] + 2400), "has 1 doubled or spurious edges, the first after entry 7"),
+        (np.insert(EDGES, 8, EDGES[7] + 2500), ""),
+    ],
+)
+def test_half_turns_of_another_length_are_told(edges, says):
+    """Oracle: by hand; an interval of two half turns, one of less than half of one, and one of just half."""
+    told = [what for _, where, what in _told(APPLICATION_SLOT=edges) if where == layout.APPLICATION_SLOT.path]
+    assert told == ([says] if says else [])
+
+
+def test_a_turn_with_another_number_of_slots_is_told():
+    """Oracle: by hand; slot 330 lies in the fourth turn after the first edge."""
+    assert [what for _, _, what in _told(CONTROL_SLOT=np.delete(SLOTS, 330))] == [
+        "has 1 of 9 turns without the usual 100 slots, the first is turn 3 with 99"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "says"),
+    [
+        (np.delete(np.arange(100), [40, 41]), "leaves out 2 of 100 triggers, the first is 40: lost frames"),
+        (np.arange(2, 100), "leaves out 2 of 100 triggers, the first is 0: lost frames"),
+        (np.arange(98), "leaves out 2 of 100 triggers, the first is 98: lost frames"),
+    ],
+)
+def test_lost_frames_are_told_where_they_begin(numbers, says):
+    """Oracle: by hand; lost in the middle, before the first and after the last frame."""
+    assert [what for _, _, what in _told(FRAME_NUMBER=numbers)] == [says]
+
+
+@pytest.mark.parametrize(
+    ("low_k", "high_k", "n_told"), [(290.0, 300.0, 0), (300.0, 300.0, 1), (300.1, 300.0, 1), (None, 300.0, 0), (300.0, None, 0)]
+)  # fmt: skip
+def test_the_low_reference_is_the_colder_one(low_k, high_k, n_told):
+    """Oracle: by hand; two references at one temperature tell no gain, so they are refused like swapped ones."""
+    found = check_temperatures({layout.REFERENCE_LOW: low_k, layout.REFERENCE_HIGH: high_k})
+    assert [one.severity for one in found] == ["error"] * n_told
