@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate.published import slope_delays as published, slopes
+from irtiming.estimate.published import slope_delays as published
+from irtiming.estimate.published import slopes
 from irtiming.physics.wheel import slope_centres_rad, wheel_model
 from irtiming.records.estimate import PublishedFit, SlopeLine
 from irtiming.records.reduced import ExposedFraction

@@ -14,7 +14,6 @@ import numpy as np
 from irtiming.estimate.joint import Joint, Measurand
 from irtiming.estimate.shared_numbers import DELAY, IMAGE
 from irtiming.physics.covariance import inverse
-from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution

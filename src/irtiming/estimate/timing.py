@@ -20,14 +20,14 @@ from irtiming.estimate import (
     wheel_geometry,
 )
 from irtiming.estimate.joint import Joint, LocalModel
-from irtiming.estimate.measurands import LAG, ROW_DELAY, WINDOW, Reported, Window
+from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
 from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate, RecordingFit
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import EffectiveTimeConstants, JointFit, RelativeDelay, Result
 from irtiming.records.rig import Rig

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from irtiming.records.rolling_result import EffectiveTimeConstants
 from scipy.optimize import brentq
 
 from irtiming.estimate import two_constants
 from irtiming.physics.radiance import in_band_radiance, radiance_slope
-from irtiming.records.rolling_result import EffectiveTimeConstants
 
 SUBSTRATE_K, WHEEL_K = 303.15, 296.15
 
