@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import TypeVar, final
+from typing import final
 
 import numpy as np
 
@@ -24,14 +24,14 @@ from irtiming.estimate import (
 )
 from irtiming.plan import hindsight
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
 from irtiming.records.joint_fit import JointFit
 from irtiming.records.lag_estimate import PublishedLagFit, WheelInImage
 from irtiming.records.prediction import AngleErrors, Prediction
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
@@ -69,7 +69,7 @@ class Analysis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """All warnings, each once, in order."""
-        texts = [text for recording in self.recordings for text in recording.warnings]
+        texts = [finding.sentence() for recording in self.recordings for finding in recording.findings]
         without = () if self.published_fits else self.as_published.warnings
         return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings, *without]))
 
@@ -81,7 +81,7 @@ class RollingAnalysis:
 
     rig: Rig
     choices: Choices
-    recordings: tuple[ReducedRows, ...]
+    recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
     sector: SectorFit
     row_fits: tuple[RowTimingFit, ...]
@@ -102,7 +102,7 @@ class RollingAnalysis:
     @property
     def warnings(self) -> tuple[str, ...]:
         """All warnings, each once, in order."""
-        texts = [text for recording in self.recordings for text in recording.warnings]
+        texts = [finding.sentence() for recording in self.recordings for finding in recording.findings]
         without = () if self.published_fits else self.as_published.warnings
         two = self.two_constants.warnings if self.two_constants else ()
         return tuple(dict.fromkeys([*texts, *_doubts(self.wheel), *self.result.warnings, *without, *two]))
@@ -160,7 +160,7 @@ def analyse_rolling(
     wheel_calibration: WheelCalibration | None = None,
 ) -> RollingAnalysis:  # fmt: skip
     """Trigger delay, time constant and row delay of a rolling microbolometer camera; parameters and errors as for `analyse`."""
-    reduced: list[ReducedRows] = []
+    reduced: list[ReducedRecording] = []
     for recording in recordings:
         reduced.append(reduce_rolling(recording, rig, before=reduced, choices=choices, progress=progress))
     return estimate_rolling(reduced, rig, choices=choices, wheel_calibration=wheel_calibration)
@@ -182,9 +182,9 @@ def reduce_snapshot(
 
 
 def reduce_rolling(
-    recording: Recording, rig: Rig, *, before: Sequence[ReducedRows] = (), choices: Choices | None = None,
+    recording: Recording, rig: Rig, *, before: Sequence[ReducedRecording] = (), choices: Choices | None = None,
     progress: Progress | None = None,
-) -> ReducedRows:  # fmt: skip
+) -> ReducedRecording:  # fmt: skip
     """The same of a rolling microbolometer camera."""
     choices = choices or Choices()
     _check_fits_with(recording, before, choices)
@@ -235,7 +235,7 @@ def estimate_snapshot(
 
 
 def estimate_rolling(
-    recordings: Sequence[ReducedRows], rig: Rig, *, choices: Choices | None = None,
+    recordings: Sequence[ReducedRecording], rig: Rig, *, choices: Choices | None = None,
     wheel_calibration: WheelCalibration | None = None,
 ) -> RollingAnalysis:  # fmt: skip
     """Trigger delay, time constant and row delay from all that was reduced; parameters and errors as for `analyse`."""
@@ -313,7 +313,7 @@ def _as_published(
     )
 
 
-def _rolling_as_published(recordings: tuple[ReducedRows, ...], rig: Rig) -> tuple[PublishedLagFit, ...]:
+def _rolling_as_published(recordings: tuple[ReducedRecording, ...], rig: Rig) -> tuple[PublishedLagFit, ...]:
     """The procedure of the paper for each nominal delay; wheel centre and roll are those of the contrast image."""
     equal = wheel_geometry.geometry(recordings, rig, slots="equal", off_axle_mask=False)
     axle = recordings[0].axle
@@ -336,7 +336,7 @@ def _rolling_as_published(recordings: tuple[ReducedRows, ...], rig: Rig) -> tupl
     )
 
 
-def _blackbodies(recordings: Sequence[ReducedRows]) -> list[int]:
+def _blackbodies(recordings: Sequence[ReducedRecording]) -> list[int]:
     """Which blackbody each recording shows, counted from 0."""
     groups = by_blackbody.groups(
         [one.blackbody_temperature_k for one in recordings],
@@ -345,7 +345,7 @@ def _blackbodies(recordings: Sequence[ReducedRows]) -> list[int]:
     return [next(g for g, members in enumerate(groups) if k in members) for k in range(len(recordings))]
 
 
-def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording | ReducedRows], choices: Choices) -> None:
+def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording], choices: Choices) -> None:
     size = recording.frames.shape[1:]
     same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
     if same is not None:
@@ -391,16 +391,15 @@ def _noted(recording: Recording) -> Iterator[None]:
         raise
 
 
-def _frame_period_s(rows: ReducedRows) -> float:
+def _frame_period_s(rows: ReducedRecording) -> float:
     return float(np.median(np.diff(rows.trigger_ticks))) / rows.track.clock_frequency_hz
 
 
-_Reduced = TypeVar("_Reduced", ReducedRecording, ReducedRows)
-
-
-def _by_delay(reduced: Sequence[_Reduced], *, blackbody: Sequence[int] | None = None) -> list[list[_Reduced]]:
+def _by_delay(
+    reduced: Sequence[ReducedRecording], *, blackbody: Sequence[int] | None = None
+) -> list[list[ReducedRecording]]:
     """Runs of the same nominal delay, wheel speed and blackbody together, sorted."""
-    groups: dict[tuple[float, float, int], list[_Reduced]] = {}
+    groups: dict[tuple[float, float, int], list[ReducedRecording]] = {}
     for recording, shown in zip(reduced, blackbody or [0] * len(reduced), strict=True):
         key = (recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9), shown)
         groups.setdefault(key, []).append(recording)

@@ -78,7 +78,7 @@ class PixelSums:
     @property
     def sums_dn(self) -> Array:
         """Pixel sums of the kept frames."""
-        return self.reduced.pixel_sum[self.kept]
+        return self.reduced.pixel_sums.pixel_sum[self.kept]
 
     def angle(self, delay_s: float) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad."""
@@ -88,8 +88,8 @@ class PixelSums:
 
 def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> tuple[PixelSums, float]:
     """The recording with all its frames, and a first guess of its sum when covered, DN."""
-    low, high = (float(v) for v in np.quantile(reduced.pixel_sum, [0.03, 0.97]))
-    hot = reduced.opening.peaks_dn[1] > reduced.opening.peaks_dn[0]
+    low, high = (float(v) for v in np.quantile(reduced.pixel_sums.pixel_sum, [0.03, 0.97]))
+    hot = not reduced.opening.blackbody_is_colder
     ticks, (share, place) = reduced.trigger_ticks, _rings(reduced)
     told = PixelSums(
         reduced=reduced,

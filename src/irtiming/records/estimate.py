@@ -6,7 +6,8 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array, Mask
-from irtiming.records.reduced import ExposedFraction, Method
+from irtiming.records.choices import Method
+from irtiming.records.exposed import ExposedFraction
 
 
 @final

@@ -11,17 +11,19 @@ Severity = Literal["ok", "info", "warning", "error"]
 class Finding:
     """What a check saw at one place.
 
-    ``code`` names the kind of finding and never changes, so that programs can ask for it; ``where`` is what it is about: a
-    path inside a file, a recording's name, "" for the whole; ``cure`` is empty where nothing is to be done.
+    ``code`` names the kind of finding and never changes, so that programs can ask for it; ``recording`` is the name of the
+    recording that it is about, "" where it is about none or all; ``where`` is the path inside a file, "" for the whole;
+    ``cure`` is empty where nothing is to be done.
     """
 
     code: str
     severity: Severity
-    where: str
+    where: str = ""
     what: str
     cure: str = ""
+    recording: str = ""
 
     def sentence(self) -> str:
         """The finding in one line."""
-        place = f"{self.where} " if self.where else ""
+        place = (f"{self.recording}: " if self.recording else "") + (f"{self.where} " if self.where else "")
         return f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}"

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.exposed import ExposedRows
 from irtiming.records.rig import Rotation
-from irtiming.records.rolling import ExposedRows
 
 
 @final
