@@ -17,8 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from irtiming.measurement import analyse
+from irtiming.records.choices import Choices
 from irtiming.records.recording import FrameStack
-from irtiming.records.reduced import Choices
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import Scene, paper_scene, with_wheel_speed
 

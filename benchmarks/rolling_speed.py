@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.estimate import rolling_camera, rolling_timing, row_delay_and_lag, row_fit, row_light, wheel_geometry
+from irtiming.records.choices import Choices
 from irtiming.records.lag_estimate import WheelInImage
-from irtiming.records.reduced import Choices
 from irtiming.reduce import microbolometer, row_averages
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene
@@ -45,7 +45,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
     found = rolling_camera.estimate([reduced], rig.measured)
     whole_s = time.perf_counter() - begin
     seen = found.recordings[0]
-    light = row_light.row_light(seen.row_px, found.sector)
+    light = row_light.row_light(seen.row_sums.row_px, found.sector)
     wheel = found.geometry.model
 
     def exact() -> object:

@@ -21,8 +21,8 @@ from pathlib import Path
 import numpy as np
 
 from irtiming.archive import reader, rig_file
+from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices
 from irtiming.records.rig import Rig
 from irtiming.reduce import microbolometer
 

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from irtiming.records.rolling import ExposedRows
+from irtiming.records.exposed import ExposedRows
 
 _ROOT = Path(__file__).resolve().parent.parent
 

@@ -69,7 +69,8 @@ def plateau_frames() -> Iterator[None]:
     def contrast(*_: Any) -> np.ndarray:
         row0, row1, column0, column1 = seen[0].roi
         step = seen[0].open_frame_dn - seen[0].covered_frame_dn
-        return np.asarray((step / (seen[0].peaks_dn[1] - seen[0].peaks_dn[0]))[row0:row1, column0:column1])
+        peaks = seen[0].histogram
+        return np.asarray((step / (peaks.blackbody_dn - peaks.plate_dn))[row0:row1, column0:column1])
 
     def evened(light: np.ndarray, *, inside: np.ndarray, **_: Any) -> tuple[np.ndarray, np.ndarray]:
         rows, columns = (np.linspace(-1, 1, n) for n in light.shape)

@@ -14,7 +14,7 @@ import numpy as np
 
 from irtiming.estimate import rolling_camera, two_constants
 from irtiming.physics.response.two_constants import TwoConstants, bending, effective_time_constant, steady_temperature
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.reduce import microbolometer
 from irtiming.twin import rig as twin

@@ -11,8 +11,9 @@ from irtiming.estimate.published import procedure
 from irtiming.estimate.timing import Timing
 from irtiming.plan import hindsight
 from irtiming.records.analysis import Analysis
+from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import average_runs, pooled_slots, recipes, row_averages

@@ -19,6 +19,8 @@ HOMES = {
     "matplotlib": "report",
     "jinja2": "report",
     "pyGigEVision": "instruments",
+    "pydantic": "archive",
+    "pydantic_core": "archive",
     "pymeasure": "instruments",
     "pyvisa": "instruments",
     "rich": "cli",

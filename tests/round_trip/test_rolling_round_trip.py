@@ -10,8 +10,8 @@ from irtiming import measurement
 from irtiming.archive import reader, rig_file
 from irtiming.errors import EstimationError
 from irtiming.estimate import rolling_camera
+from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices
 from irtiming.reduce import microbolometer
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed

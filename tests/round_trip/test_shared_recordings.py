@@ -8,7 +8,7 @@ import pytest
 from irtiming import measurement
 from irtiming.archive import reader, rig_file
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 
 TURN = 2 * np.pi
 
@@ -108,7 +108,7 @@ def test_angles_of_learned_and_equal_slots_differ_by_the_slots(analysis):
 def test_residuals_are_small_and_no_frame_is_lost(analysis):
     """Oracle: the size of the recordings; every frame is used, and the model holds to a thousandth of the step."""
     for recording, fit in zip(analysis.recordings, analysis.edge_fits, strict=True):
-        assert recording.pixel_sum.size == recording.n_frames
+        assert recording.pixels.pixel_sum.size == recording.n_frames
         assert fit.n_dropped <= 0.02 * recording.n_frames
         assert fit.noise < 2e-3
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from irtiming import measurement
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.report import rolling_result
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import RadiativeExchange, microbolometer_scene, with_wheel_speed

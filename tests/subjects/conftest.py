@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from irtiming.records.reduced import Opening, ReducedRecording
+from irtiming.records.reduced import Opening, PixelSums, ReducedRecording
 from irtiming.records.wheel_track import WheelTrack
 
 TURN = 2 * np.pi
@@ -38,21 +38,18 @@ def track_of() -> Callable[..., WheelTrack]:
 
 @pytest.fixture(scope="session")
 def reduced_recording() -> Callable[..., ReducedRecording]:
-    """Reduced recording with the given triggers and values; ``peaks_dn`` tells a hot from a cold blackbody."""
+    """Reduced recording with the given triggers and values; ``is_colder`` is for a cold blackbody."""
 
-    def make(track, triggers, value, *, peaks_dn=(5000.0, 6000.0), **fields):
+    def make(track, triggers, value, *, is_colder=False, **fields):
         opening = Opening(
             roi=(0, 1, 0, 1),
             open_frame_dn=np.zeros((1, 1)),
             covered_frame_dn=np.zeros((1, 1)),
             mask=np.ones((1, 1), bool),
-            weight=np.ones((1, 1)),
+            summed=np.ones((1, 1), bool),
             border_px=1,
-            threshold_dn=0.5 * sum(peaks_dn),
-            peaks_dn=peaks_dn,
-            histogram_dn=np.zeros(2),
-            histogram_count=np.zeros(1, np.int64),
-            n_bad_pixels=0,
+            bad=np.zeros((1, 1), bool),
+            blackbody_is_colder=is_colder,
         )
         values = {
             "name": "made up",
@@ -60,8 +57,11 @@ def reduced_recording() -> Callable[..., ReducedRecording]:
             "sha256": "",
             "n_frames": len(triggers),
             "trigger_ticks": np.asarray(triggers, np.int64),
-            "pixel_sum": np.asarray(value, float),
-            "pixel_count": np.asarray(value, float),
+            "frame_index": np.arange(len(triggers)),
+            "segment": np.zeros(len(triggers), np.int64),
+            "camera_type": "photon",
+            "readout_mode": "snapshot",
+            "pixels": PixelSums(pixel_sum=np.asarray(value, float), pixel_count=np.asarray(value, float)),
             "samples_per_turn": 1000,
             "track": track,
             "equal_track": track,

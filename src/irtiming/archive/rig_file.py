@@ -2,31 +2,145 @@
 
 import math
 from pathlib import Path
-from typing import Any, cast, final
+from typing import Annotated, TypeVar
+
+from pydantic import AfterValidator, Field, model_validator
 
 from irtiming.archive.result_file import write_atomically
-from irtiming.archive.toml_file import read_table, shown
-from irtiming.errors import ArchiveError, GeometryError
+from irtiming.archive.typed_file import NOT_NEGATIVE, Number, Part, Uncertainty, read_toml
+from irtiming.archive.typed_misfit import FileKind, OutOfRange
+from irtiming.errors import GeometryError
 from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Rotation, Wheel
 
-_MM = 1e-3
-_DEG = math.pi / 180
-_KEYS = {
-    "wheel": ("control_slots", "rotation", "cutout_edges_rad", "cutout_edges_u_rad"),
-    "beams": (
-        "half_separation_mm", "half_separation_u_mm", "height_difference_mm", "height_difference_u_mm",
-        "whole_slots_between",
-    ),
-    "mask": ("opening_angle_deg", "opening_angle_u_deg", "centre_angle_deg", "centre_angle_u_deg"),
-    "camera": ("distortion", "distortion_u"),
-}  # fmt: skip
-_ROTATIONS = ("clockwise", "counterclockwise")
+_SI = {"mm": 1e-3, "deg": math.pi / 180}
 _FROM_IDEAL_DEG = 10.0
-_LARGEST = 1e12
 _SMALLEST_HALF_SEPARATION_MM = 1.0
-_LARGEST_MM = 1000.0
 _HALF_TURN_TOLERANCE_RAD = 1e-3
-_DISTORTIONS = (-0.14, 0.5)  # beyond, one number does not describe a lens
+_P = TypeVar("_P", bound=Part)
+_KIND = FileKind(
+    name="rig.toml",
+    missing="measure it and write it there",
+    section="measure the rig and write it there",
+    out_of_range=GeometryError,
+)
+
+
+def _edges(angles: list[float]) -> list[float]:
+    for index, angle in enumerate(angles):
+        ideal = index * math.pi / 2
+        if index == 0 and angle != 0:
+            cure = "alpha_0 is 0 by definition; subtract it from all four"
+        elif abs(angle - ideal) > _FROM_IDEAL_DEG * _SI["deg"]:
+            cure = f"it must be within {_FROM_IDEAL_DEG:g} deg of {ideal:.4f} rad, in ascending order"
+        elif index == 2 and angle < math.pi - _HALF_TURN_TOLERANCE_RAD:
+            cure = "it must be at least pi: edge 0 is the one before the longer half turn"
+        else:
+            continue
+        raise OutOfRange(f"[{index}] = {angle:g} rad; {cure}")
+    return angles
+
+
+def _in_millimetres(half_mm: float) -> float:
+    if half_mm < _SMALLEST_HALF_SEPARATION_MM:
+        least = f"greater than {_SMALLEST_HALF_SEPARATION_MM:g} mm"
+        raise OutOfRange(f"= {half_mm:g} mm; it must be {least}: half the beams' distance, in millimetres")
+    return half_mm
+
+
+def _with_its_number(part: _P, companion: str, key: str) -> _P:
+    if companion in part.model_fields_set and key not in part.model_fields_set:
+        raise ValueError(f"{companion} stands without {key}; add {key} or take it out")
+    return part
+
+
+class _Wheel(Part):
+    control_slots: int = Field(100, ge=2, le=10000, description="slots of the ring that the control gate sees")
+    rotation: Rotation = Field(
+        "clockwise",
+        description="direction of the wheel",
+        json_schema_extra={"must": "it must be 'clockwise' or 'counterclockwise', as the camera sees the wheel"},
+    )
+    cutout_edges_rad: Annotated[list[Number], Field(min_length=4, max_length=4), AfterValidator(_edges)] | None = Field(
+        None,
+        description="alpha_0 .. alpha_3, wheel angles at which the cutout edges pass the application gate",
+        json_schema_extra={"must": "it must be a list of four angles, alpha_0 to alpha_3"},
+    )
+    cutout_edges_u_rad: Uncertainty | Annotated[list[Uncertainty], Field(min_length=4, max_length=4)] = Field(
+        0.0,
+        description="standard uncertainty of all four edges, or of each",
+        json_schema_extra={"must": "it must be one number, or a list of four", "limit": NOT_NEGATIVE},
+    )
+
+    @model_validator(mode="after")
+    def _refuse_uncertainty_alone(self) -> "_Wheel":
+        return _with_its_number(self, "cutout_edges_u_rad", "cutout_edges_rad")
+
+    def record(self) -> Wheel:
+        """The same in SI units."""
+        edges, u = self.cutout_edges_rad, self.cutout_edges_u_rad
+        if edges is None:
+            return Wheel(control_slots=self.control_slots, rotation=self.rotation)
+        first, second, third, fourth = map(Measured, edges, u if isinstance(u, list) else [u] * 4)
+        return Wheel(
+            control_slots=self.control_slots, rotation=self.rotation, cutout_edges_rad=(first, second, third, fourth)
+        )
+
+
+class _Beams(Part):
+    half_separation_mm: Annotated[float, AfterValidator(_in_millimetres)] = Field(
+        ge=0, le=1000, description="d: half the distance of the two beams"
+    )
+    half_separation_u_mm: Uncertainty = 0.0
+    height_difference_mm: float = Field(ge=0, le=1000, description="dh: how much nearer the axle the control beam is")
+    height_difference_u_mm: Uncertainty = 0.0
+    whole_slots_between: int = Field(description="floor(dbeta / slot pitch), from 0 to half the control slots")
+
+
+class _Mask(Part):
+    opening_angle_deg: float = Field(gt=0, le=360, description="gamma")
+    opening_angle_u_deg: Uncertainty = 0.0
+    centre_angle_deg: float = Field(ge=-180, le=360, description="phi_M")
+    centre_angle_u_deg: Uncertainty = 0.0
+
+
+class _Camera(Part):
+    distortion: float | None = Field(
+        None,  # beyond these limits one number does not describe a lens
+        ge=-0.14,
+        le=0.5,
+        description="k in r_d = r_u (1 + k r_u^2), in half diagonals of the image",
+        json_schema_extra={"hint": ": k in r_d = r_u (1 + k r_u^2), in half diagonals of the image"},
+    )
+    distortion_u: Uncertainty = 0.0
+
+    @model_validator(mode="after")
+    def _refuse_uncertainty_alone(self) -> "_Camera":
+        return _with_its_number(self, "distortion_u", "distortion")
+
+
+class RigFile(Part):
+    """rig.toml as it is written: millimetres and degrees; any number may have its ``_u_`` companion, else it counts as exact."""
+
+    wheel: _Wheel = _Wheel()
+    beams: _Beams
+    mask: _Mask
+    camera: _Camera = _Camera()
+
+    @model_validator(mode="after")
+    def _check(self) -> "RigFile":
+        most = (self.wheel.control_slots - 1) // 2
+        between = self.beams.whole_slots_between
+        if not 0 <= between <= most:
+            raise OutOfRange(f"[beams] whole_slots_between = {between}; it must be from 0 to {most}")
+        edges = self.wheel.cutout_edges_rad or [index * math.pi / 2 for index in range(4)]
+        sectors = [after - before for before, after in zip(edges, [*edges[1:], 2 * math.pi], strict=True)]
+        narrowest_deg, opening_deg = min(sectors) / _SI["deg"], self.mask.opening_angle_deg
+        if opening_deg >= narrowest_deg:
+            raise OutOfRange(
+                f"[mask] opening_angle_deg = {opening_deg:g} deg leaves no plateau: it must be narrower than the wheel's "
+                f"narrowest sector, {narrowest_deg:.4g} deg; use a narrower mask"
+            )
+        return self
 
 
 def read_rig(path: str | Path) -> Rig:
@@ -43,21 +157,25 @@ def read_rig(path: str | Path) -> Rig:
     GeometryError
         If a number is out of its range, or the mask opening is so wide that there is no plateau.
     """
-    where = Path(path)
-    table, sha256 = read_table(where, _KEYS, what="rig.toml")
-    for name in ("beams", "mask"):
-        if name not in table:
-            raise ArchiveError(f"{where}: section [{name}] is missing; measure the rig and write it there")
-    rig = Rig(
-        wheel=_wheel(_Section(where, "wheel", table=table)),
-        light_gates=_light_gates(_Section(where, "beams", table=table), _Section(where, "wheel", table=table)),
-        mask_opening=_mask_opening(_Section(where, "mask", table=table)),
-        camera=_camera(_Section(where, "camera", table=table)),
-        source=str(where),
+    file, sha256 = read_toml(Path(path), RigFile, kind=_KIND)
+    camera = file.camera
+    return Rig(
+        wheel=file.wheel.record(),
+        light_gates=LightGates(
+            half_separation_m=_measured(file.beams, "half_separation", unit="mm"),
+            height_difference_m=_measured(file.beams, "height_difference", unit="mm"),
+            whole_slots_between=file.beams.whole_slots_between,
+        ),
+        mask_opening=MaskOpening(
+            opening_angle_rad=_measured(file.mask, "opening_angle", unit="deg"),
+            centre_angle_rad=_measured(file.mask, "centre_angle", unit="deg"),
+        ),
+        camera=CameraOptics()
+        if camera.distortion is None
+        else CameraOptics(distortion=Measured(camera.distortion, camera.distortion_u)),
+        source=str(path),
         sha256=sha256,
     )
-    _refuse_no_plateau(rig, where)
-    return rig
 
 
 def write_rig(rig: Rig, path: str | Path) -> None:
@@ -92,186 +210,15 @@ def write_rig(rig: Rig, path: str | Path) -> None:
     write_atomically("\n\n".join("\n".join(lines) for lines in sections) + "\n", path)
 
 
-@final
-class _Section:
-    """One table of the file, asked for values key by key; every complaint names file, section and key."""
-
-    def __init__(self, path: Path, name: str, *, table: dict[str, Any]) -> None:
-        self._place = f"{path}: [{name}]"
-        self._values: dict[str, Any] = table.get(name, {})
-
-    def wrong(self, key: str, what: str, *, cure: str) -> ArchiveError:
-        """Error about the kind of a value."""
-        return ArchiveError(f"{self._place} {key} {what}; {cure}")
-
-    def impossible(self, key: str, what: str, *, cure: str) -> GeometryError:
-        """Error about the size of a value."""
-        return GeometryError(f"{self._place} {key} {what}; {cure}")
-
-    def get(self, key: str, *, default: Any = None) -> Any:
-        """Value of a key; without a default it is required."""
-        if key in self._values:
-            return self._values[key]
-        if default is None:
-            raise self.wrong(key, "is missing", cure="measure it and write it there")
-        return default
-
-    def has(self, key: str) -> bool:
-        """True if the file has the key."""
-        return key in self._values
-
-    def number(self, key: str, value: Any) -> float:
-        """Finite float of a value that stands at a key."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.wrong(key, f"is {shown(value)}", cure="it must be a number")
-        if not abs(value) <= _LARGEST:
-            raise self.impossible(key, f"= {shown(value)}", cure="it must be a finite number")
-        return float(value)
-
-    def count(self, key: str, limits: tuple[int, int], *, default: int | None = None) -> int:
-        """Whole number within limits, both allowed."""
-        value = self.get(key, default=default)
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise self.wrong(key, f"is {shown(value)}", cure="it must be a whole number")
-        if not limits[0] <= value <= limits[1]:
-            raise self.impossible(key, f"= {value}", cure=f"it must be from {limits[0]} to {limits[1]}")
-        return value
-
-    def uncertainty(self, key: str, value: Any) -> float:
-        """Standard uncertainty, in the unit of the file."""
-        u = self.number(key, value)
-        if u < 0:
-            raise self.impossible(key, f"= {u:g}", cure="a standard uncertainty must be 0 or more")
-        return u
-
-    def measured(self, name: str, unit: str, *, limits: tuple[float, float]) -> Measured:
-        """Number ``name_unit`` and its companion ``name_u_unit``, in SI; limits in the unit of the file."""
-        key, companion = f"{name}_{unit}", f"{name}_u_{unit}"
-        value = self.number(key, self.get(key))
-        if not limits[0] <= value <= limits[1]:
-            raise self.impossible(
-                key,
-                f"= {value:g} {unit}",
-                cure=f"it must be from {limits[0]:g} to {limits[1]:g} {unit}, check the unit",
-            )
-        u = self.uncertainty(companion, self.get(companion, default=0.0))
-        factor = _MM if unit == "mm" else _DEG
-        return Measured(value * factor, u * factor)
-
-
-def _wheel(section: _Section) -> Wheel:
-    rotation = section.get("rotation", default="clockwise")
-    if rotation not in _ROTATIONS:
-        words = f"it must be '{_ROTATIONS[0]}' or '{_ROTATIONS[1]}', as the camera sees the wheel"
-        raise section.wrong("rotation", f"is {shown(rotation)}", cure=words)
-    return Wheel(
-        control_slots=_control_slots(section),
-        rotation=cast("Rotation", rotation),
-        cutout_edges_rad=_cutout_edges(section),
-    )
-
-
-def _control_slots(section: _Section) -> int:
-    return section.count("control_slots", (2, 10000), default=100)
-
-
-def _cutout_edges(section: _Section) -> tuple[Measured, Measured, Measured, Measured] | None:
-    key, companion = "cutout_edges_rad", "cutout_edges_u_rad"
-    if not section.has(key):
-        if section.has(companion):
-            raise section.wrong(companion, f"stands without {key}", cure=f"add {key} or take it out")
-        return None
-    values = section.get(key)
-    if not isinstance(values, list) or len(values) != 4:
-        raise section.wrong(key, f"is {shown(values)}", cure="it must be a list of four angles, alpha_0 to alpha_3")
-    u = section.get(companion, default=0.0)
-    if isinstance(u, list) and len(u) != 4:
-        raise section.wrong(companion, f"has {len(u)} entries", cure="it must be one number, or a list of four")
-    uncertainties = u if isinstance(u, list) else [u] * 4
-    edges = []
-    for index in range(4):
-        place = f"{key}[{index}]"
-        angle = section.number(place, values[index])
-        ideal = index * math.pi / 2
-        if index == 0 and angle != 0:
-            raise section.impossible(
-                place, f"= {angle:g} rad", cure="alpha_0 is 0 by definition; subtract it from all four"
-            )
-        if abs(angle - ideal) > _FROM_IDEAL_DEG * _DEG:
-            raise section.impossible(
-                place,
-                f"= {angle:g} rad",
-                cure=f"it must be within {_FROM_IDEAL_DEG:g} deg of {ideal:.4f} rad, in ascending order",
-            )
-        if index == 2 and angle < math.pi - _HALF_TURN_TOLERANCE_RAD:
-            raise section.impossible(
-                place,
-                f"= {angle:g} rad",
-                cure="it must be at least pi: edge 0 is the one before the longer half turn",
-            )
-        edges.append(Measured(angle, section.uncertainty(f"{companion}[{index}]", uncertainties[index])))
-    return edges[0], edges[1], edges[2], edges[3]
-
-
-def _light_gates(section: _Section, wheel: _Section) -> LightGates:
-    most = (_control_slots(wheel) - 1) // 2
-    gates = LightGates(
-        half_separation_m=section.measured("half_separation", "mm", limits=(0.0, _LARGEST_MM)),
-        height_difference_m=section.measured("height_difference", "mm", limits=(0.0, _LARGEST_MM)),
-        whole_slots_between=section.count("whole_slots_between", (0, most)),
-    )
-    half_mm = 1e3 * gates.half_separation_m.value
-    if half_mm < _SMALLEST_HALF_SEPARATION_MM:
-        cure = f"it must be greater than {_SMALLEST_HALF_SEPARATION_MM:g} mm: half the beams' distance, in millimetres"
-        raise section.impossible("half_separation_mm", f"= {half_mm:g} mm", cure=cure)
-    return gates
-
-
-def _mask_opening(section: _Section) -> MaskOpening:
-    opening = MaskOpening(
-        opening_angle_rad=section.measured("opening_angle", "deg", limits=(0.0, 360.0)),
-        centre_angle_rad=section.measured("centre_angle", "deg", limits=(-180.0, 360.0)),
-    )
-    if opening.opening_angle_rad.value == 0:
-        raise section.impossible("opening_angle_deg", "= 0 deg", cure="it must be greater than 0")
-    return opening
-
-
-def _camera(section: _Section) -> CameraOptics:
-    key, companion = "distortion", "distortion_u"
-    if not section.has(key):
-        if section.has(companion):
-            raise section.wrong(companion, f"stands without {key}", cure=f"add {key} or take it out")
-        return CameraOptics()
-    value = section.number(key, section.get(key))
-    if not _DISTORTIONS[0] <= value <= _DISTORTIONS[1]:
-        raise section.impossible(
-            key,
-            f"= {value:g}",
-            cure=f"it must be from {_DISTORTIONS[0]:g} to {_DISTORTIONS[1]:g}: k in r_d = r_u (1 + k r_u^2), in half diagonals "
-            "of the image",
-        )
-    return CameraOptics(distortion=Measured(value, section.uncertainty(companion, section.get(companion, default=0.0))))
-
-
-def _refuse_no_plateau(rig: Rig, path: Path) -> None:
-    edges = rig.wheel.cutout_edges_rad
-    angles = [index * math.pi / 2 for index in range(4)] if edges is None else [edge.value for edge in edges]
-    sectors = [after - before for before, after in zip(angles, [*angles[1:], 2 * math.pi], strict=True)]
-    narrowest = min(sectors)
-    opening = rig.mask_opening.opening_angle_rad.value
-    if opening >= narrowest:
-        raise GeometryError(
-            f"{path}: [mask] opening_angle_deg = {opening / _DEG:g} deg leaves no plateau: it must "
-            f"be narrower than the wheel's narrowest sector, {narrowest / _DEG:.4g} deg; use a narrower mask"
-        )
+def _measured(part: Part, name: str, *, unit: str) -> Measured:
+    value, u = (getattr(part, f"{name}_{ending}") for ending in (unit, f"u_{unit}"))
+    return Measured(value * _SI[unit], u * _SI[unit])
 
 
 def _lines(name: str, unit: str, *, number: Measured) -> list[str]:
-    factor = _MM if unit == "mm" else _DEG
-    lines = [f"{name}_{unit} = {_toml(number.value / factor)}"]
+    lines = [f"{name}_{unit} = {_toml(number.value / _SI[unit])}"]
     if number.standard_uncertainty:
-        lines.append(f"{name}_u_{unit} = {_toml(number.standard_uncertainty / factor)}")
+        lines.append(f"{name}_u_{unit} = {_toml(number.standard_uncertainty / _SI[unit])}")
     return lines
 
 

@@ -7,7 +7,7 @@ import typer
 
 from irtiming.cli.screen import in_options, temperature_k
 from irtiming.errors import UnitError
-from irtiming.records.reduced import Choices, Method, ReferenceEdge
+from irtiming.records.choices import Choices, Method, ReferenceEdge
 
 _SLOPE_LIMITS = "0.05,0.95"
 

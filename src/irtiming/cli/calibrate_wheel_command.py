@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from irtiming.errors import ArchiveError
-from irtiming.records.reduced import ReferenceEdge
+from irtiming.records.choices import ReferenceEdge
 
 
 def calibrate_wheel(

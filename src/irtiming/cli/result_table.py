@@ -34,7 +34,15 @@ def print_result(analysis: Analysis | RollingAnalysis, console: Console) -> None
             print_table(table, console)
 
 
-def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
+def print_demonstration(analysis: Analysis | RollingAnalysis, truth_s: dict[str, float], *, console: Console) -> None:
+    """What was found of a simulated camera, beside the paper's Table 1 and the truth."""
+    if isinstance(analysis, RollingAnalysis):
+        print_table(rolling_tables.beside_the_truth(analysis, truth_s), console)
+    else:
+        _print_demo(analysis, truth_s["trigger_delay"], console)
+
+
+def _print_demo(analysis: Analysis, truth_s: float, console: Console) -> None:
     """Our deviations by both methods beside the paper's Table 1, and the absolute delay beside the truth."""
     print_table(tables.beside_the_paper(analysis), console)
     console.print(
@@ -50,11 +58,6 @@ def print_demo(analysis: Analysis, truth_s: float, *, console: Console) -> None:
             f"{(value - truth_s) / u:+.1f} u",
             highlight=False,
         )
-
-
-def print_rolling_demo(analysis: RollingAnalysis, truth_s: dict[str, float], *, console: Console) -> None:
-    """Time constant, trigger delay and row delay by both methods beside the truth."""
-    print_table(rolling_tables.beside_the_truth(analysis, truth_s), console)
 
 
 def _separate(found: TwoConstantsResult | None) -> tuple[Table, ...]:

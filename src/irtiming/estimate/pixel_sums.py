@@ -77,7 +77,7 @@ class PixelSums:
     @property
     def sums(self) -> Array:
         """Pixel sums of the kept frames in the unit of the guessed step, shape (n_kept,)."""
-        return np.asarray(self.reduced.pixel_sum[self.kept] / self.unit_dn)
+        return np.asarray(self.reduced.pixel_sums.pixel_sum[self.kept] / self.unit_dn)
 
     def angle(self, delay_s: float) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,)."""
@@ -135,8 +135,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
     wheel
         As drawn by rig.toml.
     """
-    low, high = (float(v) for v in np.quantile(reduced.pixel_sum, [0.03, 0.97]))
-    hot = reduced.opening.peaks_dn[1] > reduced.opening.peaks_dn[0]
+    low, high = (float(v) for v in np.quantile(reduced.pixel_sums.pixel_sum, [0.03, 0.97]))
     ticks, border = reduced.trigger_ticks, _BORDER_RAD
     distance, radii = _radii_px(reduced), Radii()
     if distance is not None:
@@ -148,7 +147,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         wheel=wheel,
         kept=np.ones(ticks.size, bool),
         time=(ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks))),
-        unit_dn=high - low if hot else low - high,
+        unit_dn=low - high if reduced.opening.blackbody_is_colder else high - low,
         border_rad=border,
         radii=radii,
     )

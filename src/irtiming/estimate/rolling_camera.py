@@ -20,9 +20,8 @@ from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array, ComplexArray
-from irtiming.records.reduced import AxleView
+from irtiming.records.reduced import AxleView, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
@@ -37,7 +36,7 @@ _FIRST_LAG = 1e-4  # seconds; the first contrast image is fitted as if there wer
 class RollingFit:
     """All that the default method found; ``recordings`` now know the axle. ``sector`` is that of the first recording."""
 
-    recordings: tuple[ReducedRows, ...]
+    recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
     sector: SectorFit
     fits: tuple[RowTimingFit, ...]
@@ -46,7 +45,7 @@ class RollingFit:
     result: RollingResult
 
 
-def estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
+def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
     """Trigger delay, time constant and row delay.
 
     Parameters
@@ -67,7 +66,7 @@ def estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
         return _estimate(recordings, rig)
 
 
-def _estimate(recordings: Sequence[ReducedRows], rig: Rig) -> RollingFit:
+def _estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     views, fits = _in_turns(recordings, bare, rig=rig)
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
@@ -104,7 +103,7 @@ class _View:
 
 
 def _in_turns(
-    recordings: Sequence[ReducedRows], model: WheelModel, *, rig: Rig
+    recordings: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig
 ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
     """Contrast image and rows by turns, until the rows' numbers stay."""
     groups = by_blackbody.groups(
@@ -124,7 +123,7 @@ def _in_turns(
             _View(
                 members=members,
                 sector=sector,
-                light=row_light.row_light(recordings[members[0]].row_px, sector),
+                light=row_light.row_light(recordings[members[0]].row_sums.row_px, sector),
                 lag=lag,
             )
             for members, sector, lag in zip(groups, sectors, lags, strict=True)
@@ -141,7 +140,7 @@ def _in_turns(
 
 
 def _rows_fitted(
-    recordings: Sequence[ReducedRows], model: WheelModel, *, views: list[_View], before: tuple[RowTimingFit, ...]
+    recordings: Sequence[ReducedRecording], model: WheelModel, *, views: list[_View], before: tuple[RowTimingFit, ...]
 ) -> tuple[RowTimingFit, ...]:
     """All rows of each recording, from the round before on if there was one."""
     light_of = {k: view.light for view in views for k in view.members}
@@ -160,7 +159,7 @@ def _rows_fitted(
     )
 
 
-def _changes(view: _View, recordings: Sequence[ReducedRows], *, model: WheelModel, rig: Rig) -> ComplexArray:
+def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: WheelModel, rig: Rig) -> ComplexArray:
     """Derivatives of the light to the sector's numbers."""
     members = [recordings[k] for k in view.members]
     varied = sector_fit.variations(members, model, rig=rig, lag=view.lag, found=view.sector)

@@ -16,7 +16,7 @@ from irtiming.physics import wheel_harmonics
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
-from irtiming.records.rolling import ReducedRows
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.row_timing import RowTimingFit, TimeConstantScan
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -35,7 +35,9 @@ class _Task:
     model: RowModel
 
 
-def fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None = None) -> RowTimingFit:
+def fit(
+    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None = None
+) -> RowTimingFit:
     """All rows of one recording at once.
 
     Parameters
@@ -63,7 +65,7 @@ def fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimi
 
 
 def with_shape_effect(
-    found: RowTimingFit, rows: ReducedRows, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
+    found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
 ) -> RowTimingFit:
     """A fit that knows what its six numbers owe to each number of the sector: one linear step.
 
@@ -83,7 +85,7 @@ def with_shape_effect(
         return replace(found, shape_effect=_shape_effect(task, again, functions=functions, changes=changes))
 
 
-def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
+def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
     task = _task(rows, wheel, light)
     begin = None if start is None else np.array([*start.edge_delay_s, start.time_constant_s, start.row_delay_s])
     sign = -1 if rows.opening.blackbody_is_colder else 1
@@ -119,13 +121,13 @@ def _fit(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, start: RowTim
     )
 
 
-def likelihood(rows: ReducedRows, wheel: WheelModel, *, light: RowLight) -> Callable[[Array], Parabola]:
+def likelihood(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight) -> Callable[[Array], Parabola]:
     """How well any six numbers (four edge delays, tau, t_row; s) fit one recording; parameters as for `fit`."""
     task = _task(rows, wheel, light)
     return lambda values: row_timing.parabola(task.data, task.model, values=values)
 
 
-def scan(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, found: RowTimingFit) -> TimeConstantScan:
+def scan(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, found: RowTimingFit) -> TimeConstantScan:
     """How much worse other time constants fit, four standard uncertainties to both sides, all else at its best."""
     task = _task(rows, wheel, light)
     values = np.array([*found.edge_delay_s, found.time_constant_s, found.row_delay_s])
@@ -135,9 +137,9 @@ def scan(rows: ReducedRows, wheel: WheelModel, *, light: RowLight, found: RowTim
     return TimeConstantScan(time_constant_s=constants, deviation=np.array(deviance) - min(deviance))
 
 
-def _task(rows: ReducedRows, wheel: WheelModel, light: RowLight) -> _Task:
+def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight) -> _Task:
     angle = wheel_angle_rad(rows.trigger_delay_time_set_s, rows.track, at_ticks=rows.trigger_ticks)
-    sums = rows.row_sum_dn[:, light.is_lit]
+    sums = rows.row_sums.row_sum_dn[:, light.is_lit]
     stretches = [np.asarray(rows.segment == number) for number in np.unique(rows.segment)]
     return _Task(
         angle=angle,

@@ -36,8 +36,8 @@ from irtiming.estimate.sector_image import (
 )
 from irtiming.physics import lens
 from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Measured, Rig
-from irtiming.records.rolling import ReducedRows
 from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -67,7 +67,7 @@ class _Images:
 
 
 def fit(
-    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float],
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float],
     start: SectorFit | None = None,
 ) -> SectorFit:  # fmt: skip
     """Sector fitted to the contrast images of all recordings.
@@ -117,7 +117,7 @@ def fit(
 
 
 def variations(
-    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], found: SectorFit
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], found: SectorFit
 ) -> tuple[Variation, ...]:
     """The fitted sector with each number of its shape a little larger and smaller, and what the same images then leave over.
 
@@ -141,13 +141,18 @@ def variations(
 
 
 def _images(
-    recordings: Sequence[ReducedRows], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], known: SectorFit | None
+    recordings: Sequence[ReducedRecording],
+    wheel: WheelModel,
+    *,
+    rig: Rig,
+    lag: tuple[Array, float],
+    known: SectorFit | None,
 ) -> _Images:
     first = recordings[0]
     seen = sector_image.looks(recordings, wheel, lag=lag)
-    good = np.asarray(np.all([one.contrast.good for one in recordings], axis=0))
+    good = np.asarray(np.all([one.contrast_image.good for one in recordings], axis=0))
     view = View(
-        roi=first.contrast.roi,
+        roi=first.contrast_image.roi,
         image=first.opening.mask.shape,
         good=good,
         summed=_summed(first),
@@ -248,12 +253,12 @@ def _priors(numbers: Array, distortion: Measured) -> Array:
     return np.array([*(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX, off])
 
 
-def _summed(rows: ReducedRows) -> Mask:
-    first_row, end_row, first_column, end_column = rows.contrast.roi
+def _summed(rows: ReducedRecording) -> Mask:
+    first_row, end_row, first_column, end_column = rows.contrast_image.roi
     return rows.opening.summed[first_row:end_row, first_column:end_column]
 
 
-def _check(numbers: Array, rows: ReducedRows) -> None:
+def _check(numbers: Array, rows: ReducedRecording) -> None:
     width, off = numbers[5] - numbers[4], float(np.hypot(numbers[2], numbers[3]))
     if not (width > 3 and 0.1 < numbers[7] < np.pi and off < 0.3 * numbers[5]):
         raise EstimationError(

@@ -22,7 +22,7 @@ from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
-from irtiming.records.rolling import ReducedRows
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
 SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 0.02, 1e-5, 0.05, 2.0, 2.0])
@@ -151,16 +151,16 @@ class SeenContrast:
         return (1 - self.plate) * self.light + self.over_ring
 
 
-def looks(recordings: Sequence[ReducedRows], wheel: WheelModel, *, lag: tuple[Array, float]) -> list[Look]:
+def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, lag: tuple[Array, float]) -> list[Look]:
     """Contrast images added up by wheel speed; ``lag`` holds edge delays (4,) and time constant, s."""
     found = list[Look]()
     for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
         group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
-        projection = np.sum([one.contrast.projection_dn for one in group], axis=0)
+        projection = np.sum([one.contrast_image.projection_dn for one in group], axis=0)
         found.append(
             Look(
                 projection=projection,
-                u_dn=float(np.sqrt(sum(one.contrast.u_dn**2 for one in group))),
+                u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
                 table=_point_table(group, wheel, lag),
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.quantile(np.abs(projection), 0.9)),
@@ -170,7 +170,7 @@ def looks(recordings: Sequence[ReducedRows], wheel: WheelModel, *, lag: tuple[Ar
     return found
 
 
-def _point_table(recordings: list[ReducedRows], wheel: WheelModel, lag: tuple[Array, float]) -> ComplexArray:
+def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, lag: tuple[Array, float]) -> ComplexArray:
     """Projection of a point of light at each polar angle from the bisector, with the weights of the recordings."""
     delays, tau = lag
     order = np.arange(HARMONICS + 1)
@@ -183,8 +183,8 @@ def _point_table(recordings: list[ReducedRows], wheel: WheelModel, lag: tuple[Ar
         point = by_edge.sum(axis=0) * first_order_lag.transfer(omega, tau, n_harmonics=HARMONICS)
         angle = wheel_angle_rad(one.trigger_delay_time_set_s, one.track, at_ticks=one.trigger_ticks)
         waves = np.exp(1j * np.multiply.outer(order, angle))
-        np.add.at(spectrum, -order, point * (waves @ one.contrast.frame_weight) / 2)
-        np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast.frame_weight) / 2)
+        np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
+        np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast_image.frame_weight) / 2)
     return np.fft.ifft(spectrum) * _TABLE
 
 

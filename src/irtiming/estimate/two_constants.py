@@ -33,9 +33,9 @@ from irtiming.physics.response.two_constants import (
     steady_temperature,
 )
 from irtiming.records.arrays import Array
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
-from irtiming.records.reduced import Choices
 from irtiming.records.result import Bound, EffectiveTimeConstants, Result
 from irtiming.records.two_constants import PixelSurroundings, TwoConstantsResult
 

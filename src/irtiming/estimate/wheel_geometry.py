@@ -10,7 +10,6 @@ from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
 from irtiming.records.wheel_geometry import EdgeAngles, WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
 
@@ -19,7 +18,7 @@ _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
 
 def geometry(
-    recordings: Sequence[ReducedRecording | ReducedRows],
+    recordings: Sequence[ReducedRecording],
     rig: Rig,
     *,
     slots: Literal["learned", "equal"],
@@ -123,13 +122,13 @@ def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None
     return _IDEAL_EDGES, None, "ideal", (doubt,)
 
 
-def _camera_roll(recordings: Sequence[ReducedRecording | ReducedRows], centre_angle_rad: float) -> float | None:
+def _camera_roll(recordings: Sequence[ReducedRecording], centre_angle_rad: float) -> float | None:
     """Angle by which the camera is turned against the rig: bisector of the mask in the image minus phi_M, rad."""
     turned = [np.exp(1j * (r.axle.bisector_rad - centre_angle_rad)) for r in recordings if r.axle is not None]
     return float(np.angle(np.mean(turned))) if turned else None
 
 
-def _mask_shift(recordings: Sequence[ReducedRecording | ReducedRows]) -> tuple[float, float | None]:
+def _mask_shift(recordings: Sequence[ReducedRecording]) -> tuple[float, float | None]:
     """Mean angle of the light about the axle minus the bisector of the mask's edges, from the images."""
     views = [r.axle for r in recordings if r.axle is not None]
     if not views:

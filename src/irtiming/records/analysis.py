@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 from typing import TypeAlias, final
 
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit
 from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.prediction import Prediction
 from irtiming.records.recording import CameraType, ReadoutMode
-from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import JointFit, Profile, Result
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit

@@ -6,7 +6,7 @@ from typing import Protocol, final
 import numpy as np
 
 from irtiming.records.arrays import Array, Mask
-from irtiming.records.reduced import ExposedFraction
+from irtiming.records.exposed import ExposedFraction
 
 EDGE_DELAYS = ("edge_delay_0", "edge_delay_1", "edge_delay_2", "edge_delay_3")
 """Local numbers that every recording tells: delay as the passing of each wheel edge gives it, s."""

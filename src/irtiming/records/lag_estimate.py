@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.exposed import ExposedRows
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rotation
-from irtiming.records.rolling import ExposedRows
 
 
 @final

@@ -1,94 +1,35 @@
-"""What the reduction hands to the estimation: exposed fractions over wheel angle, and every choice made on the way."""
+"""What the reduction hands to the estimation: sums of each frame over the wheel angle, and a contrast image."""
 
 from dataclasses import dataclass
 from typing import Literal, final
 
-from irtiming.errors import EstimationError, UnitError, listed
-from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.recording import Recording
+from irtiming.errors import ReductionError
+from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
+from irtiming.records.finding import Finding
+from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.wheel_track import WheelTrack
-
-Method = Literal["pixel-sum", "published"]
-"""The project's best method, and the procedure of Schatz 2023 step by step."""
-
-_PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
-"""Choices that mean something for the pixel sums of a snapshot photon camera only."""
-
-ReferenceEdge = Literal["automatic", "first", "second"]
-"""Which of the two alternating application edges is edge 0: the one before the longer interval, or as told."""
 
 
 @final
-@dataclass(frozen=True, kw_only=True)
-class Choices:
-    """Every choice of the analysis that a person may take over; None or the default means automatic.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Histogram:
+    """Values of the region of interest in frames of the open wheel, and the threshold that was put between its two peaks.
 
-    ``roi`` is (first row, end row, first column, end column), ends excluded. ``threshold_dn`` is a corrected pixel
-    value; ``threshold_level`` the place between the histogram peaks where it is put otherwise (0 covered, 1 open).
-    ``border_px`` is by how much the summed region exceeds the opening; ``plateau_margin`` the share of a plateau's width that
-    is kept away from each of its corners. ``slope_limits`` are the opening fractions between which lines are fitted.
-    ``reference_edge`` names the application edge that is the angle zero. ``substrate_temperature_k`` of a microbolometer
-    detector and ``wheel_temperature_k`` are what its two time constants are separated with.
+    Parameters
+    ----------
+    threshold_dn
+        Corrected pixel value above which a pixel counts, DN.
+    plate_dn, blackbody_dn
+        Peaks: mask plate around the opening, blackbody inside it, DN.
+    bin_edges_dn, count
+        Bin edges (n + 1,), DN, and pixels per bin (n,).
     """
 
-    method: Method = "pixel-sum"
-    roi: tuple[int, int, int, int] | None = None
-    threshold_dn: float | None = None
-    threshold_level: float = 0.5
-    border_px: int | None = None
-    plateau_margin: float = 0.15
-    slope_limits: tuple[float, float] = (0.05, 0.95)
-    reference_edge: ReferenceEdge = "automatic"
-    substrate_temperature_k: float | None = None
-    wheel_temperature_k: float | None = None
-
-    def __post_init__(self) -> None:
-        """Refuse what cannot be, whatever the recording."""
-        for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
-            if not low <= getattr(self, name) <= high:
-                raise UnitError(f"{{{name}}} is {getattr(self, name)}, must lie between {low} and {high}", name)
-        low, high = self.slope_limits
-        if not 0 < low < high < 1:
-            raise UnitError(
-                f"{{slope_limits}} is {low:g},{high:g}, must be two fractions with 0 < LOW < HIGH < 1", "slope_limits"
-            )
-        if self.roi is not None and not (0 <= self.roi[0] < self.roi[1] and 0 <= self.roi[2] < self.roi[3]):
-            numbers = ",".join(map(str, self.roi))
-            raise UnitError(f"{{roi}} is {numbers}, must be R0,R1,C0,C1 with 0 <= R0 < R1 and 0 <= C0 < C1", "roi")
-        if self.wheel_temperature_k is not None and self.substrate_temperature_k is None:
-            raise UnitError(
-                "{wheel_temperature_k} is of use with {substrate_temperature_k} only; give that too, or leave it out",
-                "wheel_temperature_k",
-                "substrate_temperature_k",
-            )
-
-    def check_for(self, recording: Recording) -> None:
-        """Refuse what means nothing for the kind of camera.
-
-        Parameters
-        ----------
-        recording
-            To be analysed with these choices.
-
-        Raises
-        ------
-        EstimationError
-            If one was made.
-        """
-        usual, kind = Choices(), recording.camera_type
-        given = [name for name in _PIXEL_SUMS_ONLY if getattr(self, name) != getattr(usual, name)]
-        if given and (recording.camera_type, recording.readout_mode) != ("photon", "snapshot"):
-            raise EstimationError(
-                f"{listed(given)} with {recording.name}, the recording of a {kind} camera, which is analysed without threshold "
-                f"values, plateaus and straight slopes; leave {'them' if len(given) > 1 else 'it'} out",
-                *given,
-            )
-        if self.substrate_temperature_k is not None and recording.camera_type != "microbolometer":
-            raise EstimationError(
-                f"{{substrate_temperature_k}} with {recording.name}, the recording of a {kind} camera, which has no time "
-                "constants; leave it out",
-                "substrate_temperature_k",
-            )
+    threshold_dn: float
+    plate_dn: float
+    blackbody_dn: float
+    bin_edges_dn: Array
+    count: Ticks
 
 
 @final
@@ -101,32 +42,37 @@ class Opening:
     roi
         First row, end row, first column, end column, ends excluded.
     open_frame_dn, covered_frame_dn
-        Mean corrected frames, shape (row, column), DN.
+        Mean corrected frames, shape (row, column), DN: from the middle of the plateaus where there are any, else of the most
+        open and the most covered frames, to look at.
     mask
         Pixels at more than half of the contrast, shape (row, column).
-    weight
-        Weight of each pixel of the region of interest in the pixel sum: 1 on the opening with its whole blurred border,
-        0 elsewhere, more beside a dead pixel that a neighbour stands in for; shape (roi rows, roi columns).
+    summed
+        Pixels that are summed: the mask with its whole blurred border, shape (row, column).
     border_px
-        By how much the summed region exceeds ``mask`` on all sides, px.
-    threshold_dn, peaks_dn
-        Corrected threshold and the histogram peaks (covered side, open side), DN.
-    histogram_dn, histogram_count
-        Bin edges (n + 1,) and pixels per bin (n,) of the region of interest in open frames.
+        By how much ``summed`` exceeds ``mask`` on all sides, px.
+    bad
+        Dead and blinking pixels, shape (row, column); neighbours stand in for them.
+    blackbody_is_colder
+        Whether the opening gets darker as it is uncovered: then fractions are reversed (Schatz 2023, 3.2.3).
+    histogram
+        Where pixels are counted above a threshold; None elsewhere.
     """
 
     roi: tuple[int, int, int, int]
     open_frame_dn: Array
     covered_frame_dn: Array
     mask: Mask
-    weight: Array
+    summed: Mask
     border_px: int
-    threshold_dn: float
-    peaks_dn: tuple[float, float]
-    histogram_dn: Array
-    histogram_count: Ticks
-    n_bad_pixels: int
-    warnings: tuple[str, ...] = ()
+    bad: Mask
+    blackbody_is_colder: bool
+    histogram: Histogram | None = None
+
+    @property
+    def n_bad_pixels(self) -> int:
+        """Bad pixels of the region of interest."""
+        row0, row1, column0, column1 = self.roi
+        return int(self.bad[row0:row1, column0:column1].sum())
 
 
 @final
@@ -155,57 +101,188 @@ class AxleView:
 
 
 @final
+@dataclass(frozen=True, kw_only=True)
+class ShutterEvent:
+    """Frames ``first_frame`` to ``end_frame`` (excluded) that do not show the scene: the camera corrects itself.
+
+    ``kind`` is "closed" where they show something else, "frozen" where a frame is repeated.
+    """
+
+    first_frame: int
+    end_frame: int
+    kind: Literal["closed", "frozen"]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContrastImage:
+    """How much, and when, each pixel takes part in the wheel's turning: its projection on the second harmonic.
+
+    No settled frame is needed: a lag lowers the amplitude of all pixels alike. Pixel value times ``frame_weight``, summed
+    over the kept frames; the model is summed with the same weights, so that missing frames do no harm.
+
+    Parameters
+    ----------
+    projection_dn
+        Shape (roi rows, roi columns), complex; sum over frames of frame_weight times value, drift removed, DN.
+    frame_weight
+        Shape (n,), complex; weight of each kept frame, 2 / n times exp(-2 i theta) less its mean in each segment, where
+        theta is the wheel angle at the trigger plus trigger_delay_time_set.
+    u_dn
+        Standard uncertainty of the real and of the imaginary part of one pixel, DN.
+    good
+        Shape (roi rows, roi columns); False for dead pixels.
+    roi
+        First row, end row, first column, end column, ends excluded.
+    """
+
+    projection_dn: ComplexArray
+    frame_weight: ComplexArray
+    u_dn: float
+    good: Mask
+    roi: tuple[int, int, int, int]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PixelSums:
+    """One number per kept frame, all pixels being read at the same time.
+
+    Parameters
+    ----------
+    pixel_sum
+        Shape (n,); sum over ``opening.summed`` of corrected values, DN.
+    pixel_count
+        Shape (n,); pixels on the open side of the threshold.
+    """
+
+    pixel_sum: Array
+    pixel_count: Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowSums:
+    """One number per kept frame and image row.
+
+    Parameters
+    ----------
+    row_px
+        Shape (n_row,); image rows that hold light of the opening, ascending.
+    row_sum_dn
+        Shape (n, n_row); sum over ``opening.summed`` in each row, drift removed, DN.
+    mask_row_sum_dn
+        Shape (n, n_row); sum over ``opening.mask`` in each row (0 where it has no pixel), a straight line over time taken
+        off as published, DN.
+    drift_dn
+        Shape (n,); mean level of one pixel that was taken off each frame of ``row_sum_dn``, DN.
+    edge_frame_dn, edge_frame
+        A frame in which an edge crosses the middle of the opening, as recorded, shape (row, column), and its place among the
+        kept frames: to look at.
+    """
+
+    row_px: Ticks
+    row_sum_dn: Array
+    mask_row_sum_dn: Array
+    drift_dn: Array
+    edge_frame_dn: Pixels
+    edge_frame: int
+
+
+@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReducedRecording:
     """One recording as numbers per frame.
 
     Parameters
     ----------
+    n_frames
+        In the recording.
     trigger_ticks
         Shape (n,); nominal trigger of each kept frame, ticks.
-    pixel_sum, pixel_count
-        Shape (n,); weighted sum over the opening (DN) and pixels on the open side of the threshold.
+    frame_index
+        Shape (n,); index of each kept frame in the recording.
+    segment
+        Shape (n,); number of the stretch between two shutter events, from 0: its offsets are its own.
     samples_per_turn
         Nominal wheel angles per turn, T / gcd(T, C).
     track, equal_track
         Wheel angles with learned and with equal slots.
-    integration_time_s
-        None where the recording does not tell it.
+    pixels
+        Of a camera whose pixels are all read at once and do not lag; None of others.
+    rows
+        Of every other camera.
+    contrast
+        How each pixel follows the wheel; None where nobody made it.
+    axle
+        Wheel centre and mask in the image; None where they were not, or are not yet, found.
+    integration_time_s, blackbody_temperature_k
+        As the recording tells them; None where it does not.
     """
 
     name: str
     source: str
     sha256: str
+    camera_type: CameraType
+    readout_mode: ReadoutMode
     n_frames: int
     trigger_ticks: Ticks
-    pixel_sum: Array
-    pixel_count: Array
+    frame_index: Ticks
+    segment: Ticks
     samples_per_turn: int
     track: WheelTrack
     equal_track: WheelTrack
     opening: Opening
-    axle: AxleView | None
-    integration_time_s: float | None
+    pixels: PixelSums | None = None
+    rows: RowSums | None = None
+    contrast: ContrastImage | None = None
+    axle: AxleView | None = None
+    shutter_events: tuple[ShutterEvent, ...] = ()
+    integration_time_s: float | None = None
     trigger_delay_time_set_s: float
     rotation_speed_hz: float
-    warnings: tuple[str, ...] = ()
+    blackbody_temperature_k: float | None = None
+    findings: tuple[Finding, ...] = ()
 
+    @property
+    def pixel_sums(self) -> PixelSums:
+        """The sums over the whole opening.
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ExposedFraction:
-    """Opening fraction over the wheel angle at the trigger, averaged over runs per nominal angle (figure 5).
+        Raises
+        ------
+        ReductionError
+            If there are none.
+        """
+        if self.pixels is None:
+            raise self._lacks("sums over the whole opening")
+        return self.pixels
 
-    Shapes (n,), sorted by angle; the uncertainties are standard uncertainties of the means, None with a single run.
-    ``plateaus`` are the angle intervals used for normalisation: (start, end, level 0 or 1).
-    """
+    @property
+    def row_sums(self) -> RowSums:
+        """The sums over the rows.
 
-    trigger_delay_time_set_s: float
-    rotation_speed_hz: float
-    angular_frequency_rad_per_s: float
-    names: tuple[str, ...]
-    wheel_angle_rad: Array
-    fraction: Array
-    u_wheel_angle_rad: Array | None
-    u_fraction: Array | None
-    plateaus: tuple[tuple[float, float, int], ...]
+        Raises
+        ------
+        ReductionError
+            If there are none.
+        """
+        if self.rows is None:
+            raise self._lacks("sums over rows")
+        return self.rows
+
+    @property
+    def contrast_image(self) -> ContrastImage:
+        """How each pixel follows the wheel.
+
+        Raises
+        ------
+        ReductionError
+            If it was not made.
+        """
+        if self.contrast is None:
+            raise self._lacks("a contrast image")
+        return self.contrast
+
+    def _lacks(self, what: str) -> ReductionError:
+        camera = f"{self.readout_mode} {self.camera_type} camera"
+        return ReductionError(f"{self.name}: the reduction of this {camera} has not made {what}; reduce it for that")

@@ -4,7 +4,8 @@ import numpy as np
 
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.reduced import ExposedFraction, ReducedRecording
+from irtiming.records.exposed import ExposedFraction
+from irtiming.records.reduced import ReducedRecording
 from irtiming.reduce import nominal_angles, plateaus
 
 
@@ -32,7 +33,7 @@ def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> Ex
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
         seen = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
-        angle, counted = angle[seen], run.pixel_count[seen]
+        angle, counted = angle[seen], run.pixel_sums.pixel_count[seen]
         found = plateaus.find(angle, counted, name=run.name, margin=plateau_margin)
         angles.append(angle)
         fractions.append(plateaus.normalise(angle, counted, plateaus=found))

@@ -24,7 +24,7 @@ from irtiming.physics.lens import HIGHEST, LOWEST, Lens
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.reduced import AxleView, Opening
 from irtiming.records.rig import Measured, Rig
-from irtiming.reduce import mask_shape, opening_share
+from irtiming.reduce import dead_pixels, mask_shape, opening_share
 
 _ENOUGH_PIXELS = 200
 _U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated images of 160 to 640 columns showed
@@ -259,7 +259,7 @@ def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask, inside: 
     within = inside | ndimage.binary_erosion(mask, iterations=max(1, border_px - 2))
     beside = _beside(mask, border_px, radius=np.hypot(down, across), inside=inside)
     share, doubt = opening_share.of_pixels(contrast, inside=within & good, beside=beside & good)
-    summed = opening.weight > 0
+    summed = dead_pixels.weights(opening.summed, opening.bad)[row0:row1, column0:column1] > 0
     summed |= ~good & ndimage.binary_dilation(summed)
     return _Region(
         light=np.where(summed, contrast, 0.0),

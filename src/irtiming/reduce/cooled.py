@@ -10,11 +10,25 @@ from irtiming.errors import ReductionError
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, Opening, ReducedRecording
+from irtiming.records.reduced import Opening, PixelSums, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import axle_view, kernels, nominal_angles, nonuniformity, opening, plateaus, wheel_angles
+from irtiming.reduce import (
+    axle_view,
+    dead_pixels,
+    kernels,
+    nominal_angles,
+    nonuniformity,
+    opening,
+    plateaus,
+    remarks,
+    wheel_angles,
+)
 from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.opening import Sighting
+from irtiming.reduce.remarks import doubt
 
 _DEAD_SHARE = 0.05
 _FEWEST_FRAMES = 100
@@ -47,10 +61,8 @@ def reduce(
         Photon camera, snapshot; its frames are read once in a stream, after a look at some of them.
     rig
         As measured by its owner.
-    choices
-        What a person decided instead of the automatic choice.
-    progress
-        Told the number of frames done so far.
+    choices, progress
+        What a person decided instead of the automatic choice; what is given the number of frames done so far.
     before
         Opening of an earlier recording of the same camera, taken over where it is still in place.
 
@@ -64,35 +76,35 @@ def reduce(
     learned, equal = wheel_angles.both_tracks(recording, rig, reference_edge=choices.reference_edge)
     triggers = wheel_angles.frame_trigger_ticks(recording)
     angle = wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers)
-    found = opening.find(recording, correct, choices=choices, before=before)
-    tally, dead = _measured_alive(recording, found, correct, angle, progress)
+    sighting = opening.find(recording, correct, choices=choices, before=before)
+    found = sighting.opening
+    tally, dead = _measured_alive(recording, sighting, correct, angle, progress)
     count, total = _gathered(tally, found)
-    kept, remarks = _kept(recording, angle, dead)
+    kept, dropped = _kept(recording, angle, dead)
     settled = _settled(recording, found, correct, np.where(kept, angle, np.nan), total)
-    axle = axle_view.locate(
-        _without_mean(tally, found, correct),
-        settled,
-        pixel_gain=correct.gain[found.roi[0] : found.roi[1], found.roi[2] : found.roi[3]],
-        rig=rig,
-    )
+    gain = correct.gain[slice(*found.roi[:2]), slice(*found.roi[2:])]
+    axle = axle_view.locate(_without_mean(tally, found, correct), settled, pixel_gain=gain, rig=rig)
     return ReducedRecording(
         name=recording.name,
         source=recording.source,
         sha256=recording.sha256,
+        camera_type=recording.camera_type,
+        readout_mode=recording.readout_mode,
         n_frames=recording.frames.shape[0],
         trigger_ticks=triggers[kept],
-        pixel_sum=total[kept],
-        pixel_count=count[kept].astype(float),
+        frame_index=np.flatnonzero(kept),
+        segment=np.zeros(int(kept.sum()), np.int64),
         samples_per_turn=nominal_angles.samples_per_turn(recording),
         track=learned,
         equal_track=equal,
         opening=settled,
+        pixels=PixelSums(pixel_sum=total[kept], pixel_count=count[kept].astype(float)),
         axle=axle,
         integration_time_s=recording.integration_time_s,
         trigger_delay_time_set_s=recording.trigger_delay_time_set_s,
         rotation_speed_hz=recording.rotation_speed_hz,
-        warnings=tuple(finding.sentence() for finding in recording.findings)
-        + tuple(f"{recording.name}: {text}" for text in learned.findings + found.warnings + remarks),
+        blackbody_temperature_k=recording.blackbody_temperature_k,
+        findings=(*remarks.of_input(recording, learned), *sighting.findings, *dropped),
     )
 
 
@@ -111,17 +123,21 @@ def _check(recording: Recording) -> None:
 
 
 def _measure(
-    recording: Recording, found: Opening, correct: Correction, angle: Array, progress: Callable[[int], None]
+    recording: Recording, sighting: Sighting, correct: Correction, angle: Array, progress: Callable[[int], None]
 ) -> _Tally:
     """The single pass: counts, sums, pixels at the limits and the second harmonic of every pixel.
 
     Frames without a wheel angle have no part in the harmonic; each other one counts by its share of the turn, so that a lost
     frame is stood in for by its neighbours.
     """
+    found = sighting.opening
     rows, columns = slice(found.roi[0], found.roi[1]), slice(found.roi[2], found.roi[3])
-    thresholds = np.ascontiguousarray(nonuniformity.raw_thresholds(found.threshold_dn, correct)[rows, columns])
-    weights = (found.weight * correct.gain[rows, columns]).astype(np.float32)
-    constant = float(np.sum(found.weight * correct.offset_dn[rows, columns]))
+    thresholds = np.ascontiguousarray(
+        nonuniformity.raw_thresholds(sighting.histogram.threshold_dn, correct)[rows, columns]
+    )
+    weight = dead_pixels.weights(found.summed, found.bad)[rows, columns]
+    weights = (weight * correct.gain[rows, columns]).astype(np.float32)
+    constant = float(np.sum(weight * correct.offset_dn[rows, columns]))
     full_scale = 2**recording.bit_depth - 1
     tally = _Tally(harmonic=np.zeros((2, *weights.shape)))
     share = _share_of_turn(angle, nominal_angles.samples_per_turn(recording))
@@ -162,20 +178,20 @@ def _share_of_turn(angle: Array, samples_per_turn: int) -> Array:
 
 
 def _measured_alive(
-    recording: Recording, found: Opening, correct: Correction, angle: Array, progress: Callable[[int], None]
+    recording: Recording, sighting: Sighting, correct: Correction, angle: Array, progress: Callable[[int], None]
 ) -> tuple[_Tally, np.ndarray]:
     """The pass, and which frames are dead: if there are any, it is made again, for their neighbours to stand in for them."""
-    tally = _measure(recording, found, correct, angle, progress)
-    dead = _dead(np.concatenate(tally.zeros), np.concatenate(tally.full), found.weight.size)
+    tally = _measure(recording, sighting, correct, angle, progress)
+    dead = _dead(np.concatenate(tally.zeros), np.concatenate(tally.full), tally.harmonic[0].size)
     if dead.any():
-        tally = _measure(recording, found, correct, np.where(dead, np.nan, angle), progress)
+        tally = _measure(recording, sighting, correct, np.where(dead, np.nan, angle), progress)
     return tally, dead
 
 
 def _gathered(tally: _Tally, found: Opening) -> tuple[Ticks, Array]:
     """Pixels on the open side of the threshold, and pixel sum, each of shape (n_frame,)."""
     count = np.concatenate(tally.count)
-    open_side = count if found.peaks_dn[1] > found.peaks_dn[0] else found.weight.size - count
+    open_side = tally.harmonic[0].size - count if found.blackbody_is_colder else count
     return open_side, np.concatenate(tally.total)
 
 
@@ -195,7 +211,7 @@ def _settled(recording: Recording, found: Opening, correct: Correction, angle: A
     """
     known = np.flatnonzero(np.isfinite(angle))
     intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
-    bright_when_open = found.peaks_dn[1] > found.peaks_dn[0]
+    bright_when_open = not found.blackbody_is_colder
     means = []
     for bright in (bright_when_open, not bright_when_open):
         middles = [_middle(interval) for interval in intervals if interval[2] == int(bright)]
@@ -218,14 +234,13 @@ def _dead(zeros: Ticks, full: Ticks, n_pixels: int) -> np.ndarray:
     return np.asarray(np.maximum(zeros, full) > 0.5 * n_pixels)
 
 
-def _kept(recording: Recording, angle: Array, dead: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def _kept(recording: Recording, angle: Array, dead: np.ndarray) -> tuple[np.ndarray, tuple[Finding, ...]]:
     """Frames with a wheel angle and with live pixels, and a remark for each kind that was dropped."""
-    remarks = []
     outside = ~np.isfinite(angle)
-    if outside.any():
-        remarks.append(f"{outside.sum()} frames dropped: triggered where no control slots were recorded")
+    dropped = [*remarks.without_angle(recording, outside)]
     if dead.any():
-        remarks.append(f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale")
+        what = f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale"
+        dropped.append(doubt(code="dead-frames", recording=recording, what=what))
     if dead.mean() > _DEAD_SHARE:
         raise ReductionError(
             f"{recording.name}: {dead.sum()} of {dead.size} frames are dead or saturated, at most {_DEAD_SHARE:.0%} may be; "
@@ -236,7 +251,4 @@ def _kept(recording: Recording, angle: Array, dead: np.ndarray) -> tuple[np.ndar
             f"{recording.name}: {outside.sum()} of {outside.size} frames were triggered outside the recorded control slots; "
             "triggers and slots must be values of the same counter over the same time"
         )
-    lost = int(recording.frame_number[-1] - recording.frame_number[0]) + 1 - recording.frame_number.size
-    if lost:
-        remarks.append(f"{lost} frames lost between the first and the last: their triggers are skipped")
-    return ~(outside | dead), tuple(remarks)
+    return ~(outside | dead), (*dropped, *remarks.lost_frames(recording))

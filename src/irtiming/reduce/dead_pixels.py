@@ -45,6 +45,24 @@ def mended(contrast: Array) -> Array:
     return np.where(_stands_out(contrast), ndimage.median_filter(contrast, footprint=_RING), contrast)
 
 
+def weights(wanted: Mask, bad: Mask) -> Array:
+    """Weights of 1 for the wanted pixels; that of a bad one goes to its good neighbours, all being read at the same time.
+
+    Parameters
+    ----------
+    wanted, bad
+        Shape (row, column), as the result.
+    """
+    weight: Array = wanted.astype(float)
+    for row, column in np.argwhere(wanted & bad):
+        weight[row, column] = 0
+        near = (slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2))
+        good = ~bad[near]
+        if good.any():
+            weight[near] += good / good.sum()
+    return weight
+
+
 def stand_ins(bad: Mask, wanted: Mask) -> tuple[npt.NDArray[Any], Mask]:
     """Who stands in for each bad pixel that is wanted: the nearest good ones left and right in its own row.
 

@@ -7,13 +7,24 @@ import numpy as np
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices
+from irtiming.records.reduced import ContrastImage, Opening, ReducedRecording, RowSums, ShutterEvent
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening, ShutterEvent
 from irtiming.records.wheel_track import WheelTrack
-from irtiming.reduce import drift, nominal_angles, rolling_opening, row_sums, shutter, wheel_angles, wheel_contrast
+from irtiming.reduce import (
+    drift,
+    nominal_angles,
+    remarks,
+    rolling_opening,
+    row_sums,
+    shutter,
+    wheel_angles,
+    wheel_contrast,
+)
 from irtiming.reduce.drift import Drift
+from irtiming.reduce.remarks import doubt
 from irtiming.reduce.rolling_opening import Sighting
 from irtiming.reduce.row_sums import Harvest
 from irtiming.reduce.shutter import Watch
@@ -23,8 +34,8 @@ _FEWEST_FRAMES = 100
 
 def reduce(
     recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None] = lambda n: None,
-    before: RollingOpening | None = None,
-) -> ReducedRows:  # fmt: skip
+    before: Opening | None = None,
+) -> ReducedRecording:  # fmt: skip
     """Row sums of every frame that shows the scene, the wheel's track, and the contrast of each pixel.
 
     Parameters
@@ -51,35 +62,32 @@ def reduce(
     watch = _watch(recording, sighting, learned)
     harvest = row_sums.gather(recording, sighting, angle=angle, watch=watch, progress=progress)
     events = shutter.events(harvest.event, harvest.zone, levels=harvest.levels)
-    said = tuple(finding.sentence() for finding in recording.findings)
-    remarks = sighting.warnings + _remarks(recording, harvest, angle, events)
+    dropped = _dropped(recording, harvest, angle, events)
     kept = harvest.segment >= 0
     time_s = (triggers - triggers[0]) / recording.clock_frequency_hz
-    drift_dn, row_sum, mask_row_sum = _steady(harvest, sighting, time_s[kept], angle[kept])
-    return ReducedRows(
+    rows = _steady(recording, harvest, sighting, time_s=time_s[kept], angle=angle[kept])
+    return ReducedRecording(
         name=recording.name,
         source=recording.source,
         sha256=recording.sha256,
+        camera_type=recording.camera_type,
+        readout_mode=recording.readout_mode,
         n_frames=recording.frames.shape[0],
         trigger_ticks=triggers[kept],
         frame_index=np.flatnonzero(kept),
         segment=harvest.segment[kept],
-        row_px=harvest.row_px,
-        row_sum_dn=row_sum,
-        mask_row_sum_dn=mask_row_sum,
-        drift_dn=drift_dn,
         samples_per_turn=nominal_angles.samples_per_turn(recording),
         track=learned,
         equal_track=equal,
         opening=sighting.opening,
-        contrast=_contrast(harvest, sighting, angle[kept], drift_dn),
+        rows=rows,
+        contrast=_contrast(harvest, sighting, angle[kept], rows.drift_dn),
         shutter_events=events,
+        integration_time_s=recording.integration_time_s,
         trigger_delay_time_set_s=recording.trigger_delay_time_set_s,
         rotation_speed_hz=recording.rotation_speed_hz,
-        edge_frame_dn=recording.frames.pick([int(np.flatnonzero(kept)[_edge_frame(mask_row_sum)])])[0],
-        edge_frame=_edge_frame(mask_row_sum),
-        warnings=(*said, *(f"{recording.name}: {text}" for text in (*learned.findings, *remarks))),
         blackbody_temperature_k=recording.blackbody_temperature_k,
+        findings=(*remarks.of_input(recording, learned), *sighting.findings, *dropped),
     )
 
 
@@ -118,41 +126,37 @@ def _watch(recording: Recording, sighting: Sighting, track: WheelTrack) -> Watch
     )
 
 
-def _remarks(
+def _dropped(
     recording: Recording, harvest: Harvest, angle: Array, events: tuple[ShutterEvent, ...]
-) -> tuple[str, ...]:  # fmt: skip
+) -> tuple[Finding, ...]:  # fmt: skip
     """What was dropped and why."""
-    n_frames = angle.size
-    remarks = []
     outside = ~np.isfinite(angle)
-    if outside.any():
-        remarks.append(f"{outside.sum()} frames dropped: triggered where no control slots were recorded")
+    found = [*remarks.without_angle(recording, outside)]
     for event in events:
-        word = "the camera is frozen" if event.kind == "frozen" else "the shutter is closed"
-        remarks.append(
-            f"{word} in frames {event.first_frame} to {event.end_frame - 1}: dropped with the frames around them"
-        )
+        frames = f"in frames {event.first_frame} to {event.end_frame - 1}: dropped with the frames around them"
+        if event.kind == "frozen":
+            found.append(doubt(code="camera-frozen", recording=recording, what=f"the camera is frozen {frames}"))
+        else:
+            found.append(doubt(code="shutter-closed", recording=recording, what=f"the shutter is closed {frames}"))
     lone = harvest.suspicious & ~harvest.zone & ~outside
     if lone.any():
-        remarks.append(f"{lone.sum()} single frames dropped: they do not show what the wheel angle demands")
-    remarks.extend(
-        f"frames {first} to {end - 1} dropped: fewer than {row_sums.SHORTEST} good frames between shutter events"
-        for first, end in harvest.short
-    )
+        what = f"{lone.sum()} single frames dropped: they do not show what the wheel angle demands"
+        found.append(doubt(code="odd-frames", recording=recording, what=what))
+    for first, end in harvest.short:
+        what = f"frames {first} to {end - 1} dropped: fewer than {row_sums.SHORTEST} good frames between shutter events"
+        found.append(doubt(code="short-stretch", recording=recording, what=what))
     if harvest.hopeless_row_px.size:
         rows = ", ".join(str(row) for row in harvest.hopeless_row_px)
-        remarks.append(f"image rows {rows} left out: they have too few live pixels")
+        what = f"image rows {rows} left out: they have too few live pixels"
+        found.append(doubt(code="rows-left-out", recording=recording, what=what))
     kept = int(np.sum(harvest.segment >= 0))
     if kept < _FEWEST_FRAMES:
         raise ReductionError(
-            f"{recording.name}: {kept} of {n_frames} frames show the scene over {row_sums.SHORTEST} frames and more, at least "
+            f"{recording.name}: {kept} of {angle.size} frames show the scene over {row_sums.SHORTEST} frames and more, at least "
             f"{_FEWEST_FRAMES} must ({outside.sum()} outside the control slots, {harvest.zone.sum()} at shutter events, "
             f"{lone.sum()} single bad ones); record longer, or switch the camera's own correction off"
         )
-    lost = int(recording.frame_number[-1] - recording.frame_number[0]) + 1 - recording.frame_number.size
-    if lost:
-        remarks.append(f"{lost} frames lost between the first and the last: their triggers are skipped")
-    return tuple(remarks)
+    return (*found, *remarks.lost_frames(recording))
 
 
 def _drift(harvest: Harvest, sighting: Sighting, time_s: Array, angle: Array) -> Drift:
@@ -176,17 +180,25 @@ def _mask_level(harvest: Harvest, sighting: Sighting) -> Array:
     return np.asarray(harvest.mask_row_sum[harvest.segment >= 0].sum(axis=1) / n_pixels)
 
 
-def _steady(harvest: Harvest, sighting: Sighting, time_s: Array, angle: Array) -> tuple[Array, Array, Array]:
-    """Drift of one pixel (n,), and row sums over the summed pixels and over the mask without drift, shape (n, n_row).
+def _steady(recording: Recording, harvest: Harvest, sighting: Sighting, *, time_s: Array, angle: Array) -> RowSums:
+    """Sums over the rows without drift.
 
-    From the former the drift of the quiet pixels is taken; from the latter the straight line, and the jumps at shutter events,
-    which the paper had not.
+    From those over the summed pixels the drift of the quiet pixels is taken; from those over the mask the straight line, and
+    the jumps at shutter events, which the paper had not.
     """
     slow, line = _drift(harvest, sighting, time_s, angle), _straight(harvest, sighting, time_s, angle)
     kept = harvest.segment >= 0
     summed, mask = (area[harvest.row_px].sum(axis=1) for area in (sighting.opening.summed, sighting.opening.mask))
-    row_sum = harvest.row_sum[kept] - np.outer(slow.level_dn, summed)
-    return slow.level_dn, row_sum, harvest.mask_row_sum[kept] - np.outer(line.level_dn, mask)
+    mask_row_sum = harvest.mask_row_sum[kept] - np.outer(line.level_dn, mask)
+    edge_frame = _edge_frame(mask_row_sum)
+    return RowSums(
+        row_px=harvest.row_px,
+        row_sum_dn=harvest.row_sum[kept] - np.outer(slow.level_dn, summed),
+        mask_row_sum_dn=mask_row_sum,
+        drift_dn=slow.level_dn,
+        edge_frame_dn=recording.frames.pick([int(np.flatnonzero(kept)[edge_frame])])[0],
+        edge_frame=edge_frame,
+    )
 
 
 def _contrast(harvest: Harvest, sighting: Sighting, angle: Array, drift_dn: Array) -> ContrastImage:

@@ -1,18 +1,20 @@
 """Find the mask opening in the frames: region, threshold and weights, without a hand on the mouse (Schatz 2023, 3.1.3)."""
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import final
 
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices, Opening
+from irtiming.records.reduced import Histogram, Opening
 from irtiming.reduce import mask_shape, scouts
 from irtiming.reduce.nonuniformity import Correction, corrected
+from irtiming.reduce.remarks import doubt
 
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
 
@@ -28,7 +30,17 @@ class _Scouts:
     covered_frames: Mask
 
 
-def find(recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None) -> Opening:
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sighting:
+    """The opening, the histogram that its threshold stands in, and what is doubtful about them."""
+
+    opening: Opening
+    histogram: Histogram
+    findings: tuple[Finding, ...]
+
+
+def find(recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None) -> Sighting:
     """The opening, its region of interest, threshold and weights.
 
     Parameters
@@ -62,26 +74,46 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     roi = choices.roi or mask_shape.box(mask, margin=border_px + 4, name=recording.name)
     mask_shape.check_roi(roi, mask, name=recording.name)
     rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])
-    region = ndimage.distance_transform_edt(~mask) <= border_px
-    peaks = _peaks(open_dn, mask, roi)
+    in_roi = np.zeros_like(mask)
+    in_roi[rows, columns] = True
+    plate, blackbody = _peaks(open_dn, mask, in_roi)
     threshold = choices.threshold_dn
     if threshold is None:
-        threshold = peaks[0] + choices.threshold_level * (peaks[1] - peaks[0])
-    count, bins = np.histogram(open_dn[rows, columns][~correct.bad[rows, columns]], bins=128)
-    return Opening(
+        threshold = plate + choices.threshold_level * (blackbody - plate)
+    count, bins = np.histogram(open_dn[in_roi & ~correct.bad], bins=128)
+    histogram = Histogram(
+        threshold_dn=threshold,
+        plate_dn=plate,
+        blackbody_dn=blackbody,
+        bin_edges_dn=bins,
+        count=count.astype(np.int64),
+    )
+    found = Opening(
         roi=roi,
         open_frame_dn=open_dn,
         covered_frame_dn=covered_dn,
         mask=mask,
-        weight=_stand_in(region, correct.bad)[rows, columns],
+        summed=in_roi & (ndimage.distance_transform_edt(~mask) <= border_px),
         border_px=border_px,
-        threshold_dn=threshold,
-        peaks_dn=peaks,
-        histogram_dn=bins,
-        histogram_count=count.astype(np.int64),
-        n_bad_pixels=int(correct.bad[rows, columns].sum()),
-        warnings=_remarks(recording, threshold, peaks),
+        bad=correct.bad,
+        blackbody_is_colder=not blackbody > plate,
+        histogram=histogram,
     )
+    return Sighting(opening=found, histogram=histogram, findings=_doubts(recording, histogram))
+
+
+def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
+    """What is missing for the corrected values of a recording, or odd in their histogram."""
+    doubts = []
+    if recording.nonuniformity is None:
+        what = "no nonuniformity_reference in the recording: frames used as they are"
+        doubts.append(doubt(code="no-nonuniformity-reference", recording=recording, what=what))
+    low, high = sorted((found.plate_dn, found.blackbody_dn))
+    if not low < found.threshold_dn < high:
+        peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
+        what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
+        doubts.append(doubt(code="threshold-outside-peaks", recording=recording, what=what))
+    return tuple(doubts)
 
 
 def _scout(recording: Recording, correct: Correction) -> _Scouts:
@@ -171,35 +203,10 @@ def mean_frame(raw: Pixels, correct: Correction) -> Array:
     return mean / len(raw)
 
 
-def _peaks(open_dn: Array, mask: Mask, roi: tuple[int, int, int, int]) -> tuple[float, float]:
+def _peaks(open_dn: Array, mask: Mask, in_roi: Mask) -> tuple[float, float]:
     """The histogram's two peaks in open frames: mask plate around the opening, blackbody inside it."""
     inside = ndimage.binary_erosion(mask, iterations=3)
     around = ~ndimage.binary_dilation(mask, iterations=3)
-    box = np.zeros_like(mask)
-    box[roi[0] : roi[1], roi[2] : roi[3]] = True
     bright = open_dn[inside] if inside.any() else open_dn[mask]
-    dark = open_dn[around & box] if (around & box).any() else open_dn[around]
+    dark = open_dn[around & in_roi] if (around & in_roi).any() else open_dn[around]
     return float(np.median(dark)), float(np.median(bright))
-
-
-def _stand_in(region: Mask, bad: Mask) -> Array:
-    """Weights of 1 in the region; a bad pixel's weight goes to its good neighbours."""
-    weight: npt.NDArray[Any] = region.astype(float)
-    for row, column in np.argwhere(region & bad):
-        weight[row, column] = 0
-        near = (slice(max(0, row - 1), row + 2), slice(max(0, column - 1), column + 2))
-        good = ~bad[near]
-        if good.any():
-            weight[near] += good / good.sum()
-    return weight
-
-
-def _remarks(recording: Recording, threshold: float, peaks: tuple[float, float]) -> tuple[str, ...]:
-    remarks = []
-    if recording.nonuniformity is None:
-        remarks.append("no nonuniformity_reference in the recording: frames used as they are")
-    if not min(peaks) < threshold < max(peaks):
-        remarks.append(
-            f"threshold {threshold:.0f} DN lies outside the histogram peaks {peaks[0]:.0f} and {peaks[1]:.0f} DN"
-        )
-    return tuple(remarks)

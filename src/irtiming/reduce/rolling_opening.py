@@ -8,11 +8,13 @@ from scipy import ndimage
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices
-from irtiming.records.rolling import RollingOpening
+from irtiming.records.reduced import Opening
 from irtiming.reduce import dead_pixels, expected_level, mask_shape, scouts, wheel_contrast
 from irtiming.reduce.expected_level import ExpectedLevel
+from irtiming.reduce.remarks import doubt
 from irtiming.reduce.scouts import Scouts
 from irtiming.reduce.wheel_contrast import Outline
 
@@ -39,15 +41,15 @@ class Sighting:
     to frame.
     """
 
-    opening: RollingOpening
+    opening: Opening
     quiet: Mask
     expected: ExpectedLevel
     noise_dn: float
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
 
 def find(
-    recording: Recording, wheel_angle_rad: Array, *, choices: Choices, before: RollingOpening | None = None
+    recording: Recording, wheel_angle_rad: Array, *, choices: Choices, before: Opening | None = None
 ) -> Sighting:  # fmt: skip
     """The opening, its dead pixels, and the level to be expected of it.
 
@@ -93,7 +95,7 @@ def find(
     surroundings = 0.0 if quiet.any() else float(np.median(live[:, ~summed]))
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
     bright, dark = _extreme_frames(seen, expected.good, outline.mask & ~bad)
-    opening = RollingOpening(
+    opening = Opening(
         roi=roi,
         open_frame_dn=dark if colder else bright,
         covered_frame_dn=bright if colder else dark,
@@ -103,8 +105,8 @@ def find(
         bad=bad,
         blackbody_is_colder=bool(colder),
     )
-    noise = _noise(live, summed)
-    return Sighting(opening=opening, quiet=quiet, expected=expected, noise_dn=noise, warnings=_remarks(summed, bad))
+    noise, found = _noise(live, summed), _doubts(recording, summed, bad)
+    return Sighting(opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found)
 
 
 def _quiet(outline: Outline) -> Mask:
@@ -176,12 +178,12 @@ def _refuse_saturation(values: Pixels, recording: Recording) -> None:
             )
 
 
-def _remarks(summed: Mask, bad: Mask) -> tuple[str, ...]:
-    remarks = []
+def _doubts(recording: Recording, summed: Mask, bad: Mask) -> tuple[Finding, ...]:
+    doubts = []
     if np.concatenate([summed[0], summed[-1], summed[:, 0], summed[:, -1]]).any():
-        remarks.append(
-            "the blurred border of the opening reaches the border of the image: what lies beyond is not summed; leave more room"
-        )
+        what = "the blurred border of the opening reaches the border of the image: what lies beyond is not summed"
+        doubts.append(doubt(code="opening-at-image-border", recording=recording, what=what, cure="leave more room"))
     if bad.any():
-        remarks.append(f"{bad.sum()} pixels do not follow the wheel: neighbours in their rows stand in for them")
-    return tuple(remarks)
+        what = f"{bad.sum()} pixels do not follow the wheel: neighbours in their rows stand in for them"
+        doubts.append(doubt(code="bad-pixels", recording=recording, what=what))
+    return tuple(doubts)

@@ -9,7 +9,8 @@ from irtiming.errors import ReductionError
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Ticks
-from irtiming.records.rolling import ExposedRows, ReducedRows
+from irtiming.records.exposed import ExposedRows
+from irtiming.records.reduced import ReducedRecording
 from irtiming.reduce import nominal_angles
 
 _FEWEST_PIXELS = 4  # of the mask in a row
@@ -18,7 +19,7 @@ _FEWEST_IN_WINDOW = 5
 _CLEARLY = 0.15  # of the range from the middle: then a point is on one side
 
 
-def average(runs: list[ReducedRows]) -> ExposedRows:
+def average(runs: list[ReducedRecording]) -> ExposedRows:
     """Opening fractions over the wheel angle at the trigger, averaged over runs.
 
     Parameters
@@ -49,8 +50,8 @@ def average(runs: list[ReducedRows]) -> ExposedRows:
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
         seen = np.isfinite(angle)
-        places = np.searchsorted(run.row_px, rows)
-        sums = run.mask_row_sum_dn[seen]
+        places = np.searchsorted(run.row_sums.row_px, rows)
+        sums = run.row_sums.mask_row_sum_dn[seen]
         together = np.concatenate([sums.sum(axis=1)[None], sums[:, places].T])
         angles.append(angle[seen])
         fraction = _normalised(angle[seen], together, run.name)
@@ -80,11 +81,12 @@ def average(runs: list[ReducedRows]) -> ExposedRows:
     )
 
 
-def _common_rows(runs: list[ReducedRows]) -> Ticks:
+def _common_rows(runs: list[ReducedRecording]) -> Ticks:
     """Rows that hold enough pixels of the mask in all runs."""
-    rows = runs[0].row_px
+    rows = runs[0].row_sums.row_px
     for run in runs:
-        wide = run.row_px[run.opening.mask[run.row_px].sum(axis=1) >= _FEWEST_PIXELS]
+        row_px = run.row_sums.row_px
+        wide = row_px[run.opening.mask[row_px].sum(axis=1) >= _FEWEST_PIXELS]
         rows = np.intersect1d(rows, wide)
     if not rows.size:
         raise ReductionError(

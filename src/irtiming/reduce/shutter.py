@@ -10,7 +10,7 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.rolling import ShutterEvent
+from irtiming.records.reduced import ShutterEvent
 
 _SCATTERS, _LEAST_PART, _MOST_PART = 8.0, 0.08, 0.3  # of the scatter; of the contrast
 _SETTLING_S = 0.12  # kept away from each event, for the lag

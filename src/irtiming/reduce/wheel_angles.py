@@ -8,8 +8,8 @@ import numpy as np
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.choices import ReferenceEdge
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import ReferenceEdge
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.edge_train import EdgeTrain, number_edges

@@ -10,8 +10,8 @@ from irtiming.errors import ReductionError
 from irtiming.physics import slot_orders
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
+from irtiming.records.choices import ReferenceEdge
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import ReferenceEdge
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_calibration import SlotsAtSpeed, WheelCalibration
 from irtiming.records.wheel_track import WheelTrack

@@ -20,10 +20,11 @@ def draw(axes: Axes, evidence: RollingEvidence, *, marked: list[tuple[int, str]]
     marked
         Image rows and their colours.
     """
-    rows = evidence.recordings[0]
+    recording = evidence.recordings[0]
+    rows = recording.row_sums
     angle = float(evidence.row_fits[0].wheel_angle_rad[rows.edge_frame])
     frame = rows.edge_frame_dn
-    row0, row1, column0, column1 = rows.opening.roi
+    row0, row1, column0, column1 = recording.opening.roi
     low, high = (float(v) for v in np.quantile(frame[row0:row1, column0:column1], [0.01, 0.99]))
     axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
     for place, hue in marked:
@@ -36,7 +37,7 @@ def draw(axes: Axes, evidence: RollingEvidence, *, marked: list[tuple[int, str]]
     axes.set_xlabel("column (px)")
     axes.set_ylabel("row (px)")
     axes.grid(visible=False)
-    axes.set_title(f"(b) frame {rows.frame_index[rows.edge_frame]}, wheel at {np.degrees(angle):.1f}°")
+    axes.set_title(f"(b) frame {recording.frame_index[rows.edge_frame]}, wheel at {np.degrees(angle):.1f}°")
 
 
 def edges(evidence: RollingEvidence, wheel_angle_rad: float, *, rolling: bool) -> list[tuple[Array, Array]]:

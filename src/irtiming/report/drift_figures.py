@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from irtiming.records.arrays import Array
-from irtiming.records.rolling import ReducedRows, ShutterEvent
+from irtiming.records.reduced import ReducedRecording, ShutterEvent
 from irtiming.report import row_curves, sheet
 from irtiming.report.evidence import RollingEvidence
 
@@ -21,8 +21,8 @@ def drift(evidence: RollingEvidence) -> Figure:
         for k, (recording, fit) in enumerate(shown):
             top, below = grid[2 * k], grid[2 * k + 1]
             time_s = frame_time_s(recording, recording.frame_index)
-            _by_stretch(top, time_s, recording.drift_dn, recording.segment)
-            top.set_title(f"{recording.name}: drift {np.ptp(recording.drift_dn):.1f} DN in all")
+            _by_stretch(top, time_s, recording.row_sums.drift_dn, recording.segment)
+            top.set_title(f"{recording.name}: drift {np.ptp(recording.row_sums.drift_dn):.1f} DN in all")
             top.set_ylabel("level (DN)")
             top.tick_params(labelbottom=False)
             sheet.zero_line(below)
@@ -36,7 +36,7 @@ def drift(evidence: RollingEvidence) -> Figure:
     return drawn
 
 
-def frame_time_s(recording: ReducedRows, frame: Array | np.ndarray) -> Array:
+def frame_time_s(recording: ReducedRecording, frame: Array | np.ndarray) -> Array:
     """Time of frames after the first kept one, s, by their index; beyond the kept ones at the mean frame rate."""
     index = recording.frame_index.astype(float)
     time_s = (recording.trigger_ticks - recording.trigger_ticks[0]) / recording.track.clock_frequency_hz
@@ -47,7 +47,7 @@ def frame_time_s(recording: ReducedRows, frame: Array | np.ndarray) -> Array:
     return np.asarray(within + beyond * period_s)
 
 
-def _span(recording: ReducedRows, time_s: Array) -> tuple[float, float]:
+def _span(recording: ReducedRecording, time_s: Array) -> tuple[float, float]:
     ends = [frame for event in recording.shutter_events for frame in (event.first_frame, event.end_frame)]
     edges = frame_time_s(recording, np.array([0, recording.n_frames - 1, *ends]))
     return float(min(edges.min(), time_s[0])), float(max(edges.max(), time_s[-1]))
@@ -59,6 +59,6 @@ def _by_stretch(axes: Axes, time_s: Array, level: Array, segment: np.ndarray) ->
         axes.plot(time_s[part], level[part], color=sheet.BLUE, linewidth=1.3)
 
 
-def _shade(axes: Axes, recording: ReducedRows, event: ShutterEvent) -> None:
+def _shade(axes: Axes, recording: ReducedRecording, event: ShutterEvent) -> None:
     start, end = frame_time_s(recording, np.array([event.first_frame, event.end_frame]))
     axes.axvspan(start, end, color=sheet.ORANGE if event.kind == "closed" else sheet.PURPLE, alpha=0.3, linewidth=0)

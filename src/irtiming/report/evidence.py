@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import DelayResult, EdgeDelayFit, PublishedFit
 from irtiming.records.joint_fit import JointFit
 from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.prediction import Prediction
-from irtiming.records.reduced import Choices, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
@@ -182,7 +182,7 @@ class RollingEvidence(Protocol):
         ...
 
     @property
-    def recordings(self) -> Sequence[ReducedRows]:
+    def recordings(self) -> Sequence[ReducedRecording]:
         """One per run."""
         ...
 

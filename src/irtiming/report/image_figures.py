@@ -53,18 +53,17 @@ def picture(axes: Axes, frame: Array, *, label: str = "corrected value (DN)", sh
 
 def _outlines(axes: Axes, opening: Opening, *, closely: bool) -> None:
     """Outline of the summed region; closely also that of the opening, and the threshold as a contour."""
-    shape = opening.open_frame_dn.shape
     row0, row1, column0, column1 = opening.roi
-    region = np.zeros(shape)
-    region[row0:row1, column0:column1] = opening.weight > 0
-    axes.contour(region, levels=[0.5], colors=_SUM, linewidths=1.3)
+    axes.contour(opening.summed.astype(float), levels=[0.5], colors=_SUM, linewidths=1.3)
     if not closely:
         return
     axes.contour(opening.mask.astype(float), levels=[0.5], colors=_OUTLINE, linewidths=1.6)
-    part = np.full(shape, np.nan)
+    if opening.histogram is None:
+        return
+    part, threshold_dn = np.full(opening.mask.shape, np.nan), opening.histogram.threshold_dn
     part[row0:row1, column0:column1] = opening.open_frame_dn[row0:row1, column0:column1]
-    if np.nanmin(part) < opening.threshold_dn < np.nanmax(part):
-        axes.contour(part, levels=[opening.threshold_dn], colors=_LEVEL, linewidths=1.6, linestyles="dashed")
+    if np.nanmin(part) < threshold_dn < np.nanmax(part):
+        axes.contour(part, levels=[threshold_dn], colors=_LEVEL, linewidths=1.6, linestyles="dashed")
 
 
 def _axle(axes: Axes, recording: ReducedRecording) -> None:
@@ -90,8 +89,10 @@ def _legend(recording: ReducedRecording) -> list[Line2D | Patch]:
         Patch(facecolor="none", edgecolor=_BOX, linewidth=1.5, label="region of interest"),
         Line2D([], [], color=_SUM, linewidth=2, label=f"summed region, border {opening.border_px} px"),
         Line2D([], [], color=_OUTLINE, linewidth=2, label="mask opening at half contrast"),
-        Line2D([], [], color=_LEVEL, linestyle="--", linewidth=2, label=f"threshold {opening.threshold_dn:.0f} DN"),
     ]
+    if opening.histogram is not None:
+        words = f"threshold {opening.histogram.threshold_dn:.0f} DN"
+        entries.append(Line2D([], [], color=_LEVEL, linestyle="--", linewidth=2, label=words))
     if recording.axle is not None:
         entries += [
             Line2D([], [], color=sheet.ORANGE, marker="+", markersize=10, linestyle="none", label="axle"),
@@ -102,22 +103,24 @@ def _legend(recording: ReducedRecording) -> list[Line2D | Patch]:
 
 def histogram(evidence: Evidence) -> Figure:
     """Pixel values of the region of interest in open frames, the two peaks and the threshold between them."""
-    opening = evidence.recordings[0].opening
+    found = evidence.recordings[0].opening.histogram
     with sheet.style():
         drawn = sheet.figure(height_in=2.7)
+        if found is None:
+            return drawn
         axes = drawn.add_subplot()
-        axes.stairs(opening.histogram_count, opening.histogram_dn, fill=True, color=sheet.BLUE, alpha=0.45)
-        axes.stairs(opening.histogram_count, opening.histogram_dn, color=sheet.BLUE, linewidth=0.8)
+        axes.stairs(found.count, found.bin_edges_dn, fill=True, color=sheet.BLUE, alpha=0.45)
+        axes.stairs(found.count, found.bin_edges_dn, color=sheet.BLUE, linewidth=0.8)
         axes.set_yscale("log")
-        axes.set_ylim(0.5, 4 * float(opening.histogram_count.max()))
-        level = (opening.threshold_dn - opening.peaks_dn[0]) / (opening.peaks_dn[1] - opening.peaks_dn[0])
+        axes.set_ylim(0.5, 4 * float(found.count.max()))
+        level = (found.threshold_dn - found.plate_dn) / (found.blackbody_dn - found.plate_dn)
         for value, text, colour in (
-            (opening.peaks_dn[0], f"mask plate\n{opening.peaks_dn[0]:.0f} DN", sheet.INK),
-            (opening.threshold_dn, f"threshold {opening.threshold_dn:.0f} DN\n{level:.0%} of the step", sheet.RED),
-            (opening.peaks_dn[1], f"blackbody\n{opening.peaks_dn[1]:.0f} DN", sheet.INK),
+            (found.plate_dn, f"mask plate\n{found.plate_dn:.0f} DN", sheet.INK),
+            (found.threshold_dn, f"threshold {found.threshold_dn:.0f} DN\n{level:.0%} of the step", sheet.RED),
+            (found.blackbody_dn, f"blackbody\n{found.blackbody_dn:.0f} DN", sheet.INK),
         ):
             axes.axvline(value, color=colour, linewidth=1.1, linestyle="--")
-            right = value < float(np.mean(opening.histogram_dn[[0, -1]]))
+            right = value < float(np.mean(found.bin_edges_dn[[0, -1]]))
             axes.annotate(
                 text, (value, 0.97), xycoords=("data", "axes fraction"), xytext=(5 if right else -5, 0),
                 textcoords="offset points", va="top", ha="left" if right else "right", color=colour, fontsize=8,

@@ -8,7 +8,6 @@ import numpy as np
 from irtiming.records.arrays import Array
 from irtiming.records.joint_fit import Profile
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rolling import ReducedRows
 from irtiming.report import joint_tables
 from irtiming.report.evidence import Evidence
 from irtiming.report.joint_tables import LEAST_WHITENESS, Shared
@@ -82,7 +81,7 @@ def profile(one: Profile, *, event: str, sign: str | None) -> dict[str, Any]:
     }
 
 
-def whiteness(recordings: Sequence[ReducedRecording | ReducedRows], probability: Array) -> list[dict[str, Any]]:
+def whiteness(recordings: Sequence[ReducedRecording], probability: Array) -> list[dict[str, Any]]:
     """Probability (n_recording,) of residuals at least as correlated, were they white, beside each recording's file."""
     return [
         {"file": recording.source or recording.name, "probability": float(one)}

@@ -165,7 +165,7 @@ def _input(recording: ReducedRecording) -> dict[str, Any]:
         "integration_time": recording.integration_time_s,
         "rotation_speed": recording.rotation_speed_hz,
         "roi": list(opening.roi),
-        "threshold": float(opening.threshold_dn),
+        "threshold": None if opening.histogram is None else float(opening.histogram.threshold_dn),
         "border_px": opening.border_px,
         "bad_pixels": opening.n_bad_pixels,
         "axle_row_column_px": None if view is None else [view.row_px, view.column_px],

@@ -46,7 +46,7 @@ def choices(evidence: RollingEvidence) -> Table:
             f"{chosen.threshold_level:.0%}",
             "automatic" if chosen.threshold_level == 0.5 else "by you",
         ),
-        ("bad pixels in the summed region", str(int((first.opening.bad & first.opening.summed).sum())), "automatic"),
+        ("bad pixels in the summed region", str(first.opening.n_bad_pixels), "automatic"),
         ("blackbody", "colder than the wheel" if first.opening.blackbody_is_colder else "warmer", "automatic"),
         (
             "camera roll, from the mask’s image",

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from irtiming.records.rolling import ReducedRows
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rolling_result import RollingResult
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import budget, joint_result, rolling_noise, two_constant_tables, wheel_result
@@ -227,7 +227,7 @@ def _choices(evidence: RollingEvidence) -> dict[str, Any]:
     }
 
 
-def _input(recording: ReducedRows) -> dict[str, Any]:
+def _input(recording: ReducedRecording) -> dict[str, Any]:
     opening, view = recording.opening, recording.axle
     return {
         "file": recording.source or recording.name,
@@ -239,7 +239,7 @@ def _input(recording: ReducedRows) -> dict[str, Any]:
         "blackbody_temperature": recording.blackbody_temperature_k,
         "roi": list(opening.roi),
         "border_px": opening.border_px,
-        "bad_pixels": int((opening.bad & opening.summed).sum()),
+        "bad_pixels": opening.n_bad_pixels,
         "blackbody_is_colder": bool(opening.blackbody_is_colder),
         "shutter_events": [
             {"first_frame": int(event.first_frame), "end_frame": int(event.end_frame), "kind": event.kind}

@@ -302,8 +302,10 @@ def _roi_text(recording: ReducedRecording) -> str:
 
 
 def _threshold_text(recording: ReducedRecording) -> str:
-    opening = recording.opening
-    return f"{opening.threshold_dn:.0f} DN, peaks at {opening.peaks_dn[0]:.0f} and {opening.peaks_dn[1]:.0f} DN"
+    found = recording.opening.histogram
+    if found is None:
+        return "none"
+    return f"{found.threshold_dn:.0f} DN, peaks at {found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
 
 
 def _axle_text(recording: ReducedRecording) -> str:

@@ -11,8 +11,8 @@ from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.measurement import Analysis, Progress, RollingAnalysis
 from irtiming.measurement import analyse as analyse_recordings
+from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Choices
 from irtiming.report import certificate
 
 

@@ -30,7 +30,6 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling import ReducedRows
 
 FEWEST_FRAMES = 120
 """Below so many frames of a run nothing is looked at."""
@@ -241,13 +240,13 @@ class Analyst:
         """
         return self._estimated([*self._kept, self._reduced(read_so_far(path))])
 
-    def _reduced(self, recording: Recording) -> ReducedRecording | ReducedRows:
+    def _reduced(self, recording: Recording) -> ReducedRecording:
         if recording.camera_type == "microbolometer":
             return reduce_rolling(recording, self._rig, before=self._kept)
         return reduce_snapshot(recording, self._rig, before=self._kept)
 
     def _estimated(self, reduced: list[Any]) -> Analysis | RollingAnalysis:
-        if isinstance(reduced[0], ReducedRows):
+        if reduced[0].rows is not None:
             return estimate_rolling(reduced, self._rig)
         return estimate_snapshot(reduced, self._rig)
 

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from irtiming.archive.series_file import _KEYS, DEFAULT_NAME, NAME_FIELDS, read_series
+from irtiming.archive.series_file import DEFAULT_NAME, NAME_FIELDS, PlanFile, read_series
+from irtiming.archive.typed_misfit import model_in
 from irtiming.gateware.register_map import Polarity
 from irtiming.instruments.device_address import BLACKBODIES, CAMERAS, CHOPPERS, drivers
 from irtiming.records.series_plan import MEASURANDS
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "plan-file.md").read_text()
+_KEYS = {name: tuple(model_in(field.annotation).model_fields) for name, field in PlanFile.model_fields.items()}
 _DEVICES = '[devices]\ncamera = "gige:1"\ntrigger_generator = "/dev/x"\nchopper = "mc2000b:/dev/y"\nblackbody = "sr800r:/dev/z"\n'
 _NEEDED = {
     "devices": {},

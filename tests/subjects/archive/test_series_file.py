@@ -160,7 +160,10 @@ def test_the_least_plan(written, tmp_path):
         (('"photon"', '"photon"\nfeatures = {A = [1]}'), r"features.A is \[1\]; it must be text"),
         (('plan = "plan.json"', ""), "wheel_hz is missing"),
         (('"plan.json"', '"plan.json"\nsamples = 10'), "plan stands beside samples; name a plan, or wish"),
-        (("[series]", "[wiring]\nfalling = [1]\n[series]"), r"falling is \[1\]; it must be a list of lines"),
+        (
+            ("[series]", "[wiring]\nfalling = [1]\n[series]"),
+            r"falling\[0\] is 1; it must be text, such as \"control_slot\"",
+        ),
         (("[series]", '[blackbody]\ntemperature = "60 C"\n[series]'), r"but \[devices\] names no blackbody"),
         (("[series]", '[references]\nlow = "60 C"\nhigh = "25 C"\n[series]'), "low must be the colder one"),
         (("[series]", '[references]\nlow = "2 C"\nhigh = "25 C"\n[series]'), "needs a blackbody that can be set"),

@@ -6,11 +6,11 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from irtiming.cli import doctor_command
 from irtiming.cli.doctor_command import doctor
 from irtiming.errors import ArchiveError, InstrumentError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
+from irtiming.session import computer
 from irtiming.twin.devices.blackbody import SimulatedBlackbody
 from irtiming.twin.devices.chopper import SimulatedChopper
 from irtiming.twin.devices.network_port import TcpPort
@@ -50,7 +50,7 @@ def test_all_parts_are_listed_with_exit_status_0(run, tmp_path):
 
 def test_a_package_that_is_not_there_is_told_with_its_cure(run, monkeypatch):
     """Oracle: the words for a package of no such name."""
-    monkeypatch.setattr(doctor_command, "_PACKAGES", (("no_such_package", "no-such", "nothing", "pip install it"),))
+    monkeypatch.setattr(computer, "_PACKAGES", (("no_such_package", "no-such", "nothing", "pip install it"),))
     assert "missing  no-such: not installed, for nothing; pip install it" in run().stdout
 
 
@@ -104,34 +104,6 @@ def test_a_place_where_nothing_can_be_written_is_refused_first(run, tmp_path):
     result = run("--json", tmp_path / "no" / "found.json")
     assert isinstance(result.exception, ArchiveError)
     assert result.stdout == ""
-
-
-def test_the_receive_buffer_is_held_against_what_a_camera_wants(tmp_path):
-    """Oracle: 16 MiB, and the words; no limit where the system tells none."""
-    limit = tmp_path / "rmem_max"
-    limit.write_text("212992\n")
-    small = doctor_command._receive_buffer(limit)
-    assert (small.status, small.found) == ("warning", "at most 0.2 MiB (net.core.rmem_max)")
-    assert small.cure == "a GigE camera wants 16 MiB: sudo sysctl -w net.core.rmem_max=16777216"
-    limit.write_text("16777216\n")
-    assert doctor_command._receive_buffer(limit).status == "ok"
-    assert doctor_command._receive_buffer(tmp_path / "none").status == "ok"
-
-
-def test_ethernet_interfaces_are_held_against_what_a_camera_wants(tmp_path):
-    """Oracle: by hand, for files like those of Linux: a fast one with large packets, one with small, a slow one, others."""
-    for name, (kind, state, mtu, speed) in {
-        "eth0": ("1", "up", "9000", "1000"), "eth1": ("1", "up", "1500", "10000"), "eth2": ("1", "up", "1500", "100"),
-        "eth3": ("1", "down", "1500", ""), "lo": ("772", "unknown", "65536", ""),
-    }.items():  # fmt: skip
-        (tmp_path / name).mkdir()
-        for file, text in (("type", kind), ("operstate", state), ("mtu", mtu), ("speed", speed)):
-            (tmp_path / name / file).write_text(text + "\n")
-    found = {check.part: check for check in doctor_command._interfaces(tmp_path)}
-    assert list(found) == ["network eth0", "network eth1", "network eth2"]
-    assert [check.status for check in found.values()] == ["ok", "warning", "warning"]
-    assert "sudo ip link set eth1 mtu 9000" in found["network eth1"].cure
-    assert found["network eth2"].cure == "a GigE camera needs 1000 Mbit/s; see to cable and switch"
 
 
 def test_a_serial_port_that_may_not_be_opened_is_told(run, monkeypatch, tmp_path):

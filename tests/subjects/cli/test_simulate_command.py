@@ -61,9 +61,46 @@ def test_photon_camera_is_the_default(tmp_path: Path) -> None:
     assert truth["trigger_delay_s"] == pytest.approx(420e-6)
 
 
+def test_a_rolling_photon_camera_gets_what_was_asked(tmp_path: Path) -> None:
+    """Oracle: the options, in SI units; references only if they are not put off."""
+    options = ("--readout", "rolling", *_SMALL, "--row-delay", "60 us", "--integration-time", "4 ms")
+    truth = _simulate(tmp_path / "a", *options)
+    assert (truth["camera"], truth["readout_mode"], truth["row_delay_s"]) == ("photon", "rolling", pytest.approx(60e-6))
+    recordings = [reader.read(tmp_path / "a" / "cmos-3Hz-0ms.nxs")]
+    _simulate(tmp_path / "b", *options, "--reference-frames", "0")
+    recordings.append(reader.read(tmp_path / "b" / "cmos-3Hz-0ms.nxs"))
+    for recording in recordings:
+        assert (recording.camera_type, recording.readout_mode) == ("photon", "rolling")
+        assert recording.integration_time_s == pytest.approx(4e-3)
+    assert [recording.nonuniformity is None for recording in recordings] == [False, True]
+
+
+def test_a_snapshot_camera_with_lag_gets_what_was_asked(tmp_path: Path) -> None:
+    """Oracle: the options, in SI units; no row delay in the truth."""
+    options = (
+        "--camera",
+        "microbolometer",
+        "--readout",
+        "snapshot",
+        "--time-constant",
+        "6 ms",
+        "--drift-dn-per-s",
+        "2",
+    )
+    truth = _simulate(tmp_path, *_SMALL, *options)
+    assert (truth["camera"], truth["readout_mode"], truth["time_constant_s"]) == ("microbolometer", "snapshot", 6e-3)
+    assert "row_delay_s" not in truth
+    recording = reader.read(tmp_path / "lagging-3Hz-0ms.nxs")
+    assert (recording.camera_type, recording.readout_mode) == ("microbolometer", "snapshot")
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
+        (("--camera", "microbolometer", "--readout", "snapshot", "--row-delay", "1 us"), "or take --readout rolling"),
+        (("--readout", "rolling", "--time-constant", "5 ms"), "--time-constant with --camera photon"),
+        (("--camera", "microbolometer", "--reference-frames", "5"), "--reference-frames with --camera microbolometer"),
+        (("--readout", "rolling", "--integration-time", "33 ms"), "longer than the camera period of 25 ms"),
         (("--row-delay", "1 us"), "--row-delay with --camera photon"),
         (("--nuc-at", "1 s", "--time-constant", "5 ms"), "--time-constant, --nuc-at with --camera photon"),
         (("--camera", "microbolometer", "--integration-time", "1 ms"), "--integration-time with --camera microbol"),

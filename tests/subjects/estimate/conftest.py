@@ -11,8 +11,8 @@ from scipy.stats import norm
 
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.reduced import ContrastImage, Opening, ReducedRecording, RowSums
 from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.records.rolling import ContrastImage, ReducedRows, RollingOpening
 from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -192,7 +192,7 @@ def brute_frames() -> Callable[..., tuple[np.ndarray, np.ndarray]]:
 
 
 @pytest.fixture(scope="session")
-def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRows]:
+def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
     """Reduced rows of a camera's frames, as the reduction hands them over.
 
     ``set_s`` is a set delay: the wheel angles that the analysis takes are that much later, the frames stay. ``keep`` picks
@@ -222,22 +222,28 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRows]:
         summed = ndimage.binary_dilation(light > 1e-3)
         row_px = np.flatnonzero(summed.any(axis=1))
         roi = (0, camera.rows, 0, camera.columns)
-        return ReducedRows(
+        return ReducedRecording(
             name=options["name"],
             source="",
             sha256="",
+            camera_type="microbolometer",
+            readout_mode="rolling",
             n_frames=n,
             trigger_ticks=ticks,
             frame_index=keep,
             segment=segment,
-            row_px=row_px,
-            row_sum_dn=(values * summed).sum(axis=2)[:, row_px],
-            mask_row_sum_dn=(values * (light > 0.5)).sum(axis=2)[:, row_px],
-            drift_dn=np.zeros(keep.size),
+            rows=RowSums(
+                row_px=row_px,
+                row_sum_dn=(values * summed).sum(axis=2)[:, row_px],
+                mask_row_sum_dn=(values * (light > 0.5)).sum(axis=2)[:, row_px],
+                drift_dn=np.zeros(keep.size),
+                edge_frame_dn=values[0].astype(np.uint16),
+                edge_frame=0,
+            ),
             samples_per_turn=1000,
             track=track,
             equal_track=track,
-            opening=RollingOpening(
+            opening=Opening(
                 roi=roi,
                 open_frame_dn=values[0],
                 covered_frame_dn=values[0],
@@ -257,8 +263,6 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRows]:
             shutter_events=(),
             trigger_delay_time_set_s=set_s,
             rotation_speed_hz=camera.rate_hz,
-            edge_frame_dn=values[0].astype(np.uint16),
-            edge_frame=0,
         )
 
     return make

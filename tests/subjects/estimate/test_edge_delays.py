@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from irtiming.estimate.edge_delays import estimate
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sum_model
-from irtiming.estimate.edge_delays import estimate
 from irtiming.physics.wheel import wheel_model
 
 TURN = 2 * np.pi
@@ -55,8 +55,7 @@ def recording(track_of, reduced_recording):
 
     def make(share, *, theta=_uniform, low=9e6, step=2e6, **fields):
         track = track_of(theta, start=START, duration_s=35.5)
-        peaks = (5000.0, 6000.0) if step > 0 else (5000.0, 4000.0)
-        return reduced_recording(track, _triggers(len(share)), low + step * share, peaks_dn=peaks, **fields)
+        return reduced_recording(track, _triggers(len(share)), low + step * share, is_colder=step < 0, **fields)
 
     return make
 

@@ -8,7 +8,7 @@ import pytest
 from irtiming.estimate.published import slope_delays as published
 from irtiming.physics.wheel import slope_centres_rad, wheel_model
 from irtiming.records.estimate import PublishedFit, SlopeLine
-from irtiming.records.reduced import ExposedFraction
+from irtiming.records.exposed import ExposedFraction
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3

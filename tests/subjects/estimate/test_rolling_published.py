@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from irtiming.estimate.published import lag_timing as rolling_published
+from irtiming.records.exposed import ExposedRows
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
-from irtiming.records.rolling import ExposedRows
 
 
 @pytest.fixture

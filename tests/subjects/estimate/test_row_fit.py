@@ -29,7 +29,7 @@ def truth(camera):
 @pytest.fixture(scope="module")
 def light(camera, brute_rows, sector_of):
     """Light of the rows by the camera's own sector."""
-    return row_light.row_light(brute_rows(camera).row_px, sector_of(camera))
+    return row_light.row_light(brute_rows(camera).rows.rows.row_px, sector_of(camera))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,9 @@ def _light_of(numbers, light, camera):
 
 def _noisy(rows, noise_of, *, seed):
     """Row sums with noise of shape (frame, row) added."""
-    return replace(rows, row_sum_dn=rows.row_sum_dn + noise_of(np.random.default_rng(seed), rows.row_sum_dn.shape))
+    clean = rows.rows.row_sum_dn
+    noisy = clean + noise_of(np.random.default_rng(seed), clean.shape)
+    return replace(rows, rows=replace(rows.rows, row_sum_dn=noisy))
 
 
 def _white(size_dn):
@@ -155,7 +157,7 @@ def test_white_noise_is_what_it_is_said_to_be(camera, exact, light):
 
 def test_noise_common_to_the_rows_widens_what_it_moves(camera, exact, light):
     """Oracle: 45 repetitions; each frame has a level of its own, as much in each row as its pixels are many."""
-    n_pixels = exact.opening.summed[exact.row_px].sum(axis=1)
+    n_pixels = exact.opening.summed[exact.rows.row_px].sum(axis=1)
 
     def common(rng, shape):
         return rng.normal(0, 60.0, shape) + n_pixels * rng.normal(0, 4.0, (shape[0], 1))

@@ -38,7 +38,7 @@ def three(camera, brute_rows, sector_of):
     """Fits of three recordings with noise, what each says of any six numbers, and the sector of all."""
     sector = sector_of(camera)
     recordings = [brute_rows(camera, set_s=set_s, noise_dn=6.0, seed=k) for k, set_s in enumerate(SET_S)]
-    light = row_light.row_light(recordings[0].row_px, sector)
+    light = row_light.row_light(recordings[0].rows.row_px, sector)
     fits = [row_fit.fit(one, camera.model, light=light) for one in recordings]
     return fits, [row_fit.likelihood(one, camera.model, light=light) for one in recordings], [sector] * len(fits)
 

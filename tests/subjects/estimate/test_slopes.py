@@ -9,7 +9,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate.published.slopes import fit, line_through
 from irtiming.physics.wheel import exposed_fraction, slope_centres_rad, wheel_model
-from irtiming.records.reduced import ExposedFraction
+from irtiming.records.exposed import ExposedFraction
 from irtiming.reduce import plateaus
 
 TURN = 2 * np.pi

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from irtiming.errors import EstimationError, IrTimingError, UnitError
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 
 
 def _recording(camera_type, readout_mode):

@@ -61,11 +61,13 @@ def test_means_and_uncertainties_of_six_runs_are_those_of_a_plain_loop(make_runs
     fractions = []
     for run, angle in zip(runs, angles, strict=True):
         inside = [np.mod(angle - p[0], TURN) <= p[1] - p[0] for p in data.plateaus]
-        top = run.pixel_count[np.any([m for m, p in zip(inside, data.plateaus, strict=True) if p[2]], axis=0)].mean()
-        low = run.pixel_count[
+        top = run.pixels.pixel_count[
+            np.any([m for m, p in zip(inside, data.plateaus, strict=True) if p[2]], axis=0)
+        ].mean()
+        low = run.pixels.pixel_count[
             np.any([m for m, p in zip(inside, data.plateaus, strict=True) if not p[2]], axis=0)
         ].mean()
-        fractions.append((run.pixel_count - low) / (top - low))
+        fractions.append((run.pixels.pixel_count - low) / (top - low))
     order = np.argsort(np.mod(angles.mean(axis=0), TURN))
     np.testing.assert_allclose(data.wheel_angle_rad, np.mod(angles.mean(axis=0), TURN)[order], atol=1e-9)
     np.testing.assert_allclose(data.fraction, np.mean(fractions, axis=0)[order], atol=3e-4)

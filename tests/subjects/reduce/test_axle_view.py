@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.records.rig import CameraOptics, Measured, Wheel
 from irtiming.reduce import cooled
 
@@ -149,8 +149,10 @@ def test_blank_frames_do_not_move_the_axle(reduced, paper_camera):
     whole, spoilt = reduced(paper_camera()), reduced(paper_camera(), spoil=spoil)
     assert spoilt.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.02)
     assert spoilt.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.02)
-    assert spoilt.pixel_sum.size == 490
-    assert any("10 frames dropped: more than half of their pixels are at zero" in text for text in spoilt.warnings)
+    assert spoilt.pixels.pixel_sum.size == 490
+    assert any(
+        "10 frames dropped: more than half of their pixels are at zero" in finding.what for finding in spoilt.findings
+    )
 
 
 def test_frames_outside_the_edges_do_not_move_the_axle(reduced, paper_camera, paper_wheel):
@@ -159,5 +161,7 @@ def test_frames_outside_the_edges_do_not_move_the_axle(reduced, paper_camera, pa
     whole, late = reduced(paper_camera()), reduced(paper_camera(), control_slot_ticks=slots[600:])
     assert late.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.07)
     assert late.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.07)
-    assert any("frames dropped: triggered where no control slots were recorded" in text for text in late.warnings)
-    assert 430 < late.pixel_sum.size < 460
+    assert any(
+        "frames dropped: triggered where no control slots were recorded" in finding.what for finding in late.findings
+    )
+    assert 430 < late.pixels.pixel_sum.size < 460

@@ -8,7 +8,7 @@ from irtiming.archive import reader, rig_file
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.reduce import microbolometer
 
 TURN = 2 * np.pi
@@ -49,6 +49,10 @@ def clean(reduced, clean_frames):
     return reduced(clean_frames)
 
 
+def _sentences(found):
+    return tuple(finding.sentence() for finding in found.findings)
+
+
 def _brute_row_sums(frames, found, area):
     """Sums over the rows, each bad pixel replaced by the mean of its nearest good neighbours in the row."""
     mended = frames.astype(float)
@@ -56,18 +60,18 @@ def _brute_row_sums(frames, found, area):
         good = np.flatnonzero(~found.opening.bad[row])
         left, right = good[good < column].max(), good[good > column].min()
         mended[:, row, column] = 0.5 * (mended[:, row, left] + mended[:, row, right])
-    return (mended * area).sum(axis=2)[:, found.row_px]
+    return (mended * area).sum(axis=2)[:, found.rows.row_px]
 
 
 def _check_by_brute_force(frames, found):
     kept = frames[found.frame_index]
     rows, columns = slice(*found.opening.roi[:2]), slice(*found.opening.roi[2:])
-    steady = kept[:, rows, columns] - found.drift_dn[:, None, None]
+    steady = kept[:, rows, columns] - found.rows.drift_dn[:, None, None]
     projection = np.einsum("n,nij->ij", found.contrast.frame_weight, steady)
     np.testing.assert_allclose(found.contrast.projection_dn, projection, atol=1e-9)
     sums = _brute_row_sums(kept, found, found.opening.summed)
-    n_pixels = found.opening.summed[found.row_px].sum(axis=1)
-    np.testing.assert_allclose(found.row_sum_dn, sums - np.outer(found.drift_dn, n_pixels), atol=1e-6)
+    n_pixels = found.opening.summed[found.rows.row_px].sum(axis=1)
+    np.testing.assert_allclose(found.rows.row_sum_dn, sums - np.outer(found.rows.drift_dn, n_pixels), atol=1e-6)
     for segment in np.unique(found.segment):
         assert abs(found.contrast.frame_weight[found.segment == segment].sum()) < 1e-12
 
@@ -77,7 +81,7 @@ def test_a_clean_recording_is_kept_to_the_last_frame(clean):
     assert clean.shutter_events == ()
     assert np.array_equal(clean.frame_index, np.arange(1000))
     assert not clean.segment.any()
-    assert clean.warnings == ()
+    assert clean.findings == ()
     assert clean.samples_per_turn == 1000
 
 
@@ -101,7 +105,7 @@ def test_opening_is_the_light_that_was_rendered(clean, paper_bolometer):
     assert (light * clean.opening.summed).sum() == pytest.approx(light.sum(), rel=1e-3)
     assert clean.opening.blackbody_is_colder
     assert not clean.opening.bad.any()
-    assert np.array_equal(clean.row_px, np.flatnonzero(clean.opening.summed.any(axis=1)))
+    assert np.array_equal(clean.rows.row_px, np.flatnonzero(clean.opening.summed.any(axis=1)))
     inside = ndimage.binary_erosion(clean.opening.mask, iterations=3)
     step = clean.opening.open_frame_dn - clean.opening.covered_frame_dn
     assert -950 < np.median(step[inside]) < -850  # the lag keeps it from the full 950 DN
@@ -177,7 +181,7 @@ def test_new_offsets_after_each_event_leave_the_projection_alone(reduced, turnin
     moved[415:] = (moved[415:] + offsets).astype(np.uint16)
     one, other = reduced(frames), reduced(moved)
     assert np.array_equal(one.frame_index, other.frame_index)
-    drift = np.sum(one.contrast.frame_weight * (one.drift_dn - other.drift_dn))
+    drift = np.sum(one.contrast.frame_weight * (one.rows.drift_dn - other.rows.drift_dn))
     same = one.opening.roi == other.opening.roi
     assert same
     np.testing.assert_allclose(other.contrast.projection_dn, one.contrast.projection_dn + drift, atol=1e-8)
@@ -206,7 +210,7 @@ def test_a_lone_blank_frame_is_dropped_and_is_no_event(reduced, clean_frames, fr
     found = reduced(frames)
     assert found.shutter_events == ()
     assert np.setdiff1d(np.arange(1000), found.frame_index).tolist() == [frame]
-    assert found.warnings == ("on paper: 1 single frames dropped: they do not show what the wheel angle demands",)
+    assert _sentences(found) == ("on paper: 1 single frames dropped: they do not show what the wheel angle demands",)
     _check_by_brute_force(frames, found)
 
 
@@ -225,10 +229,10 @@ def test_lost_frames_skip_their_triggers(reduced, clean_frames, clean):
     found = reduced(clean_frames[kept], frame_number=kept, n_triggers=1000)
     assert found.shutter_events == ()
     assert np.array_equal(found.trigger_ticks, clean.trigger_ticks[kept])
-    assert found.warnings == ("on paper: 30 frames lost between the first and the last: their triggers are skipped",)
-    if np.array_equal(found.row_px, clean.row_px):
+    assert _sentences(found) == ("on paper: 30 frames lost between the first and the last: their triggers are skipped",)
+    if np.array_equal(found.rows.row_px, clean.rows.row_px):
         np.testing.assert_allclose(
-            found.mask_row_sum_dn.sum(axis=1), clean.mask_row_sum_dn[kept].sum(axis=1), rtol=2e-4
+            found.rows.mask_row_sum_dn.sum(axis=1), clean.rows.mask_row_sum_dn[kept].sum(axis=1), rtol=2e-4
         )
 
 
@@ -238,7 +242,7 @@ def test_frames_outside_the_control_slots_are_dropped(reduced, clean_frames, cle
     ticks = clean.track.edge_ticks
     found = reduced(clean_frames, control_slot_ticks=ticks[ticks <= end])
     assert found.frame_index[-1] == 899
-    assert "100 frames dropped: triggered where no control slots were recorded" in found.warnings[0]
+    assert "100 frames dropped: triggered where no control slots were recorded" in found.findings[0].sentence()
 
 
 def test_blocks_do_not_matter(rig, rolled, turning, paper_bolometer):
@@ -252,7 +256,7 @@ def test_blocks_do_not_matter(rig, rolled, turning, paper_bolometer):
     for other in results[1:]:
         assert other.shutter_events == results[0].shutter_events
         assert np.array_equal(other.frame_index, results[0].frame_index)
-        assert np.array_equal(other.row_sum_dn, results[0].row_sum_dn)
+        assert np.array_equal(other.rows.row_sum_dn, results[0].rows.row_sum_dn)
         np.testing.assert_allclose(other.contrast.projection_dn, results[0].contrast.projection_dn, atol=1e-9)
 
 
@@ -289,8 +293,8 @@ def test_dead_pixels_in_the_opening_are_stood_in_for(reduced, clean_frames, clea
     assert np.array_equal(found.opening.mask, clean.opening.mask)
     assert found.shutter_events == ()
     if kind != "noisy":
-        np.testing.assert_allclose(found.row_sum_dn, clean.row_sum_dn, atol=0.5 * 950)
-    assert "neighbours in their rows stand in for them" in found.warnings[0]
+        np.testing.assert_allclose(found.rows.row_sum_dn, clean.rows.row_sum_dn, atol=0.5 * 950)
+    assert "neighbours in their rows stand in for them" in found.findings[0].sentence()
     _check_by_brute_force(frames, found)
     rows, columns = slice(*found.opening.roi[:2]), slice(*found.opening.roi[2:])
     assert np.array_equal(found.contrast.good, ~found.opening.bad[rows, columns])
@@ -303,11 +307,11 @@ def test_a_dead_row_is_left_out(reduced, clean_frames, clean):
     frames[:, 26, :40] = 5000
     assert np.mean(reduced(frames).opening.mask != clean.opening.mask) < 2e-3
     found = reduced(frames, before=clean.opening)
-    assert set(clean.row_px) - set(found.row_px) == {20, 26}
-    assert "on paper: image rows 20, 26 left out: they have too few live pixels" in found.warnings
+    assert set(clean.rows.row_px) - set(found.rows.row_px) == {20, 26}
+    assert "on paper: image rows 20, 26 left out: they have too few live pixels" in _sentences(found)
     assert found.shutter_events == ()
-    both = np.isin(clean.row_px, found.row_px)
-    np.testing.assert_allclose(found.row_sum_dn, clean.row_sum_dn[:, both], atol=200)
+    both = np.isin(clean.rows.row_px, found.rows.row_px)
+    np.testing.assert_allclose(found.rows.row_sum_dn, clean.rows.row_sum_dn[:, both], atol=200)
 
 
 _TIME_S = 0.033 * np.arange(1000)
@@ -330,21 +334,21 @@ def test_drift_is_taken_off(reduced, turning, drift, shutter):
         drift[316:] += 25.0
     found = reduced(values)
     true = drift[found.frame_index]
-    np.testing.assert_allclose(found.drift_dn, true - true.mean(), atol=0.4)
-    assert found.drift_dn.mean() == pytest.approx(0, abs=1e-9)
+    np.testing.assert_allclose(found.rows.drift_dn, true - true.mean(), atol=0.4)
+    assert found.rows.drift_dn.mean() == pytest.approx(0, abs=1e-9)
 
 
 def test_published_sums_lose_a_straight_line_only(reduced, turning, clean):
     """Oracle: a straight drift goes from the sums over the mask; of a bent one the bend stays."""
     straight = reduced(turning + (4.0 * _TIME_S)[:, None, None], seed=1)
     np.testing.assert_allclose(
-        straight.mask_row_sum_dn - straight.mask_row_sum_dn.mean(axis=0),
-        clean.mask_row_sum_dn - clean.mask_row_sum_dn.mean(axis=0),
+        straight.rows.mask_row_sum_dn - straight.rows.mask_row_sum_dn.mean(axis=0),
+        clean.rows.mask_row_sum_dn - clean.rows.mask_row_sum_dn.mean(axis=0),
         atol=0.3 * clean.opening.mask.sum(axis=1).max() + 30,
     )
     bend = 1.0 * (_TIME_S - _TIME_S.mean()) ** 2 / 10
     bent = reduced(turning + bend[:, None, None], seed=1)
-    level = (bent.mask_row_sum_dn - clean.mask_row_sum_dn).sum(axis=1) / clean.opening.mask.sum()
+    level = (bent.rows.mask_row_sum_dn - clean.rows.mask_row_sum_dn).sum(axis=1) / clean.opening.mask.sum()
     np.testing.assert_allclose(level - level.mean(), bend - bend.mean(), atol=0.5)
 
 
@@ -472,7 +476,7 @@ def test_an_opening_cut_by_the_image_is_refused(reduced, clean_frames):
 def test_an_opening_at_the_very_border_is_warned_of(reduced, clean_frames):
     """Oracle: the image cropped so that only the blurred border is cut."""
     found = reduced(clean_frames[:, 10:])
-    assert "the blurred border of the opening reaches the border of the image" in found.warnings[0]
+    assert "the blurred border of the opening reaches the border of the image" in found.findings[0].sentence()
 
 
 def test_too_few_rows_are_refused(reduced, paper_bolometer, paper_camera, trigger_angles):

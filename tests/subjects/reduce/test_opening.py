@@ -5,7 +5,8 @@ import pytest
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
+from irtiming.reduce import dead_pixels
 from irtiming.reduce.nonuniformity import Correction, correction
 from irtiming.reduce.opening import find
 
@@ -25,7 +26,7 @@ def _flat(shape):
 
 @pytest.fixture(scope="module")
 def look(paper_wheel, recorded):
-    """Find the opening in frames: ``look(frames, choices=..., **fields of the recording)``."""
+    """Find the opening in frames: ``look(frames, choices=..., **fields of the recording).opening``."""
     wheel = paper_wheel(duration_s=5.0)
 
     def run(frames, *, choices=None, **fields):
@@ -41,6 +42,10 @@ def hot(paper_camera):
     return _frames(paper_camera())
 
 
+def _peaks(found):
+    return found.histogram.plate_dn, found.histogram.blackbody_dn
+
+
 def _true_light(camera):
     light, _ = camera.light_by_angle()
     return light.sum(axis=0)
@@ -53,23 +58,25 @@ def test_opening_is_found_before_a_hot_and_a_cold_blackbody(look, paper_camera, 
     wheel_dn = 5050.0 if blackbody < 5000 else 4950.0
     camera = paper_camera(blur_px=blur, blackbody_dn=blackbody, wheel_dn=wheel_dn)
     light = _true_light(camera)
-    found = look(_frames(camera))
+    seen = look(_frames(camera))
+    found = seen.opening
     assert np.mean(found.mask != (light > 0.5)) < 0.012
-    assert found.peaks_dn == pytest.approx((5000, blackbody), abs=4)
-    assert found.threshold_dn == pytest.approx((5000 + blackbody) / 2, abs=4)
-    rows, columns = slice(*found.roi[:2]), slice(*found.roi[2:])
-    summed = (light[rows, columns] * found.weight).sum()
-    assert summed == pytest.approx(light.sum(), rel=1e-3)
+    assert _peaks(seen) == pytest.approx((5000, blackbody), abs=4)
+    assert seen.histogram.threshold_dn == pytest.approx((5000 + blackbody) / 2, abs=4)
+    assert found.blackbody_is_colder == (blackbody < 5000)
+    assert light[found.summed].sum() == pytest.approx(light.sum(), rel=1e-3)
     assert 2 * blur < found.border_px < 4 * blur + 4
-    assert set(np.unique(found.weight)) == {0.0, 1.0}
+    assert np.array_equal(dead_pixels.weights(found.summed, found.bad), found.summed.astype(float))
     assert found.n_bad_pixels == 0
-    assert found.warnings == ("no nonuniformity_reference in the recording: frames used as they are",)
+    (finding,) = seen.findings
+    assert finding.code == "no-nonuniformity-reference"
+    assert finding.sentence() == "on paper: no nonuniformity_reference in the recording: frames used as they are"
 
 
 def test_region_holds_the_opening_with_a_margin(look, hot, paper_camera):
     """Oracle: the box of the rendered light."""
     lit = np.argwhere(_true_light(paper_camera()) > 0.5)
-    roi = look(hot).roi
+    roi = look(hot).opening.roi
     for side, first, last in ((0, roi[0], roi[1] - 1), (1, roi[2], roi[3] - 1)):
         assert lit[:, side].min() - first >= 3
         assert last - lit[:, side].max() >= 3 or last == (59, 79)[side]
@@ -77,28 +84,28 @@ def test_region_holds_the_opening_with_a_margin(look, hot, paper_camera):
 
 def test_open_and_covered_frames_are_the_scene(look, hot, paper_camera):
     """Oracle: the levels that were rendered, 1000 DN apart in the middle of the opening."""
-    found = look(hot)
+    found = look(hot).opening
     inside = ndimage.binary_erosion(found.mask, iterations=3)
     np.testing.assert_allclose(found.open_frame_dn[inside], 6000, atol=5)
     np.testing.assert_allclose(found.covered_frame_dn[inside], 4950, atol=5)
-    assert found.histogram_count.sum() == found.weight.size
-    assert found.histogram_dn.size == found.histogram_count.size + 1
+    assert found.histogram.count.sum() == np.diff(found.roi)[[0, 2]].prod()
+    assert found.histogram.bin_edges_dn.size == found.histogram.count.size + 1
 
 
 def test_threshold_level_and_value_are_obeyed(look, hot):
     """Oracle: by hand; 66 % of the way from 5000 to 6000 DN, and the value as told."""
-    assert look(hot, choices=Choices(threshold_level=0.66)).threshold_dn == pytest.approx(5660, abs=4)
+    assert look(hot, choices=Choices(threshold_level=0.66)).histogram.threshold_dn == pytest.approx(5660, abs=4)
     told = look(hot, choices=Choices(threshold_dn=7000.0))
-    assert told.threshold_dn == 7000
-    assert "threshold 7000 DN lies outside the histogram peaks" in told.warnings[-1]
+    assert told.histogram.threshold_dn == 7000
+    assert "threshold 7000 DN lies outside the histogram peaks" in told.findings[-1].what
+    assert told.findings[-1].code == "threshold-outside-peaks"
 
 
 def test_region_of_interest_is_obeyed(look, hot):
-    """Oracle: the region as told; mask and weights are the same pixels as found without it."""
-    automatic, told = look(hot), look(hot, choices=Choices(roi=(0, 50, 2, 79)))
+    """Oracle: the region as told; mask and summed region are the same pixels as found without it."""
+    automatic, told = look(hot).opening, look(hot, choices=Choices(roi=(0, 50, 2, 79))).opening
     assert told.roi == (0, 50, 2, 79)
-    assert told.weight.shape == (50, 77)
-    assert told.weight.sum() == automatic.weight.sum()
+    assert np.array_equal(told.summed, automatic.summed)
     assert np.array_equal(told.mask, automatic.mask)
 
 
@@ -109,18 +116,20 @@ def test_dead_pixels_are_stood_in_for_by_their_neighbours(look, paper_camera, fl
     for pixel in dead:
         gain[pixel] = 0.0
     frames = _frames(paper_camera())
-    clean = look(frames, nonuniformity=flat_reference(np.ones((60, 80)), np.zeros((60, 80))))
+    clean = look(frames, nonuniformity=flat_reference(np.ones((60, 80)), np.zeros((60, 80)))).opening
     for pixel in dead:
         frames[(slice(None), *pixel)] = 200
-    found = look(frames, nonuniformity=flat_reference(gain, np.zeros((60, 80))))
+    seen = look(frames, nonuniformity=flat_reference(gain, np.zeros((60, 80))))
+    found = seen.opening
     assert found.roi == clean.roi
     assert np.array_equal(found.mask, clean.mask)
-    assert found.weight.sum() == pytest.approx(clean.weight.sum())
-    row, column = found.roi[0], found.roi[2]
-    assert [found.weight[r - row, c - column] for r, c in dead[:4]] == [0, 0, 0, 0]
-    assert found.weight[22 - row, 31 - column] == pytest.approx(1 + 1 / 8)
+    assert np.array_equal(found.summed, clean.summed)
+    weight = dead_pixels.weights(found.summed, found.bad)
+    assert weight.sum() == pytest.approx(found.summed.sum())
+    assert [weight[pixel] for pixel in dead[:4]] == [0, 0, 0, 0]
+    assert weight[22, 31] == pytest.approx(1 + 1 / 8)
     assert found.n_bad_pixels == 4
-    assert found.warnings == ()
+    assert seen.findings == ()
 
 
 def test_nonuniform_detector_gives_the_same_opening(look, paper_camera, flat_reference):
@@ -131,8 +140,8 @@ def test_nonuniform_detector_gives_the_same_opening(look, paper_camera, flat_ref
     raw = np.rint(scene * gain + offset).astype(np.uint16)
     found = look(raw, nonuniformity=flat_reference(gain, offset))
     perfect = look(scene, nonuniformity=flat_reference(np.ones((60, 80)), np.zeros((60, 80))))
-    assert np.mean(found.mask != perfect.mask) < 1e-3
-    assert found.peaks_dn == pytest.approx(perfect.peaks_dn, abs=8)
+    assert np.mean(found.opening.mask != perfect.opening.mask) < 1e-3
+    assert _peaks(found) == pytest.approx(_peaks(perfect), abs=8)
 
 
 def test_scouts_do_not_fall_in_step_with_the_wheel(paper_wheel, recorded, paper_camera):
@@ -150,7 +159,7 @@ def test_scouts_do_not_fall_in_step_with_the_wheel(paper_wheel, recorded, paper_
     recording = recorded(paper_wheel(duration_s=5.0), n_triggers=10)
     object.__setattr__(recording, "frames", Endless())
     found = find(recording, _flat((60, 80)), choices=Choices())
-    assert found.peaks_dn == pytest.approx((5000, 6000), abs=6)
+    assert _peaks(found) == pytest.approx((5000, 6000), abs=6)
 
 
 @pytest.mark.parametrize("shift", [(-29, 0), (0, -23), (0, 23), (24, 0)])
@@ -184,7 +193,7 @@ def test_dead_frames_are_passed_over_or_refused(look, hot):
     """Oracle: by hand; a tenth of blank frames does no harm, a third is refused."""
     frames = hot.copy()
     frames[::10] = 0
-    assert np.array_equal(look(frames).mask, look(hot).mask)
+    assert np.array_equal(look(frames).opening.mask, look(hot).opening.mask)
     frames[::3] = 0
     with pytest.raises(ReductionError, match=r"of 240 sampled frames are dead .all pixels alike., at most 20 % may be"):
         look(frames)

@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.reduce import microbolometer, row_averages
 
 TURN = 2 * np.pi
@@ -26,9 +26,9 @@ def runs(rig, rolled, turning, paper_bolometer):
 def _by_hand(run, curve_of, *, n_passes=1):
     """The run with all rows following one curve of the wheel angle, which is 1 where the opening is open."""
     angle = wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks)
-    pixels = run.opening.mask[run.row_px].sum(axis=1)
+    pixels = run.opening.mask[run.rows.row_px].sum(axis=1)
     sums = np.outer(4950 - 950 * curve_of(angle), pixels)
-    return replace(run, mask_row_sum_dn=sums)
+    return replace(run, rows=replace(run.rows, mask_row_sum_dn=sums))
 
 
 def _rounded(angle, *, high=1.0, low=0.0):
@@ -66,8 +66,8 @@ def test_uncertainties_are_the_scatter_over_runs(runs):
     data = row_averages.average(runs)
     pixels = runs[0].opening.mask[data.row_px].sum(axis=1)
     swing = np.median(
-        np.ptp(runs[0].mask_row_sum_dn, axis=0)[5:-5]
-        / np.maximum(runs[0].opening.mask[runs[0].row_px].sum(axis=1), 1)[5:-5]
+        np.ptp(runs[0].rows.mask_row_sum_dn, axis=0)[5:-5]
+        / np.maximum(runs[0].opening.mask[runs[0].rows.row_px].sum(axis=1), 1)[5:-5]
     )
     expected = 5.0 / np.sqrt(3 * pixels) / swing
     np.testing.assert_allclose(np.median(data.u_row_fraction, axis=1), expected, rtol=0.5)
@@ -85,7 +85,7 @@ def test_plateaus_are_normalised_to_zero_and_one_on_average(runs, colder):
     if not colder:
         run = replace(
             run,
-            mask_row_sum_dn=-run.mask_row_sum_dn,
+            rows=replace(run.rows, mask_row_sum_dn=-run.rows.mask_row_sum_dn),
             opening=replace(run.opening, blackbody_is_colder=False),
         )
     data = row_averages.average([run])
@@ -123,17 +123,19 @@ def test_angles_are_those_at_the_trigger_with_equal_slots(runs):
 def test_a_row_without_plateaus_is_left_out_and_a_whole_without_is_refused(runs):
     """Oracle: by hand; one row that stands still, then all of them turning once a turn."""
     run = _by_hand(runs[0], _rounded)
-    sums = run.mask_row_sum_dn.copy()
-    dull = int(np.flatnonzero(run.row_px == row_averages.average([run]).row_px[5])[0])
+    sums = run.rows.mask_row_sum_dn.copy()
+    dull = int(np.flatnonzero(run.rows.row_px == row_averages.average([run]).row_px[5])[0])
     sums[:, dull] = np.random.default_rng(0).normal(0, 1, len(sums))
-    data = row_averages.average([replace(run, mask_row_sum_dn=sums)])
-    assert run.row_px[dull] not in data.row_px
+    data = row_averages.average([replace(run, rows=replace(run.rows, mask_row_sum_dn=sums))])
+    assert run.rows.row_px[dull] not in data.row_px
     with pytest.raises(ReductionError, match="has not two upper and two lower plateaus"):
         row_averages.average([_by_hand(runs[0], np.cos)])
 
 
 def test_runs_without_a_common_row_are_refused(runs):
     """Oracle: by hand; the second run's rows renumbered away."""
-    moved = replace(runs[1], row_px=runs[1].row_px[:2], mask_row_sum_dn=runs[1].mask_row_sum_dn[:, :2])
+    few = runs[1].rows
+    few = replace(few, row_px=few.row_px[:2], mask_row_sum_dn=few.mask_row_sum_dn[:, :2])
+    moved = replace(runs[1], rows=few)
     with pytest.raises(ReductionError, match="no image row holds 4 pixels"):
         row_averages.average([runs[0], moved])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.records.rolling import ShutterEvent
+from irtiming.records.reduced import ShutterEvent
 from irtiming.reduce.shutter import FrameLevels, Watch, events, watch
 
 

@@ -5,11 +5,14 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
+from irtiming.records.joint_fit import JointFit, Profile
+from irtiming.records.rolling_result import RollingContribution, RollingResult
 
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import EDGE_SIGNS, exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
 from irtiming.records.arrays import Array
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import (
     Contribution,
     DelayResult,
@@ -19,13 +22,20 @@ from irtiming.records.estimate import (
     RelativeDelay,
     SlopeLine,
 )
-from irtiming.records.joint_fit import JointFit, Profile
+from irtiming.records.exposed import ExposedFraction, ExposedRows
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
 from irtiming.records.prediction import Prediction
-from irtiming.records.reduced import AxleView, Choices, ExposedFraction, Opening, ReducedRecording
+from irtiming.records.reduced import (
+    AxleView,
+    ContrastImage,
+    Histogram,
+    Opening,
+    PixelSums,
+    ReducedRecording,
+    RowSums,
+    ShutterEvent,
+)
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
-from irtiming.records.rolling import ContrastImage, ExposedRows, ReducedRows, RollingOpening, ShutterEvent
-from irtiming.records.rolling_result import RollingContribution, RollingResult
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, SectorShape, TimeConstantScan
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
@@ -111,14 +121,19 @@ def _recording(name: str, delay_s: float, rng: np.random.Generator) -> ReducedRe
         u_slot_deviation_rad=np.full(100, 1e-5),
     )  # fmt: skip
     count, bins = np.histogram(frame[2:40, 5:75], 64)
+    bad = np.zeros(mask.shape, bool)
+    bad[20, 40] = True
     opening = Opening(
         roi=(2, 40, 5, 75), open_frame_dn=frame, covered_frame_dn=np.full(frame.shape, 4000.0), mask=mask,
-        weight=mask[2:40, 5:75].astype(float), border_px=4, threshold_dn=6500.0, peaks_dn=(4000.0, 9000.0),
-        histogram_dn=bins, histogram_count=count.astype(np.int64), n_bad_pixels=1,
+        summed=mask, border_px=4, bad=bad, blackbody_is_colder=False,
+        histogram=Histogram(threshold_dn=6500.0, plate_dn=4000.0, blackbody_dn=9000.0, bin_edges_dn=bins,
+                            count=count.astype(np.int64)),
     )  # fmt: skip
     return ReducedRecording(
         name=name, source=f"runs/{name}.nxs", sha256=hashlib.sha256(name.encode()).hexdigest(), n_frames=1000,
-        trigger_ticks=np.arange(1000) * 1_622_016, pixel_sum=np.ones(1000), pixel_count=np.ones(1000),
+        camera_type="photon", readout_mode="snapshot", trigger_ticks=np.arange(1000) * 1_622_016,
+        frame_index=np.arange(1000), segment=np.zeros(1000, np.int64),
+        pixels=PixelSums(pixel_sum=np.ones(1000), pixel_count=np.ones(1000)),
         samples_per_turn=1000, track=track, equal_track=track, opening=opening,
         axle=AxleView(row_px=45, column_px=40, u_centre_px=0.05, bisector_rad=-np.pi / 2, u_bisector_rad=1e-4,
                       mean_angle_rad=-np.pi / 2),
@@ -223,7 +238,7 @@ def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
 class _Rolling:
     rig: Rig
     choices: Choices
-    recordings: tuple[ReducedRows, ...]
+    recordings: tuple[ReducedRecording, ...]
     geometry: _Geometry
     sector: SectorFit
     row_fits: tuple[RowTimingFit, ...]
@@ -306,17 +321,21 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
     )  # fmt: skip
 
 
-def _rows(analysis: _Analysis, name: str, delay_s: float) -> ReducedRows:
+def _rows(analysis: _Analysis, name: str, delay_s: float) -> ReducedRecording:
     given = analysis.recordings[0]
     mask, kept = given.opening.mask, np.delete(np.arange(400), np.arange(100, 120))
     summed = np.zeros(mask.shape, bool)
     summed[2:40, 5:75] = True
-    return ReducedRows(
+    return ReducedRecording(
         name=name, source=f"runs/{name}.nxs", sha256=hashlib.sha256(name.encode()).hexdigest(), n_frames=400,
-        trigger_ticks=kept * 1_622_016, frame_index=kept, segment=(kept >= 120).astype(np.int64), row_px=ROW_PX,
-        row_sum_dn=np.zeros((380, ROW_PX.size)), mask_row_sum_dn=np.zeros((380, ROW_PX.size)),
-        drift_dn=0.01 * kept, samples_per_turn=1000, track=given.track, equal_track=given.track,
-        opening=RollingOpening(
+        camera_type="microbolometer", readout_mode="rolling", trigger_ticks=kept * 1_622_016, frame_index=kept,
+        segment=(kept >= 120).astype(np.int64),
+        rows=RowSums(
+            row_px=ROW_PX, row_sum_dn=np.zeros((380, ROW_PX.size)), mask_row_sum_dn=np.zeros((380, ROW_PX.size)),
+            drift_dn=0.01 * kept, edge_frame_dn=(4000 - 400 * mask).astype(np.uint16), edge_frame=17,
+        ),
+        samples_per_turn=1000, track=given.track, equal_track=given.track,
+        opening=Opening(
             roi=(2, 40, 5, 75), open_frame_dn=4000 - 800.0 * mask, covered_frame_dn=np.full(mask.shape, 4000.0),
             mask=mask, summed=summed, border_px=4, bad=np.zeros(mask.shape, bool), blackbody_is_colder=True,
         ),
@@ -326,7 +345,6 @@ def _rows(analysis: _Analysis, name: str, delay_s: float) -> ReducedRows:
         ),
         shutter_events=(ShutterEvent(first_frame=100, end_frame=120, kind="closed"),),
         trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, axle=given.axle,
-        edge_frame_dn=(4000 - 400 * mask).astype(np.uint16), edge_frame=17,
     )  # fmt: skip
 
 

@@ -9,8 +9,8 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
-from irtiming.records.reduced import Choices
 from irtiming.report import certificate
 from irtiming.report import result as result_of
 

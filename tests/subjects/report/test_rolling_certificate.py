@@ -6,10 +6,10 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-
-from irtiming.records.estimate import Estimate
-from irtiming.records.reduced import Choices
 from irtiming.records.rolling_result import Bound
+
+from irtiming.records.choices import Choices
+from irtiming.records.estimate import Estimate
 from irtiming.report import certificate, rolling_result, rolling_tables
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.records.reduced import Choices
+from irtiming.records.choices import Choices
 from irtiming.report import tables
 from irtiming.report.combination import PAPER_TABLE_1, combined
 from irtiming.report.tables import Table

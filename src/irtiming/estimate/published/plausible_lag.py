@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 from irtiming.errors import EstimationError
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
-from irtiming.records.rolling import ExposedRows
+from irtiming.records.exposed import ExposedRows
 
 _TRIED_S = (1e-3, 3e-3, 10e-3, 30e-3)
 _FEWEST_POINTS = 8

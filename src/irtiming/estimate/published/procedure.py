@@ -10,10 +10,12 @@ from irtiming.estimate import by_blackbody, wheel_geometry
 from irtiming.estimate.published import lag_timing, row_delay_and_lag, slope_delays, slopes
 from irtiming.estimate.timing import common_integration_time
 from irtiming.records.analysis import Published
+from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
+from irtiming.records.exposed import ExposedFraction, ExposedRows
 from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import PublishedLagFit, WheelInImage
-from irtiming.records.reduced import Choices, ExposedFraction, ExposedRows, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import Result
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_geometry import WheelGeometry

@@ -16,9 +16,9 @@ from irtiming.estimate.published.plausible_lag import plausible_time_constant_s
 from irtiming.estimate.published.slope_distance import LIMITS, slope_distances
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.exposed import ExposedRows
 from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit, WheelInImage
-from irtiming.records.rolling import ExposedRows
 from irtiming.records.wheel_geometry import WheelModel
 
 ROUNDS = 3

@@ -6,7 +6,7 @@ from irtiming.errors import EstimationError
 from irtiming.physics.wheel import EDGE_SIGNS, TURN, slope_centres_rad
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import PublishedFit, SlopeLine
-from irtiming.records.reduced import ExposedFraction
+from irtiming.records.exposed import ExposedFraction
 from irtiming.records.wheel_geometry import WheelModel
 
 _FEWEST_POINTS = 10

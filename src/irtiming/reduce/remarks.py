@@ -1,0 +1,63 @@
+"""Findings that every reduction may make about a recording."""
+
+import numpy as np
+
+from irtiming.records.arrays import Mask
+from irtiming.records.finding import Finding
+from irtiming.records.recording import Recording
+from irtiming.records.wheel_track import WheelTrack
+
+
+def doubt(*, code: str, recording: Recording, what: str, cure: str = "") -> Finding:
+    """A warning about a recording.
+
+    Parameters
+    ----------
+    code
+        Kind of finding.
+    recording, what, cure
+        What it is about, what is, and what to do.
+    """
+    return Finding(severity="warning", code=code, recording=recording.name, what=what, cure=cure)
+
+
+def of_input(recording: Recording, track: WheelTrack) -> tuple[Finding, ...]:
+    """What was found when the file was read, and when its timestamps became wheel angles.
+
+    Parameters
+    ----------
+    recording, track
+        The wheel angles of the former.
+    """
+    return (*recording.findings, *(doubt(code="timestamps", recording=recording, what=text) for text in track.findings))
+
+
+def without_angle(recording: Recording, outside: Mask) -> tuple[Finding, ...]:
+    """Frames that are dropped since no control slots were recorded when they were triggered.
+
+    Parameters
+    ----------
+    recording
+        That they belong to.
+    outside
+        Shape (n_frame,); which they are.
+    """
+    if not np.any(outside):
+        return ()
+    what = f"{outside.sum()} frames dropped: triggered where no control slots were recorded"
+    return (doubt(code="frames-without-angle", recording=recording, what=what),)
+
+
+def lost_frames(recording: Recording) -> tuple[Finding, ...]:
+    """Triggers that made no frame.
+
+    Parameters
+    ----------
+    recording
+        To count in.
+    """
+    lost = int(recording.frame_number[-1] - recording.frame_number[0]) + 1 - recording.frame_number.size
+    if not lost:
+        return ()
+    what = f"{lost} frames lost between the first and the last: their triggers are skipped"
+    return (doubt(code="lost-frames", recording=recording, what=what),)
