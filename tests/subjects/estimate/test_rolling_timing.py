@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from irtiming.estimate.rolling_timing import NAMES
 
 from irtiming.estimate import rolling_timing
-from irtiming.estimate.rolling_timing import NAMES
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
