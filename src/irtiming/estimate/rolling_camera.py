@@ -19,6 +19,8 @@ from irtiming.estimate import (
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.physics import blurred_sector
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import AxleView, ReducedRecording
 from irtiming.records.rig import Rig
@@ -106,6 +108,7 @@ def _in_turns(
     recordings: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig
 ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
     """Contrast image and rows by turns, until the rows' numbers stay."""
+    response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
     groups = by_blackbody.groups(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
@@ -123,7 +126,9 @@ def _in_turns(
             _View(
                 members=members,
                 sector=sector,
-                light=row_light.row_light(recordings[members[0]].row_sums.row_px, sector),
+                light=row_light.row_light(
+                    recordings[members[0]].row_sums.row_px, sector, n_harmonics=response.HARMONICS
+                ),
                 lag=lag,
             )
             for members, sector, lag in zip(groups, sectors, lags, strict=True)
@@ -153,7 +158,7 @@ def _rows_fitted(
         fits
         if not before
         else tuple(
-            replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
+            replace(now, start=then.start, n_steps=then.n_steps + now.n_steps)
             for then, now in zip(before, fits, strict=True)
         )
     )
@@ -168,18 +173,20 @@ def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: Whee
 
 def _mean_lag(fits: list[RowTimingFit]) -> tuple[Array, float]:
     """Edge delays and time constant, means over fits."""
-    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(np.mean([fit.time_constant_s for fit in fits]))
+    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(
+        np.mean([fit.timing["time_constant"] for fit in fits])
+    )
 
 
 def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
+    """Whether what a response and a readout are made of has stayed where it was in the round before."""
     moves = [
-        abs(a.time_constant_s - b.time_constant_s) / np.sqrt(b.covariance_s2[4, 4])
+        abs(a.timing[name] - b.timing[name]) / b.estimate.u(name)
         for a, b in zip(before, now, strict=True)
+        for name in b.estimate.names
+        if name not in EDGE_DELAYS
     ]
-    moves += [
-        abs(a.row_delay_s - b.row_delay_s) / np.sqrt(b.covariance_s2[5, 5]) for a, b in zip(before, now, strict=True)
-    ]
-    return bool(np.max(moves) < _AGREED)
+    return max(moves, default=0.0) < _AGREED
 
 
 def _axle(sector: SectorFit) -> AxleView:

@@ -85,7 +85,7 @@ def estimate(
     )
     keep, bounds, undetermined = _determined(values, covariance)
     effective = _effective(fits, groups, each=each[2:], told=told)
-    noise = np.sqrt(np.mean([np.diag(fit.covariance_s2)[:4] for fit in fits], axis=0) / len(fits))
+    noise = np.sqrt(np.mean([fit.estimate.standard_uncertainties[:4] ** 2 for fit in fits], axis=0) / len(fits))
     return RollingResult(
         method="row-sum",
         estimate=Estimate(
@@ -223,7 +223,7 @@ def _parts(
     per_rad = is_edge * np.repeat([1 / fit.angular_frequency_rad_per_s for fit in fits], 6)
     noise = np.zeros((n, n))
     for k, (fit, factor) in enumerate(zip(fits, _run_to_run(fits), strict=True)):
-        noise[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = fit.covariance_s2 * factor
+        noise[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = fit.estimate.covariance * factor
     shape = np.zeros((n, n))
     for sector in {id(sector): sector for sector in sectors}.values():
         effect = np.concatenate([fit.shape_effect * (own is sector) for fit, own in zip(fits, sectors, strict=True)])
@@ -240,7 +240,7 @@ def _parts(
 
 
 def _six(fit: RowTimingFit) -> Array:
-    return np.array([*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s])
+    return fit.estimate.values
 
 
 def _weights(total: Array, design: Array) -> Array:
@@ -289,7 +289,7 @@ def _birge_ratio(group: list[RowTimingFit]) -> float:
     """Scatter of delay, tau and row delay over recordings at one speed, over what their own noise explains."""
     three = np.array([_PARAMETER_OF.T @ _six(fit) / [4, 1, 1] for fit in group])
     mix = _PARAMETER_OF.T / np.array([[4], [1], [1]])
-    inverses = np.array([np.linalg.inv(mix @ fit.covariance_s2 @ mix.T) for fit in group])
+    inverses = np.array([np.linalg.inv(mix @ fit.estimate.covariance @ mix.T) for fit in group])
     mean = np.linalg.solve(inverses.sum(axis=0), np.einsum("fij,fj->i", inverses, three))
     apart = three - mean
     return float(np.sqrt(np.einsum("fi,fij,fj->", apart, inverses, apart) / (3 * (len(group) - 1))))
@@ -336,7 +336,7 @@ def _remarks(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[str, ...]
             f"noise (figure of the residuals); their uncertainty was widened by up to {max(widened):.1f}"
         )
     row_delay = float(np.mean([fit.row_delay_s for fit in fits]))
-    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.covariance_s2[5, 5] for fit in fits]))))
+    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.estimate.u("row_delay") ** 2 for fit in fits]))))
     if abs(row_delay - sector.row_delay_s) > _DISAGREE * u:
         remarks.append(
             f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels {1e6 * sector.row_delay_s:.3f} us: "

@@ -15,7 +15,7 @@ at one recording's own numbers, a parameter is held and all others find their be
 trusted, and that the estimate left its start.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -24,7 +24,9 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import profile_of, rig_wide, whiteness
 from irtiming.estimate.rolling_timing import NAMES, Structure, structure
-from irtiming.estimate.row_timing import Parabola
+from irtiming.inference.optimiser import Linearised
+from irtiming.physics.camera import camera
+from irtiming.physics.light import row_sum
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
@@ -32,12 +34,13 @@ from irtiming.records.joint_fit import Profile
 from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
+_NAMES = row_sum.timing_names(camera("microbolometer", "rolling"))
 _MOST_STEPS = 20
 _SETTLED = 0.02  # standard uncertainties
 _NEVER_EXACT = 1e-18  # rad^2 on the diagonal of P, where an angle is taken as exact
 
-Likelihood = Callable[[Array], Parabola]
-"""Of one recording, over its six numbers."""
+Likelihood = Callable[[Mapping[str, float]], Linearised]
+"""Of one recording, over its six numbers by name."""
 
 
 @final
@@ -132,7 +135,7 @@ def begin(given: Problem, fits: Sequence[RowTimingFit]) -> Array:
     """The numbers of the recording that was read earliest, and no errors: where the search begins; shape (k + m,)."""
     first = min(fits, key=lambda fit: float(fit.edge_delay_s.mean()))
     n_own = given.maps.shape[2] - given.n_errors
-    six = np.array([*[float(first.edge_delay_s.mean())] * 4, first.time_constant_s, first.row_delay_s])
+    six = np.array([*[float(first.edge_delay_s.mean())] * 4, *first.estimate.values[4:]])
     every = np.concatenate([one[:, :n_own] for one in given.maps])
     own, *_ = np.linalg.lstsq(every, np.tile(six, len(given.maps)), rcond=None)
     return np.append(own, np.zeros(given.n_errors))
@@ -181,7 +184,7 @@ def _at(given: Problem, shared: Array) -> tuple[float, Array, Array]:
     deviance = float(np.sum(errors * shared**2))
     gradient, normal = -errors * shared, np.diag(errors)
     for likelihood, own, factor in zip(given.likelihoods, given.maps, given.factor, strict=True):
-        at = likelihood(own @ shared)
+        at = likelihood(dict(zip(_NAMES, own @ shared, strict=True)))
         deviance += at.deviance / factor
         gradient = gradient + own.T @ at.gradient / factor
         normal = normal + own.T @ at.normal @ own / factor
