@@ -1,6 +1,6 @@
 """The project's own method, for every camera: fits of single recordings, one likelihood over all, and what is reported of it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, final
 
@@ -24,6 +24,7 @@ from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
 from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
+from irtiming.inference.optimiser import Linearised, Model
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
@@ -196,6 +197,18 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )  # fmt: skip
 
 
+def _exact(fit: RowTimingFit, model: Model, *, factor: float) -> LocalModel:
+    """The rows' own likelihood over the numbers that were fitted, its variances that much larger than white residuals have."""
+    every = tuple(fit.timing)
+    columns, spread = [every.index(name) for name in fit.estimate.names], float(np.sqrt(factor))
+
+    def at(numbers: Mapping[str, float]) -> Linearised:
+        there = model({name: numbers.get(name, fit.timing[name]) for name in every})
+        return Linearised(residual=there.residual / spread, jacobian=there.jacobian[:, columns] / spread)
+
+    return LocalModel(names=fit.estimate.names, at=at)
+
+
 def _of_camera(
     fits: Sequence[RowTimingFit], first: RowTimingFit, *, blackbodies: Sequence[Sequence[int]]
 ) -> list[SharedNumber]:
@@ -204,7 +217,7 @@ def _of_camera(
     Of several also by how much edges that uncover are later than those that cover: a pixel that is faster when it is warm warms
     later and cools earlier than the one time constant says.
     """
-    names = [name for name in first.estimate.names if name not in EDGE_DELAYS]
+    names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
     several = len(blackbodies) > 1 and LAG in names
     found = [
         shared_numbers.same(name, fits, start=first.estimate.value(name))
@@ -215,7 +228,7 @@ def _of_camera(
         return found
     sense = dict(zip(EDGE_DELAYS, (-1.0, 1.0, -1.0, 1.0), strict=True))
     for g, members in enumerate(blackbodies):
-        for name, effect, start in ((LAG, {LAG: 1.0}, first.estimate.value(LAG)), ("uncovering_later", sense, 0.0)):
+        for name, effect, start in ((LAG, {LAG: 1.0}, first.timing[LAG]), ("uncovering_later", sense, 0.0)):
             effects = [effect if k in members else {} for k in range(len(fits))]
             found.append(SharedNumber(name=f"{name} of blackbody {g}", effects=effects, start=start))
     return found

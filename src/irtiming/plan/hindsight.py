@@ -111,7 +111,7 @@ def rolling(
         run = RollingRun(
             camera=Microbolometer(
                 noise_to_contrast=noise,
-                time_constant_s=max(fit.time_constant_s, 1e-6),
+                time_constant_s=max(fit.timing["time_constant"], 1e-6),
                 row_delay_s=fit.row_delay_s,
                 gain_scatter=sector.gain_scatter,
             ),

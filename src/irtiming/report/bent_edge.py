@@ -48,7 +48,7 @@ def edges(evidence: RollingEvidence, wheel_angle_rad: float, *, rolling: bool) -
     fit, shape, model = evidence.row_fits[0], evidence.sector.shape, evidence.geometry.model
     omega, middle = fit.angular_frequency_rad_per_s, float(fit.row_px.mean())
     row = np.linspace(float(fit.row_px[0]), float(fit.row_px[-1]), 200)
-    read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.time_constant_s
+    read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.timing["time_constant"]
     sense = -1.0 if shape.mirrored else 1.0
     found = []
     for edge, delay in zip(model.cutout_edges_rad, fit.edge_delay_s, strict=True):

@@ -28,7 +28,7 @@ def _likelihood(top: Axes, below: Axes, evidence: RollingEvidence) -> None:
     top.plot(dense, np.polyval(parabola, dense - tau.mean()), color=sheet.INK, linewidth=0.9, label="parabola")
     top.plot(tau, deviation, "o", color=sheet.BLUE, markersize=3.5, label="fits at fixed τ")
     fit = evidence.row_fits[0]
-    value, u = fit.time_constant_s / MS, float(np.sqrt(fit.covariance_s2[4, 4])) / MS
+    value, u = fit.estimate.value("time_constant") / MS, fit.estimate.u("time_constant") / MS
     _estimate(top, value, u)
     top.set_ylabel("2 · log-likelihood lost (1)")
     top.set_title("Row sums")

@@ -45,7 +45,7 @@ def by_edge(evidence: RollingEvidence) -> Figure:
         for k, (fit, hue) in enumerate(zip(evidence.row_fits, hues, strict=True)):
             axes.errorbar(
                 np.arange(4) + (0.5 * (k + 0.5) / n - 0.25), (fit.edge_delay_s - mean) / US,
-                yerr=np.sqrt(np.diag(fit.covariance_s2)[:4]) / US, fmt="o", color=hue, markersize=4, elinewidth=1,
+                yerr=fit.estimate.standard_uncertainties[:4] / US, fmt="o", color=hue, markersize=4, elinewidth=1,
                 capsize=2, label=f"{fit.name}" if n <= 8 else None,
             )  # fmt: skip
         sheet.zero_line(axes)

@@ -28,7 +28,7 @@ def figure_6(evidence: RollingEvidence) -> Panel:
 def scan(evidence: RollingEvidence) -> Panel:
     """Likelihood and RMS over the time constant."""
     fit = evidence.row_fits[0]
-    u = float(np.sqrt(fit.covariance_s2[4, 4]))
+    u = fit.estimate.u("time_constant")
     theirs = (
         " Right: the published procedure could not be run."
         if not evidence.published_fits
@@ -40,8 +40,8 @@ def scan(evidence: RollingEvidence) -> Panel:
     return Panel(
         title="How well other time constants fit",
         caption=f"Left, {fit.name}: all other numbers fitted anew at each τ; 1 is one standard uncertainty were the residuals "
-        f"white; {time_text(fit.time_constant_s, u)} from noise alone.{theirs} Below: points minus parabola. The narrower the "
-        "valley, the better τ is known; points off the parabola would bias its minimum.",
+        f"white; {time_text(fit.timing['time_constant'], u)} from noise alone.{theirs} Below: points minus parabola. The "
+        "narrower the valley, the better τ is known; points off the parabola would bias its minimum.",
         svg=sheet.svg(lag_figures.scan(evidence), title="Deviation over the time constant by both methods"),
     )
 

@@ -46,5 +46,5 @@ class RollingNoise:
 
 def noise(fits: Sequence[RowTimingFit]) -> RollingNoise:
     """Of the mean over all recordings and the four wheel edges, recordings being independent of each other."""
-    six = np.sum([fit.covariance_s2 for fit in fits], axis=0) / len(fits) ** 2
+    six = np.sum([fit.estimate.covariance for fit in fits], axis=0) / len(fits) ** 2
     return RollingNoise(covariance_s2=_FROM_SIX @ six @ _FROM_SIX.T)

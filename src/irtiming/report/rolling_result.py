@@ -187,9 +187,9 @@ def _fit(fit: RowTimingFit) -> dict[str, Any]:
     return {
         "recording": fit.name,
         "trigger_delay": float(fit.edge_delay_s.mean()),
-        "time_constant": fit.time_constant_s,
+        "time_constant": fit.estimate.value("time_constant"),
         "row_delay": fit.row_delay_s,
-        "search_started_at": list(fit.start_s),
+        "search_started_at": [fit.start["edge_delay_0"], fit.start["time_constant"], fit.start["row_delay"]],
         "steps": fit.n_steps,
         "rows": [int(fit.row_px[0]), int(fit.row_px[-1])],
         "median_noise": float(np.median(fit.noise)),

@@ -253,8 +253,8 @@ def fits(evidence: RollingEvidence) -> Table:
                 significant(1e3 * float(np.sqrt(np.mean(whole**2)))),
                 significant(1e3 * float(np.median(fit.noise))),
                 f"{fit.widening**0.5:.2f}",
-                _parameter(fit.time_constant_s, fit, 4, MS),
-                _parameter(fit.row_delay_s, fit, 5, US),
+                _parameter(fit, "time_constant", MS),
+                _parameter(fit, "row_delay", US),
             )
         )
     return Table(
@@ -270,8 +270,8 @@ def fits(evidence: RollingEvidence) -> Table:
     )  # fmt: skip
 
 
-def _parameter(value_s: float, fit: RowTimingFit, k: int, unit_s: float) -> str:
-    u = float(np.sqrt(fit.covariance_s2[k, k]))
+def _parameter(fit: RowTimingFit, name: str, unit_s: float) -> str:
+    value_s, u = fit.estimate.value(name), fit.estimate.u(name)
     text = time_text(value_s / unit_s, u / unit_s)
     return text.rsplit(" ", 1)[0] if text.endswith(" s") else f"{value_s / unit_s:.6g} ± {significant(u / unit_s)}"
 
@@ -280,8 +280,9 @@ def searches(evidence: RollingEvidence) -> Table:
     """Where each fit began and where it ended: a fit that stays at its start has found nothing."""
     rows = []
     for fit in evidence.row_fits:
-        ends = float(fit.edge_delay_s.mean()), fit.time_constant_s, fit.row_delay_s
-        moves = [f"{time_text(start)} → {time_text(end)}" for start, end in zip(fit.start_s, ends, strict=True)]
+        ends = fit.timing | {"edge_delay_0": float(fit.edge_delay_s.mean())}
+        names = ("edge_delay_0", "time_constant", "row_delay")
+        moves = [f"{time_text(fit.start[name])} → {time_text(ends[name])}" for name in names]
         rows.append((f"row sums, {fit.name}", *moves, f"{fit.n_steps} steps"))
     joint = evidence.likelihood
     moves = [f"{time_text(start)} → {time_text(end)}" for start, end in zip(joint.start, joint.values, strict=True)]
