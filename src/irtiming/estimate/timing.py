@@ -25,6 +25,8 @@ from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised, Model
+from irtiming.physics.camera import camera
+from irtiming.physics.light import row_sum
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
@@ -170,7 +172,11 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *shared_numbers.image_errors(fits, rows.sectors),
     ]
     models = tuple(joint.parabola(fit.estimate, factor=float(scale)) for fit, scale in zip(fits, factor, strict=True))
-    exact = tuple(rows.exact(k, factor=float(scale) * fits[k].widening) for k, scale in enumerate(factor))
+    names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
+    exact = tuple(
+        _exact(fit, model, names=names, factor=float(scale) * fit.widening)
+        for fit, model, scale in zip(fits, rows.models, factor, strict=True)
+    )
     found = joint.fit(models, shared)
     freedom = float(sum(fit.wheel_angle_rad.size - len(fit.estimate.names) for fit in fits))
     constants = [one.name for one in shared if one.name.startswith(LAG)]
@@ -197,13 +203,12 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )  # fmt: skip
 
 
-def _exact(fit: RowTimingFit, model: Model, *, factor: float) -> LocalModel:
+def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...], factor: float) -> LocalModel:
     """The rows' own likelihood over the numbers that were fitted, its variances that much larger than white residuals have."""
-    every = tuple(fit.timing)
-    columns, spread = [every.index(name) for name in fit.estimate.names], float(np.sqrt(factor))
+    columns, spread = [names.index(name) for name in fit.estimate.names], float(np.sqrt(factor))
 
     def at(numbers: Mapping[str, float]) -> Linearised:
-        there = model({name: numbers.get(name, fit.timing[name]) for name in every})
+        there = model({name: numbers.get(name, fit.timing[name]) for name in names})
         return Linearised(residual=there.residual / spread, jacobian=there.jacobian[:, columns] / spread)
 
     return LocalModel(names=fit.estimate.names, at=at)
