@@ -10,9 +10,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.result_file import require_place, write_result
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
+from irtiming.cli.screen import say
 from irtiming.records.finding import Finding
 
 _STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
@@ -36,7 +37,7 @@ def verify(
         _show(path, results[path], screen=screen)
     failed = [path for path, findings in results.items() if _has_error(findings)]
     if json is not None:
-        write_result({"files": [_entry(path, findings) for path, findings in results.items()]}, json)
+        write_json({"files": [_entry(path, findings) for path, findings in results.items()]}, json)
     if failed:
         raise typer.Exit(2)
 
@@ -53,7 +54,7 @@ def _show(path: Path, findings: list[Finding], *, screen: Console) -> None:
     if not screen.is_terminal:
         for finding in findings:
             line = f"{finding.severity}: {path}: {finding.sentence()}"
-            screen.print(" ".join(line.split()), markup=False, highlight=False, soft_wrap=True)
+            say(" ".join(line.split()), screen)
         return
     table = Table(title=escape(str(path)), title_justify="left", show_lines=False)
     for heading in ("", "where", "what", "what to do"):

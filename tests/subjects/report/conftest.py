@@ -41,6 +41,7 @@ from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_geometry import GateAngles, WheelModel
 from irtiming.records.wheel_track import WheelTrack
+from irtiming.report import sheet
 
 TURN = 2 * np.pi
 OMEGA = 3 * TURN
@@ -417,3 +418,9 @@ def _rolling_result(method: str, names: tuple[str, ...]) -> RollingResult:
         edge_delay_s=values[0] + np.array([1, -1, 2, -2]) * 1e-6 if ours else np.full(4, np.nan),
         u_edge_delay_s=np.full(4, 5e-6) if ours else np.full(4, np.nan),
     )
+
+
+@pytest.fixture
+def sketched(monkeypatch) -> None:
+    """Pages whose figures are made but not turned into SVG, which takes seconds: for tests of what is written around them."""
+    monkeypatch.setattr(sheet, "svg", lambda drawn, *, title: f'<svg role="img" aria-label="{title}"></svg>')
