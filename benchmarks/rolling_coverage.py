@@ -12,11 +12,11 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+from irtiming.records.rolling_result import RollingResult
 
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse_rolling
 from irtiming.records.rig import CameraOptics, Measured
-from irtiming.records.rolling_result import RollingResult
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig
 from irtiming.twin.scene import BolometerTiming, Scene, microbolometer_scene, with_wheel_speed

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.estimate import rolling_camera, rolling_timing, row_delay_and_lag, row_fit, row_light, wheel_geometry
+from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.choices import Choices
 from irtiming.records.lag_estimate import WheelInImage
 from irtiming.reduce import microbolometer, row_averages
@@ -45,7 +46,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
     found = rolling_camera.estimate([reduced], rig.measured)
     whole_s = time.perf_counter() - begin
     seen = found.recordings[0]
-    light = row_light.row_light(seen.row_sums.row_px, found.sector)
+    light = row_light.row_light(seen.row_sums.row_px, found.sector, n_harmonics=HARMONICS)
     wheel = found.geometry.model
 
     def exact() -> object:

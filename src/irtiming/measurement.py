@@ -76,7 +76,9 @@ def reduce(
             progress(recording.name, n_frames, total)
 
     with _noted(recording):
-        return recipes.reduce(recording, rig, choices=choices, progress=done, before=before[0].opening if before else None)
+        return recipes.reduce(
+            recording, rig, choices=choices, progress=done, before=before[0].opening if before else None
+        )
 
 
 def estimate(

@@ -1,12 +1,15 @@
 """Laws of lagging rows that hold for every wheel, every light and every timing."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from irtiming.estimate.harmonic_data import basis, compress, packed
-from irtiming.estimate.row_timing import RowModel, row_functions
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics
 from irtiming.physics.response.first_order_lag import transfer
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
 from irtiming.records.wheel_geometry import WheelModel
@@ -31,7 +34,8 @@ def _wheels(draw):
 def _rows(draw):
     """A wheel, three rows of any light, and any speed."""
     light = np.random.default_rng(draw(st.integers(0, 2**31))).normal(size=(3, 2, M + 1))
-    return RowModel(
+    return RowSum(
+        camera=camera("microbolometer", "rolling"),
         open_harmonics=open_harmonics(draw(_wheels()), M),
         row_harmonics=light[:, 0] + 1j * light[:, 1],
         row_px=np.array(draw(st.lists(st.integers(0, 500), min_size=3, max_size=3, unique=True))),
@@ -45,15 +49,15 @@ _ROW_DELAYS = st.floats(-2e-4, 2e-4)
 
 
 def _numbers(delay, tau, t_row):
-    return np.array([delay] * 4 + [tau, t_row])
+    return dict.fromkeys(EDGE_DELAYS, delay) | {"time_constant": tau, "row_delay": t_row}
 
 
 @given(_rows(), _TIMES, _TAUS, _ROW_DELAYS, _TIMES)
 def test_a_shift_of_the_delay_is_a_shift_of_the_angle(model, delay, tau, t_row, by):
     """Oracle: the wheel has turned on by omega times the delay."""
     theta = np.linspace(0, TURN, 17)
-    moved, _ = row_functions(model, _numbers(delay + by, tau, t_row))
-    still, _ = row_functions(model, _numbers(delay, tau, t_row))
+    moved = harmonics(model, _numbers(delay + by, tau, t_row))
+    still = harmonics(model, _numbers(delay, tau, t_row))
     shift = model.angular_frequency_rad_per_s * by
     np.testing.assert_allclose(at_angles(moved, theta), at_angles(still, theta + shift), atol=1e-8)
 
@@ -61,9 +65,9 @@ def test_a_shift_of_the_delay_is_a_shift_of_the_angle(model, delay, tau, t_row, 
 @given(_rows(), _TIMES, _TAUS, _ROW_DELAYS)
 def test_row_after_row_is_delay_after_delay(model, delay, tau, t_row):
     """Oracle: eq. 3; row y alone, read y row delays later in a snapshot."""
-    whole, _ = row_functions(model, _numbers(delay, tau, t_row))
+    whole = harmonics(model, _numbers(delay, tau, t_row))
     for k, row in enumerate(model.row_px):
-        alone, _ = row_functions(model, _numbers(delay + row * t_row, tau, 0.0))
+        alone = harmonics(model, _numbers(delay + row * t_row, tau, 0.0))
         np.testing.assert_allclose(whole[k], alone[k], atol=1e-8)
 
 
@@ -73,15 +77,7 @@ def test_light_adds_up(model, delay, tau, t_row, a, b):
     other = model.row_harmonics[::-1]
 
     def shown(light):
-        return row_functions(
-            RowModel(
-                open_harmonics=model.open_harmonics,
-                row_harmonics=light,
-                row_px=model.row_px,
-                angular_frequency_rad_per_s=model.angular_frequency_rad_per_s,
-            ),
-            _numbers(delay, tau, t_row),
-        )[0]
+        return harmonics(replace(model, row_harmonics=light), _numbers(delay, tau, t_row))
 
     both = shown(a * model.row_harmonics + b * other)
     np.testing.assert_allclose(both, a * shown(model.row_harmonics) + b * shown(other), atol=1e-10)
@@ -147,8 +143,8 @@ def test_a_turned_wheel_is_the_same_data_turned(seed, by):
     theta, values = rng.uniform(0, 50, 40), rng.normal(0, 1, (40, 1))
     model = rng.normal(size=6) + 1j * rng.normal(size=6)
     squares = []
-    for angle, harmonics in ((theta, model), (theta + by, model * later(-by, n_harmonics=5))):
-        data, f = compress(angle, values, n_harmonics=5), packed(harmonics)
+    for angle, turned in ((theta, model), (theta + by, model * later(-by, n_harmonics=5))):
+        data, f = compress(angle, values, n_harmonics=5), packed(turned)
         squares.append(data.power[0] - 2 * f @ data.moment[0] + f @ data.gram @ f)
     shown = packed(model) @ basis(theta, n_harmonics=5)
     left = values[:, 0] - values.mean() - (shown - shown.mean())

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate.published import slope_delays as published
-from irtiming.estimate.published import slopes
-from irtiming.physics.wheel import slope_centres_rad, wheel_model
-from irtiming.records.estimate import PublishedFit, SlopeLine
+from irtiming.estimate import published, slopes
+from irtiming.physics.wheel import wheel_model
 from irtiming.records.exposed import ExposedFraction
 from irtiming.reduce import plateaus
 
@@ -64,31 +62,22 @@ def _delays_us(threshold, *, window_s=250e-6, rate_hz=3.0):
 
 
 def test_deviations_of_table_1_have_an_rms_of_2_us():
-    """Oracle: table 1; slopes put where its measured delays say come back with its deviations, rms 2.034 us."""
+    """Oracle: table 1; pixels counted at its measured delays come back with its deviations, rms 2.034 us."""
     fits = []
     for nominal, deviation in zip(NOMINAL_S, [0, *TABLE_1_US], strict=True):
-        centres = slope_centres_rad(MODEL) - TURN * 3 * (nominal + 5e-4 + 1e-6 * deviation)
-        nothing = np.zeros(0)
-        lines = tuple(
-            SlopeLine(
-                edge=i,
-                centre_rad=float(np.mod(c, TURN)),
-                u_centre_rad=3e-5,
-                slope_per_rad=0.76,
-                reduced_chi_square=1.0,
-                angle_rad=nothing,
-                fraction=nothing,
+        angle, fraction = _counted(0.5, delay_s=nominal + 5e-4 + 1e-6 * deviation, n_pixels=20_000)
+        fits.append(
+            slopes.fit(
+                _averaged(angle, fraction, float(nominal)),
+                MODEL,
+                angular_frequency_rad_per_s=TURN * 3,
+                limits=(0.05, 0.95),
             )
-            for i, c in enumerate(centres)
         )
-        angle, fraction = _counted(0.5, n_pixels=50)
-        data = _averaged(angle, fraction, float(nominal))
-        fits.append(PublishedFit(data=data, lines=lines, angular_frequency_rad_per_s=TURN * 3))
     relative = published.relative_delays(fits)
     deviations = np.array([1e6 * (r.value_s - r.nominal_s) for r in relative[1:]])
-    np.testing.assert_allclose(deviations, TABLE_1_US, atol=1e-6)
-    assert np.sqrt(np.mean(deviations**2)) == pytest.approx(2.034, abs=0.0005)
-    assert [f"{1e3 * r.value_s:.3f}" for r in relative[1:]] == ["24.998", "49.999", "75.003", "99.998"]
+    np.testing.assert_allclose(deviations, TABLE_1_US, atol=0.1)
+    assert np.sqrt(np.mean(deviations**2)) == pytest.approx(2.034, abs=0.05)
 
 
 def test_threshold_off_the_middle_splits_the_two_absolute_delays():

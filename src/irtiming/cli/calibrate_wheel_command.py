@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from irtiming.errors import ArchiveError
+from irtiming.cli.screen import warn
 from irtiming.records.choices import ReferenceEdge
 
 
@@ -29,29 +29,16 @@ def calibrate_wheel(
     every turn is told from the slots. `irtiming analyse --wheel-calibration` takes the result.
     """
     from rich.console import Console
-    from rich.markup import escape
 
-    from irtiming.archive import reader, result_file, rig_file
-    from irtiming.archive.wheel_calibration_file import write_wheel_calibration
     from irtiming.cli.result_table import print_table
-    from irtiming.reduce import wheel_calibration
-    from irtiming.report import sheet, wheel_figures, wheel_tables
+    from irtiming.report import wheel_tables
+    from irtiming.session.wheel import CalibrationOrder, calibrate
 
-    result_file.require_place(out, besides=[*recording, rig])
-    if picture is not None:
-        if picture.suffix.lower() != ".svg":
-            raise ArchiveError(f"{picture}: the picture is an SVG drawing; give it a name that ends in .svg")
-        result_file.require_place(picture, besides=[*recording, rig, out])
-    owner = rig_file.read_rig(rig)
-    wheel = wheel_calibration.from_recordings(
-        (reader.read(path) for path in recording), owner, reference_edge=reference_edge
+    order = CalibrationOrder(
+        recordings=tuple(recording), rig=rig, calibration=out, picture=picture, reference_edge=reference_edge
     )
-    write_wheel_calibration(wheel, out)
-    if picture is not None:
-        drawing = sheet.svg(wheel_figures.calibration(wheel), title="Deviation of the control slots, and its orders")
-        result_file.write_atomically(drawing, picture)
-    screen = Console()
+    wheel, screen = calibrate(order), Console()
     for text in wheel.warnings:
-        screen.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
+        warn(text, screen)
     for table in (wheel_tables.summary(wheel), wheel_tables.speeds(wheel), wheel_tables.orders(wheel)):
         print_table(table, screen)

@@ -1,20 +1,19 @@
 """`irtiming import-capture`: timestamps from a logic analyser, where there is no trigger generator."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from irtiming.cli.screen import in_options, say, time_s
 from irtiming.errors import ArchiveError, UnitError
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
-if TYPE_CHECKING:
-    from irtiming.archive.captures.streams import CapturedTicks
-
 _SLOWEST_HZ, _FASTEST_HZ = 10**3, 10**12
 
 
+@in_options
 def import_capture(
     capture: Annotated[
         Path,
@@ -77,21 +76,10 @@ def import_capture(
     The capture must hold the camera trigger and both light gates, since an analyser has its own clock. The file of the frames
     is left as it is. A capture in which data were lost is refused with the time of the loss.
     """
-    from irtiming.archive.captures.streams import captured_ticks
-    from irtiming.archive.captures.streams import line_map as parse
-    from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
-    from irtiming.archive.result_file import require_place, write_result
+    from irtiming.archive.captures.timed_recording import CameraFacts
+    from irtiming.session.capture import CaptureOrder
+    from irtiming.session.capture import import_capture as take_timestamps
 
-    if (frames is None) != (out is None):
-        raise ArchiveError("--frames and --out belong together: the frames, and the recording to make of them")
-    if frames is None and json is None:
-        raise ArchiveError(
-            "nothing to write: give --frames and --out for a recording, or --json for the timestamps alone"
-        )
-    inputs = [capture, *([frames] if frames else [])]
-    for place in (out, json):
-        if place is not None:
-            require_place(place, besides=inputs if place is out else [*inputs, *([out] if out else [])])
     given = (camera, readout, wheel_hz, integration_time, trigger_delay_set, bit_depth)
     facts = None
     if any(value is not None for value in given):
@@ -101,17 +89,27 @@ def import_capture(
             camera_type=camera,
             readout_mode=readout,
             rotation_speed_hz=wheel_hz,
-            integration_time_s=None if integration_time is None else seconds(integration_time),
+            integration_time_s=time_s(integration_time),
             trigger_delay_time_set_s=seconds(trigger_delay_set or "0 s"),
             bit_depth=bit_depth or 16,
         )
-    ticks = captured_ticks(capture, parse(line_map), clock_hz=_clock(clock), shortest_s=seconds(shortest))
-    if json is not None:
-        write_result(_as_json(ticks), json)
-    oddities = []
-    if frames is not None and out is not None:
-        oddities = write_timed(frames, out, ticks=ticks, facts=facts, is_delayed=delayed_trigger)
-    _tell(ticks, [place for place in (out, json) if place], [finding.sentence() for finding in oddities])
+    order = CaptureOrder(
+        capture=capture,
+        lines=line_map,
+        frames=frames,
+        out=out,
+        json=json,
+        facts=facts,
+        clock_hz=_clock(clock),
+        shortest_s=seconds(shortest),
+        is_delayed=delayed_trigger,
+    )
+    found = take_timestamps(order)
+    ticks = found.ticks
+    counts = ", ".join(f"{values.size} of {field.name}" for field, values in ticks.streams.items())
+    say(f"{' and '.join(map(str, order.places))}: {counts}, in ticks of {ticks.clock_frequency_hz} Hz")
+    for finding in found.findings:
+        say(f"warning: {finding.sentence()}")
 
 
 def _clock(text: str | None) -> int | None:
@@ -125,18 +123,3 @@ def _clock(text: str | None) -> int | None:
             f"--clock '{text}' is no clock; write whole hertz from 1 kHz to 1 THz, such as '24 MHz' or '49152000 Hz'"
         )
     return rate
-
-
-def _as_json(ticks: "CapturedTicks") -> dict[str, object]:
-    streams = {field.name: values for field, values in ticks.streams.items()}
-    return {"clock_frequency": {"value": ticks.clock_frequency_hz, "unit": "Hz"}, "ticks": streams}
-
-
-def _tell(ticks: "CapturedTicks", places: list[Path], oddities: list[str]) -> None:
-    """Say what was written, and what is odd about it."""
-    from rich.console import Console
-
-    counts = ", ".join(f"{values.size} of {field.name}" for field, values in ticks.streams.items())
-    lines = [f"{' and '.join(map(str, places))}: {counts}, in ticks of {ticks.clock_frequency_hz} Hz"]
-    for line in [*lines, *(f"warning: {oddity}" for oddity in oddities)]:
-        Console().print(line, markup=False, highlight=False, soft_wrap=True)

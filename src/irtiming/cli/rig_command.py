@@ -1,19 +1,15 @@
 """`irtiming rig`: the simulated rig over the wires of a real one, and words by which to meddle with it."""
 
 import signal
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from irtiming.errors import ArchiveError, PlanError
+from irtiming.cli.screen import say, time_s
+from irtiming.errors import PlanError
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
-
-if TYPE_CHECKING:
-    from irtiming.twin.devices.bench import Bench
-    from irtiming.twin.rig import SimulatedRig
 
 
 def rig(
@@ -64,23 +60,19 @@ def rig(
     Every device speaks its own protocol, so the drivers cannot tell it from a real one. --out writes the files that
     irtiming record and irtiming analyse want.
     """
-    from rich.console import Console as Screen
+    from irtiming.session.served_rig import ServedOrder, served
+    from irtiming.twin.devices.bench import Workplace
+    from irtiming.twin.devices.console import WORDS
+    from irtiming.twin.devices.console import say as tell_rig
 
-    from irtiming.twin.cameras import camera_scene
-    from irtiming.twin.devices.bench import Bench, Workplace
-    from irtiming.twin.devices.console import WORDS, Console, say
-    from irtiming.twin.rig import draw
-
-    notes = Screen(highlight=False)
     if tell is not None:
-        answer = "\n".join(WORDS) if tell == "help" else say(tell, port=console)
-        notes.print(answer, markup=False, soft_wrap=True)
+        say("\n".join(WORDS) if tell == "help" else tell_rig(tell, port=console))
         return
     if not simulate:
         raise PlanError(
             "nothing was asked for; say --simulate to serve a simulated rig, or --tell WORDS to one that is served"
         )
-    lasts_s = None if duration is None else seconds(duration)
+    lasts_s = time_s(duration)
     place = Workplace(
         camera_address=camera_address,
         blackbody_port=blackbody_port,
@@ -90,62 +82,16 @@ def rig(
         settling_s=seconds(settling),
         seed=seed,
     )
-    drawn = draw(camera_scene(camera, readout, rows=rows, columns=columns), seed=seed)
-    notes.print(f"a {camera} camera of {columns} x {rows} pixels is being set up", soft_wrap=True)
-    with Bench(drawn, place=place) as bench, Console(bench, port=console) as words:
-        if out is not None:
-            _write(bench, drawn, out, console=words.port)
-        for name, address in bench.addresses.items():
-            notes.print(f"{name:18} {address}", markup=False, soft_wrap=True)
-        notes.print(f"{'console':18} {words.port}", markup=False, soft_wrap=True)
+    order = ServedOrder(
+        camera=camera, readout=readout, rows=rows, columns=columns, place=place, console=console, folder=out
+    )
+    say(f"a {camera} camera of {columns} x {rows} pixels is being set up")
+    with served(order) as found:
+        for name, address in (*found.bench.addresses.items(), ("console", found.console)):
+            say(f"{name:18} {address}")
         ends = "Ctrl-C ends it" if lasts_s is None else f"ends after {duration}"
-        notes.print(f"the rig is ready, {speed:g} of its seconds in one of yours; {ends}", soft_wrap=True)
+        say(f"the rig is ready, {speed:g} of its seconds in one of yours; {ends}")
         for number in (signal.SIGINT, signal.SIGTERM):  # a shell lets its jobs ignore the first
-            signal.signal(number, lambda *_: bench.end())
-        bench.serve(lasts_s)
-    notes.print("the rig has ended")
-
-
-def _write(bench: "Bench", drawn: "SimulatedRig", out: Path, *, console: int) -> None:
-    """Files for the programs that work with this rig."""
-    from irtiming.archive import rig_file
-    from irtiming.archive.result_file import write_result
-    from irtiming.twin.rig import truth
-
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ArchiveError(f"{out} cannot be made ({error.strerror}); give another folder") from error
-    rig_file.write_rig(drawn.measured, out / "rig.toml")
-    write_result(truth(drawn.scene), out / "truth.json")
-    plan = out / "plan.toml"
-    try:
-        plan.write_text(_plan(bench, drawn, console=console), encoding="utf-8")
-    except OSError as error:
-        raise ArchiveError(f"{plan} cannot be written ({error.strerror}); give another folder") from error
-
-
-def _plan(bench: "Bench", drawn: "SimulatedRig", *, console: int) -> str:
-    """A series that this rig can record, to be changed as one likes."""
-    from irtiming.twin.scene import readout_mode_of
-
-    timing = drawn.scene.timing
-    integration_s = getattr(timing, "integration_time_s", None)
-    kind = "microbolometer" if integration_s is None else "photon"
-    devices = "".join(f'{name} = "{address}"\n' for name, address in bench.addresses.items())
-    lines = [
-        f"[devices]\n{devices}speed = {bench.place.speed:g}   # seconds of the rig in one of yours; leave it out on a real rig\n",
-        f'[camera]\ntype = "{kind}"\nreadout_mode = "{readout_mode_of(timing)}"\n',
-        f"[series]\nwheel_hz = {[3, 9] if kind == 'photon' else [3]}\nframe_hz = 30.303\nsamples = 1000\n",
-        f'[blackbody]\ntemperature = "{drawn.scene.radiance.blackbody_k:g} K"\n',
-    ]
-    if integration_s is not None:
-        program = Path(sys.executable).with_name("irtiming")
-        lines[1] += f'integration_time = "{1e6 * integration_s:g} us"\n'
-        radiance = drawn.scene.radiance
-        lines.append(
-            f"[references]   # of the bare blackbody: the command takes wheel and mask out of the way, and brings them back\n"
-            f'low = "{radiance.reference_low_k:g} K"\nhigh = "{radiance.reference_high_k:g} K"\nframes = 50\n'
-            f'command = "{program} rig --console {console} --tell"\n'
-        )
-    return "\n".join(lines)
+            signal.signal(number, lambda *_: found.bench.end())
+        found.bench.serve(lasts_s)
+    say("the rig has ended")

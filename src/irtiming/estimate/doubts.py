@@ -18,7 +18,6 @@ _CORRELATED_ROWS = 4.0  # the same of row sums, whose frames are judged over all
 _BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
 
 
-
 def of_edges(u_edge_rad: float) -> tuple[Finding, ...]:
     """Where the edges differ by more than wheels are cut to.
 

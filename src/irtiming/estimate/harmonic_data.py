@@ -7,11 +7,28 @@ within: the offset by taking the mean off, the gain by projection.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
 
 from irtiming.records.arrays import Array, ComplexArray
+
+_RANK = 1e-12  # of the largest eigenvalue: what is below, frames do not tell apart
+_ROUNDING = 1e-12  # of the sum of squares
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WhiteData:
+    """Sum of squares of a row's residuals from a model F: |root F - target|^2 + rest.
+
+    Shapes: ``root`` (k, p) with k at most p, ``target`` (n_row, k), ``rest`` (n_row,), what no periodic model explains.
+    """
+
+    root: Array
+    target: Array
+    rest: Array
 
 
 @final
@@ -27,6 +44,18 @@ class HarmonicData:
     moment: Array
     power: Array
     n_frames: int
+
+    @cached_property
+    def white(self) -> "WhiteData":
+        """The same, as plain least squares."""
+        sizes, axes = np.linalg.eigh(self.gram)
+        kept = sizes > _RANK * sizes[-1]
+        root = np.sqrt(sizes[kept])
+        target = self.moment @ axes[:, kept] / root
+        rest = self.power - np.einsum("rk,rk->r", target, target)
+        return WhiteData(
+            root=root[:, None] * axes[:, kept].T, target=target, rest=np.maximum(rest, _ROUNDING * self.power)
+        )
 
     def lowest(self, n_harmonics: int) -> "HarmonicData":
         """The same with fewer harmonics."""

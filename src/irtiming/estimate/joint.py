@@ -205,7 +205,9 @@ def residuals(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> M
         beside = np.array([(values[k] - one.known) / float(one.u or 1.0) for k, one in known])
         return Linearised(
             residual=np.concatenate([*(one.residual for one in there), beside]),
-            jacobian=np.concatenate([*(one.jacobian @ local for one, local in zip(there, made, strict=True)), prior_slopes]),
+            jacobian=np.concatenate(
+                [*(one.jacobian @ local for one, local in zip(there, made, strict=True)), prior_slopes]
+            ),
         )
 
     return at

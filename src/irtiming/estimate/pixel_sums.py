@@ -25,11 +25,12 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Radii
-from irtiming.physics.wheel import TURN, WheelModel, exposed_fraction
+from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelModel
 
 SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high")
 """Local numbers beside the edges' delays: rad, s, rad, rad."""

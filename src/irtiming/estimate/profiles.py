@@ -57,7 +57,9 @@ def _profile(one: Measurand, at: Joint, *, u: float) -> Profile:
     best = float(row @ at.values)
     along = whole.covariance @ row / float(row @ whole.covariance @ row)
     tried = best + u * np.array([k for k in _POINTS if one.name != "integration_time" or best + k * u > 0])
-    deviation = np.array([_lost(one, at, value=float(value), start=at.values + along * (value - best)) for value in tried])
+    deviation = np.array(
+        [_lost(one, at, value=float(value), start=at.values + along * (value - best)) for value in tried]
+    )
     order = np.argsort(np.append(tried, best))
     values, deviation = np.append(tried, best)[order], np.append(np.maximum(deviation, 0.0), 0.0)[order]
     lower, upper = _crossings(values, deviation, best)

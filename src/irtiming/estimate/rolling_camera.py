@@ -9,21 +9,21 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import (
     by_blackbody,
-    rolling_timing,
     row_fit,
     row_light,
-    row_likelihood,
     sector_fit,
     wheel_geometry,
 )
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
+from irtiming.inference.optimiser import Model
 from irtiming.physics import blurred_sector
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import AxleView, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.records.rolling_result import RollingResult
-from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, TimeConstantScan
+from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
@@ -33,19 +33,21 @@ _FIRST_LAG = 1e-4  # seconds; the first contrast image is fitted as if there wer
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RollingFit:
-    """All that the default method found; ``recordings`` now know the axle. ``sector`` is that of the first recording."""
+class RowFits:
+    """What the rows of all recordings say, one after the other.
+
+    ``recordings`` now know the axle; ``sectors``, ``fits`` and ``models`` stand in their order, one of each per recording. A model
+    tells how well any local numbers fit, exactly, were the residuals white.
+    """
 
     recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
-    sector: SectorFit
+    sectors: tuple[SectorFit, ...]
     fits: tuple[RowTimingFit, ...]
-    scan: TimeConstantScan
-    likelihood: RowLikelihood
-    result: RollingResult
+    models: tuple[Model, ...]
 
 
-def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
+def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RowFits:
     """Trigger delay, time constant and row delay.
 
     Parameters
@@ -66,7 +68,7 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
         return _estimate(recordings, rig)
 
 
-def _estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
+def _estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RowFits:
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     views, fits = _in_turns(recordings, bare, rig=rig)
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
@@ -78,16 +80,12 @@ def _estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RollingFit:
     )
     seen = tuple(replace(one, axle=_axle(sector)) for one, sector in zip(recordings, sectors, strict=True))
     geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
-    result = rolling_timing.estimate(fits, geometry, sectors=sectors, n_rows=recordings[0].opening.mask.shape[0])
-    likelihoods = [row_fit.likelihood(one, bare, light=light) for one, light in zip(recordings, lights, strict=True)]
-    return RollingFit(
+    return RowFits(
         recordings=seen,
         geometry=geometry,
-        sector=sectors[0],
+        sectors=tuple(sectors),
         fits=fits,
-        scan=row_fit.scan(recordings[0], bare, light=lights[0], found=fits[0]),
-        likelihood=row_likelihood.estimate(likelihoods, fits, geometry=geometry, sectors=sectors, told=result.estimate),
-        result=result,
+        models=tuple(row_fit.likelihood(one, bare, light=light) for one, light in zip(recordings, lights, strict=True)),
     )
 
 
@@ -106,6 +104,7 @@ def _in_turns(
     recordings: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig
 ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
     """Contrast image and rows by turns, until the rows' numbers stay."""
+    response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
     groups = by_blackbody.groups(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
@@ -123,7 +122,9 @@ def _in_turns(
             _View(
                 members=members,
                 sector=sector,
-                light=row_light.row_light(recordings[members[0]].row_sums.row_px, sector),
+                light=row_light.row_light(
+                    recordings[members[0]].row_sums.row_px, sector, n_harmonics=response.HARMONICS
+                ),
                 lag=lag,
             )
             for members, sector, lag in zip(groups, sectors, lags, strict=True)
@@ -153,7 +154,7 @@ def _rows_fitted(
         fits
         if not before
         else tuple(
-            replace(now, start_s=then.start_s, n_steps=then.n_steps + now.n_steps)
+            replace(now, start=then.start, n_steps=then.n_steps + now.n_steps)
             for then, now in zip(before, fits, strict=True)
         )
     )
@@ -168,18 +169,20 @@ def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: Whee
 
 def _mean_lag(fits: list[RowTimingFit]) -> tuple[Array, float]:
     """Edge delays and time constant, means over fits."""
-    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(np.mean([fit.time_constant_s for fit in fits]))
+    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(
+        np.mean([fit.timing["time_constant"] for fit in fits])
+    )
 
 
 def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
+    """Whether what a response and a readout are made of has stayed where it was in the round before."""
     moves = [
-        abs(a.time_constant_s - b.time_constant_s) / np.sqrt(b.covariance_s2[4, 4])
+        abs(a.timing[name] - b.timing[name]) / b.estimate.u(name)
         for a, b in zip(before, now, strict=True)
+        for name in b.estimate.names
+        if name not in EDGE_DELAYS
     ]
-    moves += [
-        abs(a.row_delay_s - b.row_delay_s) / np.sqrt(b.covariance_s2[5, 5]) for a, b in zip(before, now, strict=True)
-    ]
-    return bool(np.max(moves) < _AGREED)
+    return max(moves, default=0.0) < _AGREED
 
 
 def _axle(sector: SectorFit) -> AxleView:

@@ -1,4 +1,4 @@
-"""The exact model fitted to one recording: from row sums to delays, time constant, row delay and their covariance."""
+"""The exact model fitted to one recording: from row sums to its numbers by name, and their covariance."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,28 +11,40 @@ from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
 from irtiming.estimate.row_residuals import robust_covariance
-from irtiming.estimate.row_timing import HARMONICS, Parabola, RowModel, Solution
+from irtiming.estimate.row_timing import Solution
+from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
+from irtiming.physics.camera import camera
+from irtiming.physics.light import row_sum
+from irtiming.physics.light.row_sum import RowSum, Timing
+from irtiming.physics.response import integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
+from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.row_timing import RowTimingFit, TimeConstantScan
+from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import WheelModel
 
-_SCAN_POINTS, _SCAN_WIDTH = 21, 4.0
+_WINDOW = integration_window.PARAMETER
+_UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Task:
-    """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model."""
+    """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model.
+
+    ``stated`` is what the recording says of the model's numbers, ``signs`` which way the contrast goes.
+    """
 
     angle: Array
     sums: Array
     stretches: list[Mask]
     data: list[HarmonicData]
-    model: RowModel
+    model: RowSum
+    stated: Timing
+    signs: tuple[int, ...]
 
 
 def fit(
@@ -58,7 +70,7 @@ def fit(
     Raises
     ------
     EstimationError
-        If the fit does not settle.
+        If the rows show nothing that turns with the wheel.
     """
     with one_thread():
         return _fit(rows, wheel, light=light, start=start)
@@ -67,7 +79,7 @@ def fit(
 def with_shape_effect(
     found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
 ) -> RowTimingFit:
-    """A fit that knows what its six numbers owe to each number of the sector: one linear step.
+    """A fit that knows what its numbers owe to each number of the sector: one linear step.
 
     Parameters
     ----------
@@ -78,36 +90,36 @@ def with_shape_effect(
     """
     with one_thread():
         task = _task(rows, wheel, light)
-        values = np.array([*found.edge_delay_s, found.time_constant_s, found.row_delay_s])
-        sign = -1 if rows.opening.blackbody_is_colder else 1
-        again = row_timing.solve(task.data, task.model, start=values, signs=(sign,))
-        functions = row_timing.row_functions(task.model, again.values)
-        return replace(found, shape_effect=_shape_effect(task, again, functions=functions, changes=changes))
+        at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
+        return replace(found, shape_effect=_shape_effect(task, at, changes))
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
     task = _task(rows, wheel, light)
-    begin = None if start is None else np.array([*start.edge_delay_s, start.time_constant_s, start.row_delay_s])
-    sign = -1 if rows.opening.blackbody_is_colder else 1
-    found = row_timing.solve(task.data, task.model, start=begin, signs=(sign,))
-    whole, slopes = row_timing.row_functions(task.model, found.values)
-    waves = harmonic_data.basis(task.angle, n_harmonics=HARMONICS)
+    found, held = _solved(task, None if start is None else start.timing)
+    names = found.minimum.free
+    waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
+    whole = row_sum.harmonics(task.model, found.timing)
     model = (packed(whole) @ waves).T
     residual, fraction = _residuals(task, found, model)
-    scores = _scores(task, found, residual=residual, functions=(whole, slopes), waves=waves)
+    scores = _scores(task, found, residual=residual, waves=waves)
     covariance, widening = robust_covariance(scores[np.argsort(np.mod(task.angle, TURN))], found.normal)
     mass = light.harmonics[:, 0].real
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
-        edge_delay_s=found.values[:4],
-        time_constant_s=float(found.values[4]),
-        row_delay_s=float(found.values[5]),
-        covariance_s2=covariance,
-        shape_effect=np.zeros((6, len(SHAPE_NUMBERS))),
-        start_s=(float(found.start[:4].mean()), float(found.start[4]), float(found.start[5])),
+        estimate=Estimate(
+            names=names,
+            units=("s",) * len(names),
+            values=np.array([found.timing[name] for name in names]),
+            covariance=covariance,
+        ),
+        held=held,
+        start=found.began,
         n_steps=found.n_steps,
+        shape_names=SHAPE_NUMBERS,
+        shape_effect=np.zeros((len(names), len(SHAPE_NUMBERS))),
         row_px=light.row_px,
         wheel_angle_rad=np.mod(task.angle, TURN),
         fraction=fraction / mass,
@@ -121,37 +133,50 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     )
 
 
-def likelihood(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight) -> Callable[[Array], Parabola]:
-    """How well any six numbers (four edge delays, tau, t_row; s) fit one recording; parameters as for `fit`."""
-    task = _task(rows, wheel, light)
-    return lambda values: row_timing.parabola(task.data, task.model, values=values)
+def _solved(task: _Task, start: Timing | None) -> tuple[Solution, Timing]:
+    """The solution, and which numbers it holds: a window of which the frames say less than the recording.
+
+    With a window held as stated, or found without a statement, the frames' own uncertainty of it decides.
+    """
+    found = row_timing.solve(task.data, task.model, start=start, signs=task.signs, held=task.stated)
+    if _WINDOW not in task.model.names:
+        return found, {}
+    window_s = abs(found.timing[_WINDOW])
+    u_s = row_timing.uncertainty(task.data, task.model, timing=found.timing, name=_WINDOW)
+    held = {_WINDOW: window_s} if u_s > _UNDETERMINED * window_s else {}
+    again = row_timing.solve(task.data, task.model, start={**found.timing, _WINDOW: window_s}, held=held)
+    return replace(again, began=found.began, n_steps=found.n_steps + again.n_steps), held
 
 
-def scan(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, found: RowTimingFit) -> TimeConstantScan:
-    """How much worse other time constants fit, four standard uncertainties to both sides, all else at its best."""
+def likelihood(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight) -> Callable[[Timing], Linearised]:
+    """How well any numbers fit one recording, as few residuals with derivatives in the order of the model's names.
+
+    Parameters as for `fit`.
+    """
     task = _task(rows, wheel, light)
-    values = np.array([*found.edge_delay_s, found.time_constant_s, found.row_delay_s])
-    reach = min(_SCAN_WIDTH * float(np.sqrt(found.covariance_s2[4, 4])), 0.9 * found.time_constant_s)
-    constants = found.time_constant_s + reach * np.linspace(-1, 1, _SCAN_POINTS)
-    deviance = [row_timing.profile(task.data, task.model, values=values, time_constant_s=tau) for tau in constants]
-    return TimeConstantScan(time_constant_s=constants, deviation=np.array(deviance) - min(deviance))
+    return lambda timing: row_timing.likelihood(task.data, task.model, timing=timing)
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight) -> _Task:
     angle = wheel_angle_rad(rows.trigger_delay_time_set_s, rows.track, at_ticks=rows.trigger_ticks)
     sums = rows.row_sums.row_sum_dn[:, light.is_lit]
     stretches = [np.asarray(rows.segment == number) for number in np.unique(rows.segment)]
+    model = RowSum(
+        camera=camera(rows.camera_type, rows.readout_mode),
+        open_harmonics=wheel_harmonics.open_harmonics(wheel, light.harmonics.shape[1] - 1),
+        row_harmonics=light.harmonics,
+        row_px=light.row_px.astype(float),
+        angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
+    )
+    window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
         angle=angle,
         sums=sums,
         stretches=stretches,
-        data=[harmonic_data.compress(angle[part], sums[part], n_harmonics=HARMONICS) for part in stretches],
-        model=RowModel(
-            open_harmonics=wheel_harmonics.open_harmonics(wheel, HARMONICS),
-            row_harmonics=light.harmonics,
-            row_px=light.row_px,
-            angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
-        ),
+        data=[harmonic_data.compress(angle[part], sums[part], n_harmonics=model.n_harmonics) for part in stretches],
+        model=model,
+        stated={} if window_s is None else {_WINDOW: window_s},
+        signs=(-1 if rows.opening.blackbody_is_colder else 1,),
     )
 
 
@@ -166,35 +191,35 @@ def _residuals(task: _Task, found: Solution, model: Array) -> tuple[Array, Array
     return residual, fraction
 
 
-def _scores(
-    task: _Task, found: Solution, *, residual: Array, functions: tuple[ComplexArray, ComplexArray], waves: Array
-) -> Array:
-    """Gradient of the log-likelihood that each frame contributes, shape (n, 6); gain and offset of the rows projected out."""
-    scores = np.zeros((residual.shape[0], 6))
-    whole, slopes = functions
-    shape = packed(whole)
+def _free_slopes(task: _Task, found: Solution) -> ComplexArray:
+    """Derivatives of the rows' harmonics to the numbers that were fitted, shape (k, n_row, M + 1), per second."""
+    at = [task.model.names.index(name) for name in found.minimum.free]
+    return row_sum.slopes(task.model, found.timing)[at]
+
+
+def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array) -> Array:
+    """Gradient of the log-likelihood that each frame contributes, shape (n, k); gain and offset of the rows projected out."""
+    slopes, shape = packed(_free_slopes(task, found)), packed(row_sum.harmonics(task.model, found.timing))
+    scores = np.zeros((residual.shape[0], len(slopes)))
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
         weighted = np.ascontiguousarray((residual[part] * (gain / found.variance)).T, dtype=np.float32)
         own_waves = waves[:, part].astype(np.float32)  # seven digits are plenty for a covariance
         through = shape @ data.gram
         norm = np.einsum("yp,yp->y", through, shape)
         mean = waves[:, part].mean(axis=1)
-        for k, slope in enumerate(packed(slopes)):
+        for k, slope in enumerate(slopes):
             free = slope - (np.einsum("yp,yp->y", through, slope) / norm)[:, None] * shape
             free[:, 0] -= free @ mean
             scores[part, k] = np.einsum("yn,yn->n", free.astype(np.float32) @ own_waves, weighted)
     return scores
 
 
-def _shape_effect(
-    task: _Task, found: Solution, *, functions: tuple[ComplexArray, ComplexArray], changes: ComplexArray
-) -> Array:
-    """Change of the six numbers per unit of each number of the sector, shape (6, 10): one linear step of the fit."""
-    whole, slopes = functions
-    light = task.model.row_harmonics
+def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:
+    """Change of the fitted numbers per unit of each number of the sector, shape (k, 10): one linear step of the fit."""
+    whole, light = row_sum.harmonics(task.model, found.timing), task.model.row_harmonics
     moved = packed(changes * (whole / np.where(light == 0, 1, light)))
-    shape, slope = packed(whole), packed(slopes)
-    pull = np.zeros((6, len(changes)))
+    shape, slope = packed(whole), packed(_free_slopes(task, found))
+    pull = np.zeros((len(slope), len(changes)))
     for data, gain in zip(task.data, found.gain, strict=True):
         through = slope @ data.gram
         along = np.einsum("kyp,yp->ky", through, shape)

@@ -7,7 +7,6 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorFit, SectorShape
@@ -47,7 +46,7 @@ class Variation:
     distance: float
 
 
-def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
+def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight:
     """Light of the rows.
 
     Parameters
@@ -56,13 +55,15 @@ def row_light(row_px: Ticks, sector: SectorFit) -> RowLight:
         Rows that were summed, shape (n_row,).
     sector
         Fitted to the contrast image; its excess counts as points of light at their own angles.
+    n_harmonics
+        Highest order M that the camera's response needs.
 
     Raises
     ------
     EstimationError
         If too few rows hold the light of three pixels.
     """
-    harmonics = _harmonics(sector, row_px)
+    harmonics = _harmonics(sector, row_px, n_harmonics=n_harmonics)
     lit = harmonics[:, 0].real > _LEAST_LIGHT_PX2
     if lit.sum() < _FEWEST_ROWS:
         raise EstimationError(
@@ -82,8 +83,11 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
     varied
         One for each number, in the order of the covariance.
     """
-    apart = [_harmonics(one.ahead, light.row_px) - _harmonics(one.behind, light.row_px) for one in varied]
-    return np.array([change / one.distance for change, one in zip(apart, varied, strict=True)])
+
+    def harmonics(sector: SectorFit) -> ComplexArray:
+        return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
+
+    return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
 
 
 def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
@@ -92,28 +96,28 @@ def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> Secto
     return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
 
 
-def _harmonics(sector: SectorFit, row_px: Ticks) -> ComplexArray:
+def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
     points, blur_px = blurred_sector.light_points(sector.shape), sector.shape.blur_px
-    inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=HARMONICS)
-    return (1 - sector.plate) * inside + _of_pixels(sector, row_px)
+    inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=n_harmonics)
+    return (1 - sector.plate) * inside + _of_pixels(sector, row_px, n_harmonics=n_harmonics)
 
 
-def _of_pixels(sector: SectorFit, row_px: Ticks) -> ComplexArray:
+def _of_pixels(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Ring, excess and what dead pixels borrow, by row: in each pixel light about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     smear = [
-        blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(HARMONICS + 1)
+        blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(n_harmonics + 1)
     ]
-    out = np.zeros((row_px.size, HARMONICS + 1), complex)
+    out = np.zeros((row_px.size, n_harmonics + 1), complex)
     for light, angle in (
         (sector.ring, sector.ring_angle_rad),
         (sector.borrowed, sector.borrowed_angle_rad),
         (sector.excess, sector.excess_angle_rad),
     ):
         turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
-        for order in range(HARMONICS + 1):
+        for order in range(n_harmonics + 1):
             out[:, order] += np.einsum("yx,yx->y", wave, smear[order])
             wave = wave * turn
     return out

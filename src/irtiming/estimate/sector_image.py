@@ -16,9 +16,9 @@ from scipy import ndimage
 from scipy.special import ndtr
 
 from irtiming.estimate.row_light import shape_of
-from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector, smooth_field, wheel_harmonics
 from irtiming.physics.response import first_order_lag
+from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask

@@ -10,16 +10,20 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate.wheel_geometry import WheelGeometry
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.row_timing import SectorFit
+from irtiming.records.wheel_geometry import WheelGeometry
 
 DELAY = "delay"
 """Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
 
-EDGES, RESIDUALS, IMAGE = "cutout edges", "structure of the residuals common to all recordings", "axle, mask and blur in the image"
+EDGES, RESIDUALS, IMAGE = (
+    "cutout edges",
+    "structure of the residuals common to all recordings",
+    "axle, mask and blur in the image",
+)
 """Sources of a budget beside those that rig.toml names."""
 
 
@@ -136,9 +140,7 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
                 else {}
                 for fit, own in zip(fits, sectors, strict=True)
             ]
-            errors.append(
-                SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=IMAGE, kind="A")
-            )
+            errors.append(SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=IMAGE, kind="A"))
     return errors
 
 

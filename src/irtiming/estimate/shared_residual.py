@@ -49,7 +49,8 @@ def split(fits: Sequence[EdgeDelayFit]) -> SharedResidual:
     share = np.array([_power(rest) / _power(whole) for whole, rest in zip(binned, own, strict=True)])
     share = np.where(share > _ALL_NOISE, 1.0, share)
     shared = [
-        fit.covariance_s2 * (1 - part) * fit.angular_frequency_rad_per_s**2 for fit, part in zip(fits, share, strict=True)
+        fit.covariance_s2 * (1 - part) * fit.angular_frequency_rad_per_s**2
+        for fit, part in zip(fits, share, strict=True)
     ]
     return SharedResidual(own_share=np.maximum(share, _LEAST_SHARE), shared_rad2=np.mean(shared, axis=0))
 

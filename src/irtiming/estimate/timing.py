@@ -1,8 +1,8 @@
 """The project's own method, for every camera: fits of single recordings, one likelihood over all, and what is reported of it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
@@ -19,20 +19,25 @@ from irtiming.estimate import (
     shared_residual,
     wheel_geometry,
 )
-from irtiming.estimate.joint import Joint, LocalModel
+from irtiming.estimate.joint import Joint, LocalModel, Measurand
 from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
 from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
+from irtiming.inference.optimiser import Linearised, Model
+from irtiming.physics.camera import camera
+from irtiming.physics.light import row_sum
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
-from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import EffectiveTimeConstants, JointFit, RelativeDelay, Result
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
+
+if TYPE_CHECKING:
+    from irtiming.records.arrays import Array
 
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
 _CORNER_RAD = 4.5e-3  # what rounds the corners besides the window and is not in the model, as simulated rigs showed
@@ -56,7 +61,7 @@ class Timing:
     fits: Fits
     joint: Joint
     exact: tuple[LocalModel, ...]
-    profiled: tuple[joint.Measurand, ...]
+    profiled: tuple[Measurand, ...]
     joint_fit: JointFit
     result: Result
 
@@ -88,7 +93,8 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     groups = scatter.alike(fits, [range(len(fits))])
     factor = residual.own_share * scatter.run_to_run(fits, groups)
     models = tuple(
-        _model(one, fit, geometry, factor=float(scale)) for one, fit, scale in zip(recordings, fits, factor, strict=True)
+        _model(one, fit, geometry, factor=float(scale))
+        for one, fit, scale in zip(recordings, fits, factor, strict=True)
     )
     u_edge = scatter.edge_uncertainty(fits, geometry)
     shared = [
@@ -97,7 +103,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     ]
     found = joint.fit(models, shared)
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
-    alone = found.estimate([joint.Measurand(name=WINDOW, weights={WINDOW: 1.0})])
+    alone = found.estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
     unknown_s = _CORNER_RAD**2 / (2 * max(abs(alone.value(WINDOW)), alone.u(WINDOW)) * fastest**2)
     window = Window(
         stated_s=common_integration_time(recordings),
@@ -108,7 +114,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits],
-        n_residuals=sum(fit.residual.size - 1 - pixel_sums.N_OWN for fit in fits),
+        n_residuals=sum(fit.residual.size - 1 - pixel_sums.N_OWN for fit in fits), u_edge_rad=u_edge,
     )  # fmt: skip
     result = _result(found, fits, reported=reported, recordings=recordings)
     findings = (
@@ -166,8 +172,10 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *shared_numbers.image_errors(fits, rows.sectors),
     ]
     models = tuple(joint.parabola(fit.estimate, factor=float(scale)) for fit, scale in zip(fits, factor, strict=True))
+    names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
     exact = tuple(
-        rows.exact(k, factor=float(scale) * fits[k].widening) for k, scale in enumerate(factor)
+        _exact(fit, model, names=names, factor=float(scale) * fit.widening)
+        for fit, model, scale in zip(fits, rows.models, factor, strict=True)
     )
     found = joint.fit(models, shared)
     freedom = float(sum(fit.wheel_angle_rad.size - len(fit.estimate.names) for fit in fits))
@@ -177,7 +185,10 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     else:
         window = Window(stated_s=common_integration_time(recordings), u_beside_s=0.0, is_told=True)
         reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
-    record = _record(found, fits, whiteness=[_whiteness(fit) for fit in fits], n_residuals=sum(len(fit.estimate.names) for fit in fits))
+    record = _record(
+        found, fits, whiteness=[_whiteness(fit) for fit in fits],
+        n_residuals=sum(len(fit.estimate.names) for fit in fits), u_edge_rad=u_edge,
+    )  # fmt: skip
     result = _result(found, fits, reported=reported, recordings=recordings)
     effective = _effective(found, fits, blackbodies=blackbodies, constants=constants)
     findings = (
@@ -192,6 +203,17 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )  # fmt: skip
 
 
+def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...], factor: float) -> LocalModel:
+    """The rows' own likelihood over the numbers that were fitted, its variances that much larger than white residuals have."""
+    columns, spread = [names.index(name) for name in fit.estimate.names], float(np.sqrt(factor))
+
+    def at(numbers: Mapping[str, float]) -> Linearised:
+        there = model({name: numbers.get(name, fit.timing[name]) for name in names})
+        return Linearised(residual=there.residual / spread, jacobian=there.jacobian[:, columns] / spread)
+
+    return LocalModel(names=fit.estimate.names, at=at)
+
+
 def _of_camera(
     fits: Sequence[RowTimingFit], first: RowTimingFit, *, blackbodies: Sequence[Sequence[int]]
 ) -> list[SharedNumber]:
@@ -200,31 +222,34 @@ def _of_camera(
     Of several also by how much edges that uncover are later than those that cover: a pixel that is faster when it is warm warms
     later and cools earlier than the one time constant says.
     """
-    names = [name for name in first.estimate.names if name not in EDGE_DELAYS]
+    names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
     several = len(blackbodies) > 1 and LAG in names
     found = [
-        shared_numbers.same(name, fits, start=first.estimate.value(name)) for name in names if name != LAG or not several
+        shared_numbers.same(name, fits, start=first.estimate.value(name))
+        for name in names
+        if name != LAG or not several
     ]
     if not several:
         return found
     sense = dict(zip(EDGE_DELAYS, (-1.0, 1.0, -1.0, 1.0), strict=True))
     for g, members in enumerate(blackbodies):
-        for name, effect, start in ((LAG, {LAG: 1.0}, first.estimate.value(LAG)), ("uncovering_later", sense, 0.0)):
+        for name, effect, start in ((LAG, {LAG: 1.0}, first.timing[LAG]), ("uncovering_later", sense, 0.0)):
             effects = [effect if k in members else {} for k in range(len(fits))]
             found.append(SharedNumber(name=f"{name} of blackbody {g}", effects=effects, start=start))
     return found
 
 
 def _record(
-    found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int
+    found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
     own = [one for one in found.shared if one.unit != "1"]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
-    every = [joint.Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
+    every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(
         parameters=found.estimate([*every, *angles]),
         start={one.name: one.start for one in own} | {one.name: 0.0 for one in angles},
         prior=measurands.known_before(angles),
+        u_edge_rad=u_edge_rad,
         reduced_chi_square=found.found.at.deviance / max(1, n_residuals),
         birge=joint.disagreement(found),
         whiteness=np.array(whiteness),
@@ -233,9 +258,7 @@ def _record(
     )
 
 
-def _result(
-    found: Joint, fits: Fits, *, reported: Reported, recordings: Sequence[ReducedRecording]
-) -> Result:
+def _result(found: Joint, fits: Fits, *, reported: Reported, recordings: Sequence[ReducedRecording]) -> Result:
     noise = np.sqrt(np.mean([np.diag(fit.estimate.covariance)[:4] for fit in fits], axis=0) / len(fits))
     return Result(
         method="row-sum" if recordings[0].pixels is None else "pixel-sum",
@@ -280,7 +303,7 @@ def _effective(
     temperature_k = np.array([np.mean(group) for group in known])
     order = np.argsort(temperature_k)
     contrast = np.array([np.mean([fits[k].gain_dn.mean() for k in members]) for members in blackbodies])
-    taus = found.estimate([joint.Measurand(name=constants[k], weights={constants[k]: 1.0}) for k in order])
+    taus = found.estimate([Measurand(name=constants[k], weights={constants[k]: 1.0}) for k in order])
     return EffectiveTimeConstants(
         blackbody_temperature_k=temperature_k[order],
         time_constant_s=taus.values,

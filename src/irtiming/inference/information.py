@@ -78,7 +78,9 @@ class Information:
         alone = np.eye(len(self.names))[:, [self.names.index(name) for name in names]]
         if not names:
             return np.eye(len(self.names))
-        return np.asarray(np.eye(len(self.names)) - self.matrix @ alone @ inverse(alone.T @ self.matrix @ alone) @ alone.T)
+        return np.asarray(
+            np.eye(len(self.names)) - self.matrix @ alone @ inverse(alone.T @ self.matrix @ alone) @ alone.T
+        )
 
 
 def prior(name: str, u: float, *, source: str, kind: EvaluationType = "B", gap: float = 0.0) -> Information:

@@ -13,8 +13,9 @@ from irtiming.errors import PlanError
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.information import Information
-from irtiming.plan.photon_information import FrameNoise, Sampling, Structure
+from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import NAMES, RollingRun
+from irtiming.records.analysis import Analysis
 from irtiming.records.camera_description import Microbolometer
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.prediction import AngleErrors, PredictedRelativeDelay, Prediction
@@ -26,6 +27,28 @@ _UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9
 
 _Groups: TypeAlias = dict[tuple[float, float], list[Information]]
+
+
+def predict(analysis: Analysis) -> Prediction | None:
+    """What the recordings of an analysis should tell; None where they tell too little, or their camera has no prediction.
+
+    Parameters
+    ----------
+    analysis
+        Recordings, fits, and the sizes of the angle errors.
+    """
+    angles = AngleErrors(
+        common=tuple((source, u) for source, _, u in analysis.geometry.angle_budget), edge_rad=analysis.joint.u_edge_rad
+    )
+    recordings, fits, model = analysis.recordings, analysis.fits, analysis.geometry.model
+    sums = [fit for fit in fits if isinstance(fit, EdgeDelayFit)]
+    if sums:
+        structure = SHARED_SHAPE if recordings[0].integration_time_s is None else KNOWN_WINDOW
+        return photon(recordings, sums, model=model, angles=angles, structure=structure)
+    if (analysis.camera_type, analysis.readout_mode) != ("microbolometer", "rolling"):
+        return None
+    rows = [fit for fit in fits if isinstance(fit, RowTimingFit)]
+    return rolling(rows, analysis.sectors[0], model=model, angles=angles)
 
 
 def photon(
@@ -88,7 +111,7 @@ def rolling(
         run = RollingRun(
             camera=Microbolometer(
                 noise_to_contrast=noise,
-                time_constant_s=max(fit.time_constant_s, 1e-6),
+                time_constant_s=max(fit.timing["time_constant"], 1e-6),
                 row_delay_s=fit.row_delay_s,
                 gain_scatter=sector.gain_scatter,
             ),

@@ -24,8 +24,10 @@ Fits: TypeAlias = tuple[EdgeDelayFit, ...] | tuple[RowTimingFit, ...]
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Published:
-    """By the procedure of Schatz 2023: its result, the fits per nominal delay and speed (none where it could not be run), and the
-    geometry with equal slots that they used.
+    """By the procedure of Schatz 2023.
+
+    ``result`` is empty and there are no ``fits``, one per nominal delay and wheel speed, where it could not be run; ``geometry`` is
+    that with equal slots, which the fits used.
     """
 
     result: Result
@@ -87,5 +89,8 @@ class Analysis:
         without = self.published.result.findings if self.published and not self.published.fits else ()
         two = self.two_constants.findings if self.two_constants else ()
         found = [one for recording in self.recordings for one in recording.findings]
-        wheel = self.wheel.findings if self.wheel else ()
+        wheel = [
+            Finding(code="slots-doubtful", severity="warning", what=text)
+            for text in (self.wheel.warnings if self.wheel else ())
+        ]
         return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two]))

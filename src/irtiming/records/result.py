@@ -112,6 +112,8 @@ class JointFit:
         Where the search began, by name.
     prior
         What was known of some of them beforehand: values and covariance; the edges' angles from rig.toml, images and residuals.
+    u_edge_rad
+        Standard uncertainty of one cutout edge, as stated or from the scatter of the four.
     reduced_chi_square
         Deviance over its degrees of freedom; 1 where residuals are as large as each recording alone leaves them.
     birge
@@ -127,6 +129,7 @@ class JointFit:
     parameters: Estimate
     start: Mapping[str, float]
     prior: Estimate
+    u_edge_rad: float
     reduced_chi_square: float
     birge: float
     whiteness: Array

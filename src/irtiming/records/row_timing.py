@@ -1,9 +1,13 @@
 """What the exact model of a rolling microbolometer camera is made of, and what its fit gives for one recording."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.estimate import Estimate
 
 
 @final
@@ -107,18 +111,19 @@ class RowTimingFit:
 
     Parameters
     ----------
-    edge_delay_s
-        Shape (4,); delay of row 0 as the passing of each wheel edge 0..3 gives it, set delay taken off.
-    time_constant_s, row_delay_s
-        tau and t_row.
-    covariance_s2
-        Shape (6, 6), in the order of the four edge delays, tau, t_row: from the residuals.
-    shape_effect
-        Shape (6, 10); change of the six per unit of each number of the sector's shape.
-    start_s
-        Where the search began: delay, tau, t_row.
+    estimate
+        What was fitted, by name: ``edge_delay_0`` to ``edge_delay_3``, delay of row 0 as the passing of each wheel edge gives it,
+        set delay taken off; ``time_constant`` of a lagging camera or ``integration_time`` of one with a window, whose middle the
+        delays are then counted to; ``row_delay`` of a rolling one. Covariance from the residuals.
+    held
+        Numbers that were not fitted: an integration time of which the frames say less than the recording does.
+    start
+        Where the search began, by name.
     n_steps
         Steps from there.
+    shape_names, shape_effect
+        Numbers of the sector's shape; change of each fitted number per unit of each of them, shape (k, n_shape), in the order
+        of ``estimate.names``.
     row_px
         Shape (n_row,); rows that were fitted.
     wheel_angle_rad
@@ -140,13 +145,12 @@ class RowTimingFit:
     name: str
     trigger_delay_time_set_s: float
     angular_frequency_rad_per_s: float
-    edge_delay_s: Array
-    time_constant_s: float
-    row_delay_s: float
-    covariance_s2: Array
-    shape_effect: Array
-    start_s: tuple[float, float, float]
+    estimate: Estimate
+    held: Mapping[str, float]
+    start: Mapping[str, float]
     n_steps: int
+    shape_names: tuple[str, ...]
+    shape_effect: Array
     row_px: Ticks
     wheel_angle_rad: Array
     fraction: Array
@@ -158,15 +162,17 @@ class RowTimingFit:
     widening: float
     blackbody_temperature_k: float | None = None
 
+    @property
+    def timing(self) -> dict[str, float]:
+        """All numbers of the model by name, fitted or held, s."""
+        return dict(zip(self.estimate.names, map(float, self.estimate.values), strict=True)) | dict(self.held)
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TimeConstantScan:
-    """How much worse the data fit with another time constant, all else at its best.
+    @property
+    def edge_delay_s(self) -> Array:
+        """Delays of row 0 by each wheel edge, shape (4,), s."""
+        return np.array([self.timing[f"edge_delay_{edge}"] for edge in range(4)])
 
-    Shapes (k,): ``time_constant_s``, and ``deviation``, twice the log-likelihood lost: 1 at one standard uncertainty, were
-    the residuals white.
-    """
-
-    time_constant_s: Array
-    deviation: Array
+    @property
+    def row_delay_s(self) -> float:
+        """Row delay; 0 of a snapshot, s."""
+        return self.timing.get("row_delay", 0.0)

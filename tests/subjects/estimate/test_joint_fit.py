@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from iminuit import Minuit
+from irtiming.estimate.joint_delays import Told
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import edge_delays, joint_delays, joint_fit, joint_profile, trigger_delay, whiteness
 from irtiming.estimate import pixel_sum_model as model_of
-from irtiming.estimate.joint_delays import Told
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import AxleView

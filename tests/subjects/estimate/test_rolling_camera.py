@@ -61,7 +61,7 @@ def _deviations(fit, camera):
 
 def test_the_camera_comes_back(found, camera):
     """Oracle: the numbers that made the frames; delay by noise alone, for the rig is stated exactly as it is."""
-    noise = np.sqrt(np.mean(np.diag(found.fits[0].covariance_s2)[:4]))
+    noise = np.sqrt(np.mean(np.diag(found.fits[0].estimate.covariance)[:4]))
     shape = found.result.budget[1].trigger_delay_s
     assert abs(found.result.estimate.values[0] - 2.3e-3) < 4 * np.hypot(noise, shape)
     assert np.all(np.abs(_deviations(found, camera)) < 4)
@@ -83,7 +83,9 @@ def test_the_axle_is_told_to_the_report(found, camera):
 
 def test_scan_is_that_of_the_first_fit(found):
     """Oracle: its time constant has the least deviation."""
-    assert found.scan.time_constant_s[np.argmin(found.scan.deviation)] == pytest.approx(found.fits[0].time_constant_s)
+    assert found.scan.time_constant_s[np.argmin(found.scan.deviation)] == pytest.approx(
+        found.fits[0].timing["time_constant"]
+    )
     assert found.scan.deviation.size == 21
 
 
@@ -92,7 +94,7 @@ def test_a_counterclockwise_wheel_is_the_mirror_image(found, camera, brute_rows,
     mirrored = brute_rows(camera, noise_dn=6.0, seed=1, mirror=True)
     other = rolling_camera.estimate([mirrored], rig(rotation="counterclockwise"))
     moved = other.result.estimate.values - found.result.estimate.values
-    noise = np.sqrt(np.diag(found.fits[0].covariance_s2)[[0, 4, 5]])
+    noise = np.sqrt(np.diag(found.fits[0].estimate.covariance)[[0, 4, 5]])
     assert np.all(np.abs(moved) < noise)
     axle = other.recordings[0].axle
     assert axle.column_px == pytest.approx(63 - camera.axle[1], abs=0.05)

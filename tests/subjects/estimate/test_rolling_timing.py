@@ -5,15 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from irtiming.estimate.rolling_timing import NAMES
 
 from irtiming.estimate import rolling_timing
-from irtiming.estimate.rolling_timing import NAMES
+from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import timing_names
 from irtiming.physics.wheel import wheel_model
+from irtiming.records.estimate import Estimate
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
+SIX_NAMES = timing_names(camera("microbolometer", "rolling"))
 SIX = np.array([2.3e-3] * 4 + [6e-3, 60e-6])
 IS_EDGE = np.array([1.0, 1, 1, 1, 0, 0])
 U = np.array([5e-6] * 4 + [4e-6, 1e-7])
@@ -36,12 +41,16 @@ def fits():
                     name=f"run {k}",
                     trigger_delay_time_set_s=0.0 if nominal is None else nominal[k],
                     angular_frequency_rad_per_s=OMEGA if omegas is None else omegas[k],
-                    edge_delay_s=np.array(six[:4]),
-                    time_constant_s=float(six[4]),
-                    row_delay_s=float(six[5]),
-                    covariance_s2=correlation * np.outer(size, size),
+                    estimate=Estimate(
+                        names=SIX_NAMES,
+                        units=("s",) * 6,
+                        values=np.array(six, float),
+                        covariance=correlation * np.outer(size, size),
+                    ),
+                    held={},
+                    start={},
+                    shape_names=SHAPE_NUMBERS,
                     shape_effect=effect * drawn * np.array([2e-4] * 4 + [1e-4, 1e-6])[:, None],
-                    start_s=(0.0, 0.0, 0.0),
                     n_steps=5,
                     row_px=np.arange(3),
                     wheel_angle_rad=np.zeros(4),
@@ -98,7 +107,7 @@ def _covariance(fits, geometry, sector):
         for b in range(n):
             f, g, i, j = fits[a // 6], fits[b // 6], a % 6, b % 6
             if a // 6 == b // 6:
-                total[a, b] += f.covariance_s2[i, j]
+                total[a, b] += f.estimate.covariance[i, j]
             per_rad2 = IS_EDGE[i] * IS_EDGE[j] / (f.angular_frequency_rad_per_s * g.angular_frequency_rad_per_s)
             total[a, b] += sum(u**2 for _, _, u in geometry.angle_budget) * per_rad2
             if i == j:
@@ -124,7 +133,7 @@ def test_estimate_is_that_of_the_textbook(fits, geometry, sector, omegas):
     rng = np.random.default_rng(len(omegas))
     made, rig = fits([SIX + rng.normal(size=6) * U for _ in omegas], omegas=omegas), geometry()
     result = _estimate(made, rig, sector)
-    y = np.concatenate([[*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s] for fit in made])
+    y = np.concatenate([fit.estimate.values for fit in made])
     values, covariance = _textbook(y, _covariance(made, rig, sector), np.tile(DESIGN, (len(made), 1)))
     assert result.method == "row-sum"
     assert result.estimate.names == NAMES == ("trigger_delay", "time_constant", "row_delay")
@@ -133,7 +142,7 @@ def test_estimate_is_that_of_the_textbook(fits, geometry, sector, omegas):
     assert result.bounds == ()
     assert result.warnings == ("told by the geometry",)
     np.testing.assert_allclose(result.edge_delay_s, np.mean([fit.edge_delay_s for fit in made], axis=0))
-    noise = [np.diag(fit.covariance_s2)[:4] for fit in made]
+    noise = [np.diag(fit.estimate.covariance)[:4] for fit in made]
     np.testing.assert_allclose(result.u_edge_delay_s, np.sqrt(np.sum(noise, axis=0)) / len(made))
 
 
@@ -179,13 +188,13 @@ def test_relative_delays_are_those_of_the_textbook(fits, geometry, sector):
     """Oracle: generalised least squares with a delay for each recording and one tau and row delay for all."""
     nominal = [0.0, 0.0, 0.025, 0.05]
     rng = np.random.default_rng(9)
-    base, rig = fits([SIX])[0].covariance_s2, geometry()
+    base, rig = fits([SIX])[0].estimate.covariance, geometry()
     drawn = rng.multivariate_normal(np.zeros(6), base / 4, 4)  # little enough for no Birge ratio above 1
-    made = [replace(fit, covariance_s2=base) for fit in fits(SIX + drawn, nominal=nominal)]
+    made = [replace(fit, estimate=replace(fit.estimate, covariance=base)) for fit in fits(SIX + drawn, nominal=nominal)]
     design = np.zeros((24, 6))
     for k in range(4):
         design[6 * k : 6 * k + 4, k] = design[6 * k + 4, 4] = design[6 * k + 5, 5] = 1
-    y = np.concatenate([[*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s] for fit in made])
+    y = np.concatenate([fit.estimate.values for fit in made])
     values, covariance = _textbook(y, _covariance(made, rig, sector), design)
     apart = np.eye(6)[:4] - np.array([0.5, 0.5, 0, 0, 0, 0])
     told = _estimate(made, rig, sector).relative_delays
@@ -265,11 +274,14 @@ def test_a_quarter_is_where_the_time_constant_ends(fits, geometry, sector, relat
 def test_recordings_that_scatter_widen_each_other(fits, geometry, sector):
     """Oracle: by hand; numbers that scatter by three of their uncertainties have a Birge ratio of 3, and u grows by it."""
     rng = np.random.default_rng(11)
-    base = fits([SIX])[0].covariance_s2
+    base = fits([SIX])[0].estimate.covariance
     drawn = rng.multivariate_normal(np.zeros(6), base, 12)
     results = []
     for size in (1.0, 3.0):
-        made = [replace(fit, covariance_s2=base) for fit in fits([SIX + size * d for d in drawn], effect=0)]
+        made = [
+            replace(fit, estimate=replace(fit.estimate, covariance=base))
+            for fit in fits([SIX + size * d for d in drawn], effect=0)
+        ]
         results.append(_estimate(made, geometry(common=(), u_edge=1e-9), sector))
     ratio = results[1].budget[0].time_constant_s / results[0].budget[0].time_constant_s
     assert 2.4 < ratio < 3.3

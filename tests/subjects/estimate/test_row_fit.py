@@ -7,8 +7,8 @@ import pytest
 
 from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
-from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector
+from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
 
@@ -29,7 +29,7 @@ def truth(camera):
 @pytest.fixture(scope="module")
 def light(camera, brute_rows, sector_of):
     """Light of the rows by the camera's own sector."""
-    return row_light.row_light(brute_rows(camera).rows.rows.row_px, sector_of(camera))
+    return row_light.row_light(brute_rows(camera).rows.row_px, sector_of(camera), n_harmonics=HARMONICS)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def exact(camera, brute_rows):
 
 
 def _six(fit):
-    return np.array([*fit.edge_delay_s, fit.time_constant_s, fit.row_delay_s])
+    return fit.estimate.values
 
 
 def _light_of(numbers, light, camera):
@@ -143,7 +143,11 @@ def _repeated(rows, camera, light, noise_of, *, n=45):
     start = row_fit.fit(rows, camera.model, light=light)
     fits = [row_fit.fit(_noisy(rows, noise_of, seed=k), camera.model, light=light, start=start) for k in range(n)]
     moved = np.array([_six(fit) for fit in fits]) - _six(start)
-    return moved, np.array([np.diag(fit.covariance_s2) for fit in fits]) ** 0.5, np.array([f.widening for f in fits])
+    return (
+        moved,
+        np.array([np.diag(fit.estimate.covariance) for fit in fits]) ** 0.5,
+        np.array([f.widening for f in fits]),
+    )
 
 
 def test_white_noise_is_what_it_is_said_to_be(camera, exact, light):
@@ -179,7 +183,7 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
     changes = np.array([(a.harmonics - b.harmonics) / (2 * step) for (a, b), step in zip(wrong, steps, strict=True)])
     fit = row_fit.fit(rows, camera.model, light=light)
     fit = row_fit.with_shape_effect(fit, rows, wheel=camera.model, light=light, changes=changes)
-    u = np.sqrt(np.diag(fit.covariance_s2))
+    u = np.sqrt(np.diag(fit.estimate.covariance))
     for k, step in enumerate(steps):
         moved = [_six(row_fit.fit(rows, camera.model, light=one, start=fit)) for one in wrong[k]]
         slope = (moved[0] - moved[1]) / (2 * step)
@@ -193,8 +197,8 @@ def test_scan_is_a_parabola_of_four_standard_uncertainties(camera, exact, light)
     rows = _noisy(exact, _white(150.0), seed=5)
     fit = row_fit.fit(rows, camera.model, light=light)
     found = row_fit.scan(rows, camera.model, light=light, found=fit)
-    u = np.sqrt(fit.covariance_s2[4, 4])
-    steps = (found.time_constant_s - fit.time_constant_s) / u
+    u = np.sqrt(fit.estimate.covariance[4, 4])
+    steps = (found.time_constant_s - fit.timing["time_constant"]) / u
     np.testing.assert_allclose(steps[[0, 10, -1]], [-4, 0, 4], atol=1e-6)
     assert found.deviation.min() == 0
     assert found.deviation[10] < 0.05
@@ -206,6 +210,6 @@ def test_scan_is_a_parabola_of_four_standard_uncertainties(camera, exact, light)
 def test_start_is_told(camera, truth, exact, light):
     """Oracle: a fit that is given an earlier one begins there, the first one where its search ended."""
     first = row_fit.fit(exact, camera.model, light=light)
-    assert abs(first.start_s[0] - truth[:4].mean()) < 3e-3
+    assert abs(first.start["edge_delay_0"] - truth[:4].mean()) < 3e-3
     again = row_fit.fit(exact, camera.model, light=light, start=first)
-    np.testing.assert_allclose(again.start_s, [first.edge_delay_s.mean(), first.time_constant_s, first.row_delay_s])
+    assert again.start == first.timing

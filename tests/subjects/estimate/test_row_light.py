@@ -7,8 +7,8 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, changes, row_light, shape_of
-from irtiming.estimate.row_timing import HARMONICS
 from irtiming.physics import blurred_sector
+from irtiming.physics.response.first_order_lag import HARMONICS
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,9 @@ def sector(brute_bolometer, sector_of):
 def bare(sector):
     """Its light, for a clockwise and for a counterclockwise wheel."""
     return {
-        mirrored: row_light(ROWS, replace(sector, shape=replace(sector.shape, mirrored=mirrored)))
+        mirrored: row_light(
+            ROWS, replace(sector, shape=replace(sector.shape, mirrored=mirrored)), n_harmonics=HARMONICS
+        )
         for mirrored in (False, True)
     }
 
@@ -50,7 +52,7 @@ def test_what_lies_beyond_the_sector_acts_at_its_own_angle(sector, bare, kind):
     light[10, 20], angle[10, 20] = 0.7, 0.3
     light[10, 21], angle[10, 21] = -0.2, -0.4
     light[15, 5], angle[15, 5] = 0.1, 3.0
-    seen = row_light(ROWS, replace(sector, **{kind: light, f"{kind}_angle_rad": angle}))
+    seen = row_light(ROWS, replace(sector, **{kind: light, f"{kind}_angle_rad": angle}), n_harmonics=HARMONICS)
     bare = bare[False]
     order = np.arange(HARMONICS + 1)
     added = dict(zip(seen.row_px, seen.harmonics - bare.harmonics, strict=True))
@@ -74,7 +76,7 @@ def test_plate_is_seen_beside_the_opening(sector, bare):
     points = blurred_sector.light_points(wider)
     ring = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=sector.roi).real
     angle, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
-    seen = row_light(ROWS, replace(sector, plate=-0.05, ring=-0.05 * ring, ring_angle_rad=angle))
+    seen = row_light(ROWS, replace(sector, plate=-0.05, ring=-0.05 * ring, ring_angle_rad=angle), n_harmonics=HARMONICS)
     rows = np.intersect1d(seen.row_px, bare[False].row_px)
     found, opening = (one.harmonics[np.isin(one.row_px, rows)] for one in (seen, bare[False]))
     whole = blurred_sector.row_harmonics(points, rows, blur_px=blur_px, n_harmonics=HARMONICS)
@@ -121,4 +123,4 @@ def test_numbers_make_the_sector_they_were_taken_from(sector):
 def test_too_few_rows_are_refused(sector):
     """Oracle: five rows in the light; six must be."""
     with pytest.raises(EstimationError, match="only 5 image rows hold the light of 3 pixels or more, at least 6 must"):
-        row_light(np.array([1, 2, 12, 13, 14, 15, 16]), sector)
+        row_light(np.array([1, 2, 12, 13, 14, 15, 16]), sector, n_harmonics=HARMONICS)

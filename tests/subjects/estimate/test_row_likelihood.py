@@ -6,11 +6,15 @@ from iminuit import Minuit
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import rolling_timing, row_fit, row_light, row_likelihood
-from irtiming.estimate.row_timing import Parabola
+from irtiming.inference.condensed import condensed
+from irtiming.physics.camera import camera as bolometer
+from irtiming.physics.light.row_sum import timing_names
+from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 U_ANGLE, U_EDGE = 5e-4, 2e-4
+SIX_NAMES = timing_names(bolometer("microbolometer", "rolling"))
 SET_S = (0.0, 0.02, 0.05)
 
 
@@ -38,7 +42,7 @@ def three(camera, brute_rows, sector_of):
     """Fits of three recordings with noise, what each says of any six numbers, and the sector of all."""
     sector = sector_of(camera)
     recordings = [brute_rows(camera, set_s=set_s, noise_dn=6.0, seed=k) for k, set_s in enumerate(SET_S)]
-    light = row_light.row_light(recordings[0].rows.row_px, sector)
+    light = row_light.row_light(recordings[0].rows.row_px, sector, n_harmonics=HARMONICS)
     fits = [row_fit.fit(one, camera.model, light=light) for one in recordings]
     return fits, [row_fit.likelihood(one, camera.model, light=light) for one in recordings], [sector] * len(fits)
 
@@ -58,7 +62,8 @@ def told(three, geometry):
 def _deviance(given, shared):
     """The likelihood of the docstring, written out."""
     each = [
-        one(own @ shared).deviance / f for one, own, f in zip(given.likelihoods, given.maps, given.factor, strict=True)
+        one(dict(zip(SIX_NAMES, own @ shared, strict=True))).deviance / factor
+        for one, own, factor in zip(given.likelihoods, given.maps, given.factor, strict=True)
     ]
     return sum(each) + np.sum(shared[-given.n_errors :] ** 2)
 
@@ -115,7 +120,7 @@ def test_profiles_are_the_parabola_of_the_stated_uncertainty(three, geometry, to
 
 def test_a_likelihood_without_minimum_is_told():
     """Oracle: a slope that never ends; there is no step that would settle."""
-    endless = Parabola(deviance=0.0, gradient=np.ones(6), normal=np.eye(6))
+    endless = condensed(deviance=6.0, gradient=np.ones(6), normal=np.eye(6))
     given = row_likelihood.Problem(
         likelihoods=(lambda _: endless,), maps=np.eye(6)[None], mix=np.eye(3, 6), factor=np.ones(1), n_errors=0
     )

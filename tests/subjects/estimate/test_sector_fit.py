@@ -8,6 +8,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_fit
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
+from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.rig import Measured
 
 
@@ -83,7 +84,7 @@ def test_a_dead_pixel_on_the_border_shows_its_neighbours(camera, lag, brute_rows
         good[row, column] = False
         shown[:, row, column] = (light[:, row, column - 1] + light[:, row, column + 1]) / 2
     dead = replace(rows, contrast=replace(rows.contrast, good=good))
-    seen = row_light(rows.rows.row_px, _twice(dead, camera, lag, rig=rig_with()))
+    seen = row_light(rows.rows.row_px, _twice(dead, camera, lag, rig=rig_with()), n_harmonics=HARMONICS)
     waves = np.exp(-1j * np.multiply.outer(np.arange(7), angles))
     for row, _ in border:
         found = seen.harmonics[np.searchsorted(seen.row_px, row), :7]

@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from irtiming.estimate.joint_delays import Told
 
 from irtiming.estimate import trigger_delay
-from irtiming.estimate.joint_delays import Told
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry

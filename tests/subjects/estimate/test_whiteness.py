@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from irtiming.estimate.whiteness import probability
 from scipy import stats
 
 from irtiming.estimate.shared_residual import widening
-from irtiming.estimate.whiteness import probability
 
 
 def _autoregressive(random, phi, n):

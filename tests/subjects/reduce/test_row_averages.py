@@ -61,16 +61,15 @@ def test_rows_with_fewer_than_four_pixels_are_left_out(runs):
     assert data.row_fraction.shape == (data.row_px.size, data.wheel_angle_rad.size)
 
 
-def test_uncertainties_are_the_scatter_over_runs(runs):
-    """Oracle: noise of 5 DN over the pixels of a row and three runs, pooled over the angles."""
+def test_uncertainties_are_the_scatter_over_runs(runs, turning):
+    """Oracle: noise of 5 DN over the pixels of a row and three runs, against what the row swings without noise."""
     data = row_averages.average(runs)
-    pixels = runs[0].opening.mask[data.row_px].sum(axis=1)
-    swing = np.median(
-        np.ptp(runs[0].rows.mask_row_sum_dn, axis=0)[5:-5]
-        / np.maximum(runs[0].opening.mask[runs[0].rows.row_px].sum(axis=1), 1)[5:-5]
-    )
-    expected = 5.0 / np.sqrt(3 * pixels) / swing
-    np.testing.assert_allclose(np.median(data.u_row_fraction, axis=1), expected, rtol=0.5)
+    mask = runs[0].opening.mask
+    sums = (turning[:, data.row_px] * mask[data.row_px]).sum(axis=2)
+    expected = 5.0 * np.sqrt(mask[data.row_px].sum(axis=1) / 3) / np.ptp(sums, axis=0)
+    np.testing.assert_allclose(np.median(data.u_row_fraction, axis=1), expected, rtol=0.12)
+    whole = 5.0 * np.sqrt(mask.sum() / 3) / np.ptp((turning * mask).sum(axis=(1, 2)))
+    assert np.median(data.u_fraction) == pytest.approx(whole, rel=0.12)
     assert data.u_fraction.shape == data.fraction.shape
     single = row_averages.average(runs[:1])
     assert single.u_fraction is None

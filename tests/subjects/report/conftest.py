@@ -258,6 +258,7 @@ class _Rolling:
 
 
 ROLLING_DELAY_S, TAU_S, ROW_S = 4e-3, 5e-3, 40e-6
+ROLLING_NAMES = (*(f"edge_delay_{edge}" for edge in range(4)), "time_constant", "row_delay")
 ROW_LATE_US = 100.0
 """By how much the fifth row of the first recording is later than its line."""
 
@@ -314,8 +315,12 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
     covariance[:5, :5] += np.diag([4e-12] * 4 + [1e-12])
     return RowTimingFit(
         name=name, trigger_delay_time_set_s=delay_s, angular_frequency_rad_per_s=OMEGA,
-        edge_delay_s=ROLLING_DELAY_S + np.array([1, -1, 2, -2]) * 1e-6, time_constant_s=TAU_S, row_delay_s=ROW_S,
-        covariance_s2=covariance, shape_effect=np.zeros((6, 10)), start_s=(0.0, 3e-3, 60e-6), n_steps=9, row_px=ROW_PX,
+        estimate=Estimate(
+            names=ROLLING_NAMES, units=("s",) * 6, covariance=covariance,
+            values=np.array([*(ROLLING_DELAY_S + np.array([1, -1, 2, -2]) * 1e-6), TAU_S, ROW_S]),
+        ),
+        held={}, start=dict(zip(ROLLING_NAMES, (0.0, 0.0, 0.0, 0.0, 3e-3, 60e-6), strict=True)), n_steps=9,
+        shape_names=(), shape_effect=np.zeros((6, 0)), row_px=ROW_PX,
         wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
         harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), widening=2.25,
     )  # fmt: skip

@@ -5,10 +5,10 @@ from math import inf, isclose, sqrt
 
 import numpy as np
 import pytest
+from irtiming.records.rolling_result import RollingContribution
 from scipy import stats
 
 from irtiming.records.estimate import Contribution, DelayResult, Estimate
-from irtiming.records.rolling_result import RollingContribution
 from irtiming.report import budget, result, rolling_result, tables
 
 ALL_EDGES = ("trigger_delay", "trigger_delay_falling", "trigger_delay_rising")

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
 
 from irtiming.records.estimate import Estimate
-from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
 from irtiming.records.two_constants import PixelSurroundings, TwoConstantsResult
 from irtiming.report import rolling_certificate, two_constant_figures, two_constant_tables
 

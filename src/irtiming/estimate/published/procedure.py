@@ -82,7 +82,12 @@ def _run(
     first = recordings[0]
     if first.pixels is not None:
         lines = tuple(
-            slopes.fit(one, equal.model, angular_frequency_rad_per_s=one.angular_frequency_rad_per_s, limits=choices.slope_limits)
+            slopes.fit(
+                one,
+                equal.model,
+                angular_frequency_rad_per_s=one.angular_frequency_rad_per_s,
+                limits=choices.slope_limits,
+            )
             for one in averages
             if isinstance(one, ExposedFraction)
         )

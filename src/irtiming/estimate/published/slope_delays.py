@@ -120,4 +120,3 @@ def _centres(fit: PublishedFit) -> Array:
 
 def _u_centres(fit: PublishedFit) -> Array:
     return np.array([line.u_centre_rad for line in fit.lines])
-

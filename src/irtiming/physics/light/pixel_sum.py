@@ -20,12 +20,12 @@ from irtiming.physics.wheel import (
     EDGE_SIGNS,
     TURN,
     PointAverage,
-    WheelModel,
     at_point,
     exposed_fraction,
     skewed_fraction,
 )
 from irtiming.records.arrays import Array
+from irtiming.records.wheel_geometry import WheelModel
 
 _NARROWEST_RAD = 1e-3
 _SHORTEST_RAD = 1e-5  # a window that sweeps less looks like one that sweeps this: no derivative of a sum has a step

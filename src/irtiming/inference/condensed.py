@@ -1,0 +1,30 @@
+"""A sum of squares of many residuals as one of few: what a search needs to know of them, and no more."""
+
+import numpy as np
+
+from irtiming.inference.optimiser import Linearised
+from irtiming.records.arrays import Array
+
+_RANK = 1e-15  # of the largest eigenvalue, in units of each parameter's own
+
+
+def condensed(*, deviance: float, gradient: Array, normal: Array) -> Linearised:
+    """As many residuals as parameters and one more, with the same deviance, gradient and normal equations.
+
+    Parameters
+    ----------
+    deviance
+        Sum of squares, not negative; may be any other measure that has these derivatives, such as n log(variance).
+    gradient
+        Shape (n,); direction in which it falls: half its gradient with the sign turned.
+    normal
+        Shape (n, n); half its curvature: the normal equations' matrix.
+    """
+    scale = np.sqrt(np.diag(normal))
+    scale = np.where(scale > 0, scale, 1.0)
+    sizes, axes = np.linalg.eigh(normal / np.outer(scale, scale))
+    root = np.sqrt(np.maximum(sizes, _RANK * sizes[-1]))
+    told = -(axes.T @ (gradient / scale)) / np.where(root > 0, root, 1.0)
+    rest = np.sqrt(max(deviance - float(told @ told), 0.0))
+    jacobian = root[:, None] * axes.T * scale
+    return Linearised(residual=np.append(told, rest), jacobian=np.vstack([jacobian, np.zeros((1, scale.size))]))

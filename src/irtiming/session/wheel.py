@@ -1,0 +1,59 @@
+"""A wheel calibrated from the timestamps of recordings."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from irtiming.archive import reader
+from irtiming.archive.result_file import require_place, write_atomically
+from irtiming.archive.rig_file import read_rig
+from irtiming.archive.wheel_calibration_file import write_wheel_calibration
+from irtiming.errors import ArchiveError
+from irtiming.records.choices import ReferenceEdge
+from irtiming.records.wheel_calibration import WheelCalibration
+from irtiming.reduce import wheel_calibration
+from irtiming.report import sheet, wheel_figures
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CalibrationOrder:
+    """What a person wants: recordings of one wheel on one rig, the calibration to write, and a drawing of it."""
+
+    recordings: tuple[Path, ...]
+    rig: Path
+    calibration: Path
+    picture: Path | None = None
+    reference_edge: ReferenceEdge = "automatic"
+
+    def __post_init__(self) -> None:
+        if self.picture is not None and self.picture.suffix.lower() != ".svg":
+            raise ArchiveError(
+                "the picture is an SVG drawing; give it a name that ends in .svg", where=str(self.picture)
+            )
+
+
+def calibrate(order: CalibrationOrder) -> WheelCalibration:
+    """Angles of the control slots and application edges from the timestamps alone; frames are not looked at.
+
+    Parameters
+    ----------
+    order
+        What to read, and what to write.
+
+    Raises
+    ------
+    IrTimingError
+        If a file cannot be read or written, or the timestamps do not determine the wheel.
+    """
+    inputs = [*order.recordings, order.rig]
+    require_place(order.calibration, besides=inputs)
+    if order.picture is not None:
+        require_place(order.picture, besides=[*inputs, order.calibration])
+    rig, recordings = read_rig(order.rig), (reader.read(path) for path in order.recordings)
+    wheel = wheel_calibration.from_recordings(recordings, rig, reference_edge=order.reference_edge)
+    write_wheel_calibration(wheel, order.calibration)
+    if order.picture is not None:
+        drawing = sheet.svg(wheel_figures.calibration(wheel), title="Deviation of the control slots, and its orders")
+        write_atomically(drawing, order.picture)
+    return wheel
