@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from irtiming.archive.result_file import plain
+from irtiming.archive.json_file import plain
 from irtiming.measurement import analyse
 from irtiming.report import certificate
 from irtiming.session.camera import Described, camera

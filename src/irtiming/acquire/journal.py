@@ -9,8 +9,8 @@ from typing import Any, Self, final
 from uuid import uuid4
 
 from irtiming.acquire.run import ENOUGH, RunOutcome
+from irtiming.archive.json_file import write_json
 from irtiming.archive.live.recording import COMPLETE
-from irtiming.archive.result_file import write_result
 from irtiming.errors import ArchiveError
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import TriggerPlan
@@ -73,7 +73,7 @@ class Journal:
             If the journal cannot be written.
         """
         self._content["events"].append({"time": now_utc(), "text": text})
-        write_result(self._content, self._path)
+        write_json(self._content, self._path)
 
     def add(self, outcome: RunOutcome) -> None:
         """Add a run that has ended; one of the same number that was made before is replaced.

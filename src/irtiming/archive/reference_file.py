@@ -11,8 +11,8 @@ import numpy as np
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.json_file import unwritable
 from irtiming.archive.reader import read, reduce_reference
-from irtiming.archive.result_file import unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels, read_only
 from irtiming.records.recording import NonuniformityReference

@@ -1,117 +1,36 @@
-"""Result JSON, written whole or not at all."""
+"""The result of an analysis: written only if it is what its model says, and read back by whoever goes on with it."""
 
-import json
-import math
-import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from irtiming.archive.json_file import plain, write_json
+from irtiming.archive.result_model import FORMAT, VERSION, Result
+from irtiming.archive.typed_file import fitted, read_json
+from irtiming.archive.typed_misfit import FileKind
 
-from irtiming.errors import ArchiveError
+_KIND = FileKind(name="result", format=FORMAT, version=VERSION, cure="write it anew with irtiming analyse --json")
 
 
 def write_result(result: Mapping[str, Any], path: str | Path) -> None:
-    """Write a result as strict JSON; an existing file is replaced only when the new one is complete.
-
-    Numpy numbers and arrays, tuples and paths become plain numbers, lists and text. A number that JSON does
-    not have (not-a-number, infinity) becomes null.
+    """Write a result as JSON with its format and version; an existing file is replaced only when the new one is complete.
 
     Raises
     ------
     ArchiveError
-        If the file cannot be written, or the result holds something that JSON cannot express.
+        If the file cannot be written, or the result has a key that `Result` does not know, lacks one, or has another value.
     """
-    text = json.dumps(plain(result), indent=1, ensure_ascii=False, allow_nan=False)
-    write_atomically(text + "\n", path)
+    content = {"format": FORMAT, "version": VERSION, **plain(result)}
+    fitted(content, Result, path=Path(path), kind=_KIND)
+    write_json(content, path)
 
 
-def plain(value: Any) -> Any:
-    """The same value of types that JSON has: dict, list, str, int, float, bool, None.
+def read_result(path: str | Path) -> Result:
+    """The result in a file that `write_result` wrote, also one of a later minor version, whose further keys are left out.
 
     Raises
     ------
     ArchiveError
-        If it holds an object of another type.
+        If the file cannot be read, is no result, is of a later major version, or is not what the model says.
     """
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(entry) for entry in value]
-    if isinstance(value, Path):
-        return str(value)
-    raise ArchiveError(f"a result holds {type(value).__name__} {value!r:.60}; JSON has numbers, text and lists only")
-
-
-def write_atomically(text: str, path: str | Path) -> None:
-    """Write text as UTF-8 under a temporary name and rename it when it is complete.
-
-    Raises
-    ------
-    ArchiveError
-        If the folder does not exist, or the file cannot be written.
-    """
-    target = Path(path)
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")
-    if target.is_dir():
-        raise ArchiveError(f"{target}: is a folder; name a file to write")
-    try:
-        part.write_text(text, encoding="utf-8", newline="\n")
-        part.replace(target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise unwritable(target, error) from error
-
-
-def make_folder(path: str | Path) -> None:
-    """Make a folder and those above it, where they are not there.
-
-    Raises
-    ------
-    ArchiveError
-        If it cannot be made.
-    """
-    try:
-        Path(path).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ArchiveError(f"{path} cannot be made ({error.strerror}); give another folder") from error
-
-
-def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> None:
-    """Refuse a place where no result may be written, before the long work whose result should go there.
-
-    Parameters
-    ----------
-    path
-        Where the result should go.
-    besides
-        Files that are read or written too: none of them may be overwritten.
-
-    Raises
-    ------
-    ArchiveError
-        If the path is a folder or one of the other files, or its folder does not exist or may not be written to.
-    """
-    target = Path(path)
-    if target.is_dir():
-        raise ArchiveError(f"{target}: is a folder; name a file to write")
-    if target.resolve() in {Path(other).resolve() for other in besides}:
-        raise ArchiveError(
-            f"{target}: is another file of this command and would be overwritten; name a new file to write"
-        )
-    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK):
-        raise unwritable(target, PermissionError("no permission"))
-
-
-def unwritable(path: Path, error: OSError) -> ArchiveError:
-    """Error for a file that could not be written, with the reason and the cure."""
-    if not path.parent.is_dir():
-        return ArchiveError(f"{path}: cannot be written: there is no folder {path.parent}; make it first")
-    return ArchiveError(f"{path}: cannot be written ({error.strerror or error}); choose another place")
+    return read_json(Path(path), Result, kind=_KIND)

@@ -6,7 +6,7 @@ from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from irtiming.archive.result_file import write_atomically
+from irtiming.archive.json_file import write_atomically
 from irtiming.archive.typed_file import NOT_NEGATIVE, Number, Part, Uncertainty, read_toml
 from irtiming.archive.typed_misfit import FileKind, OutOfRange
 from irtiming.errors import GeometryError

@@ -133,10 +133,10 @@ class _Wiring(Part):
         [], description="lines whose falling edge counts", examples=["control_slot"]
     )
     glitch_filter: Annotated[float, seconds_within(0.0, 1e-3)] = Field(
-        0.0, description="takes nothing off the timestamps"
+        0.0, description="takes nothing off the timestamps", json_schema_extra={"default": "0 s"}
     )
     camera_pulse: Annotated[float, seconds_within(1e-7, 1.0)] = Field(
-        1e-3, description="shorter than the camera's period"
+        1e-3, description="shorter than the camera's period", json_schema_extra={"default": "1 ms"}
     )
     camera_input: bool = Field(False, description="whether what the camera sends back is recorded")
 
@@ -178,9 +178,13 @@ class _Blackbody(Part):
     temperature: Annotated[list[Temperature], Field(min_length=1), OneOrSeveral()] = Field(
         description="all runs come again for each", examples=["60 C"]
     )
-    settle_within: Annotated[float, seconds_within(1.0, 86400.0)] = 1800.0
+    settle_within: Annotated[float, seconds_within(1.0, 86400.0)] = Field(
+        1800.0, json_schema_extra={"default": "30 min"}
+    )
     tolerance: Annotated[float, BeforeValidator(_difference_k, json_schema_input_type=str)] = Field(
-        0.1, description="how near it must be before a run, and how far it may go during one", examples=["0.1 K"]
+        0.1,
+        description="how near it must be before a run, and how far it may go during one",
+        json_schema_extra={"default": "0.1 K"},
     )
 
 

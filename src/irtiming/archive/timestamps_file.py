@@ -11,9 +11,9 @@ from irtiming.archive import layout
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version
-from irtiming.archive.result_file import unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
 from irtiming.records.timestamps import Timestamps

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -30,6 +31,12 @@ class Part(BaseModel):
     """Keys that belong together; an unknown one is refused, and nothing is taken for another kind than it is."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+def schema_of(model: type[Part]) -> str:
+    """JSON Schema of a file, for editors and other programs: keys, limits, meanings, cures."""
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return json.dumps(head | model.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
@@ -120,8 +127,8 @@ def read_toml(path: Path, model: type[_Model], *, kind: FileKind) -> tuple[_Mode
     return fitted(table, model, path=path, kind=kind), hashlib.sha256(content).hexdigest()
 
 
-def read_json(path: Path, model: type[_Model], *, kind: FileKind, version: int) -> _Model:
-    """What a JSON file of a program says, whose ``format`` is the kind's name.
+def read_json(path: Path, model: type[_Model], *, kind: FileKind) -> _Model:
+    """What a JSON file of a program says; keys that a later minor version has beyond ours are left out.
 
     Raises
     ------
@@ -138,14 +145,22 @@ def read_json(path: Path, model: type[_Model], *, kind: FileKind, version: int) 
         raise ArchiveError(f"{path}: holds a {type(content).__name__}, must be a {kind.name}; {kind.cure}")
     if content.get("format") != kind.format:
         raise ArchiveError(f"{path}: is no {kind.name} (its format must be '{kind.format}'); {kind.cure}")
-    found = content.get("version")
-    if isinstance(found, int) and found > version:
-        raise ArchiveError(f"{path}: version is {found}, this irtiming knows {version}: update it, or {kind.cure}")
-    return fitted(content, model, path=path, kind=kind)
+    found, known = _numbers(content.get("version")), _numbers(kind.version)
+    if found[:1] > known[:1]:
+        newer = f"version is {content['version']}, this irtiming knows {kind.version}"
+        raise ArchiveError(f"{path}: {newer}: update it, or {kind.cure}")
+    return fitted(content, model, path=path, kind=kind, is_newer=found > known)
 
 
-def fitted(table: Mapping[str, Any], model: type[_Model], *, path: Path, kind: FileKind) -> _Model:
-    """The model with the values of a table.
+def _numbers(version: object) -> tuple[int, ...]:
+    """Major and minor number of a version, such as 1 or "1.2"; none of what is no version."""
+    return tuple(map(int, re.findall(r"\d+", str(version)))) if isinstance(version, int | str) else ()
+
+
+def fitted(
+    table: Mapping[str, Any], model: type[_Model], *, path: Path, kind: FileKind, is_newer: bool = False
+) -> _Model:
+    """The model with the values of a table; unknown keys are refused, or left out where the file is newer than the program.
 
     Raises
     ------
@@ -153,7 +168,7 @@ def fitted(table: Mapping[str, Any], model: type[_Model], *, path: Path, kind: F
         If they do not fit: an `ArchiveError`, or that of the kind of file for a value that cannot be.
     """
     try:
-        return model.model_validate(table)
+        return model.model_validate(table, extra="ignore" if is_newer else None)
     except ValidationError as error:
         raise misfit(error, table, model=model, path=path, kind=kind) from error
 

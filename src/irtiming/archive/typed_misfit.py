@@ -37,7 +37,7 @@ class FileKind:
     """How complaints about a kind of file are worded.
 
     ``missing`` says what to do about a key, or ``section`` about a section, that is not there. ``out_of_range`` is raised
-    for a value that cannot be. A file that programs write is JSON, of a ``format``, and has one ``cure`` for all.
+    for a value that cannot be. A file that programs write is JSON, of a ``format`` and ``version``, and has one ``cure`` for all.
     """
 
     name: str
@@ -46,6 +46,7 @@ class FileKind:
     out_of_range: type[IrTimingError] = ArchiveError
     cure: str = ""
     format: str = ""
+    version: int | str = 1
 
 
 @final

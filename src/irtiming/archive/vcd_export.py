@@ -10,7 +10,7 @@ from vcd.writer import VCDWriter
 
 from irtiming.archive import layout
 from irtiming.archive.captures.streams import STREAMS
-from irtiming.archive.result_file import write_atomically
+from irtiming.archive.json_file import write_atomically
 from irtiming.archive.timestamps_file import TimedRun
 from irtiming.archive.writer import values_of
 from irtiming.errors import ArchiveError

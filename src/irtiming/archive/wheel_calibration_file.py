@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from irtiming.archive.result_file import write_result
+from irtiming.archive.json_file import write_json
 from irtiming.archive.typed_file import Number, Part, read_json
 from irtiming.archive.typed_misfit import FileKind
 from irtiming.physics import slot_orders
@@ -16,7 +16,9 @@ from irtiming.records.wheel_calibration import SlotsAtSpeed, SpeedRipple, WheelC
 
 FORMAT = "irtiming wheel calibration"
 VERSION = 1
-_KIND = FileKind(name="wheel calibration", format=FORMAT, cure="write it anew with irtiming calibrate-wheel")
+_KIND = FileKind(
+    name="wheel calibration", format=FORMAT, version=VERSION, cure="write it anew with irtiming calibrate-wheel"
+)
 
 _NotNegative = Annotated[float, Field(ge=0, le=1e12)]
 _Positive = Annotated[float, Field(gt=0, le=1e12)]
@@ -108,7 +110,7 @@ def write_wheel_calibration(wheel: WheelCalibration, path: str | Path) -> None:
         "ripple": None if ripple is None else asdict(ripple),
         "speeds": [asdict(speed) for speed in wheel.speeds],
     }
-    write_result(content, path)
+    write_json(content, path)
 
 
 def _orders(wheel: WheelCalibration) -> list[dict[str, Any]]:
@@ -140,7 +142,7 @@ def read_wheel_calibration(path: str | Path) -> WheelCalibration:
         If the file cannot be read, is no wheel calibration, misses a key, has an unknown one, or a value of another type,
         length or size.
     """
-    file = read_json(Path(path), WheelFile, kind=_KIND, version=VERSION)
+    file = read_json(Path(path), WheelFile, kind=_KIND)
     edges, u_edges = file.application_edges_rad, file.u_application_edges_rad
     ripple = file.ripple
     return WheelCalibration(

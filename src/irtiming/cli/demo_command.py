@@ -37,16 +37,16 @@ def demo(
     The simulated rigs have the imperfections of real ones: an eccentric wheel, irregular slots, a mask beside the axle, a
     camera that drifts and corrects itself, and a rig.toml whose numbers are off by their stated uncertainties.
     """
-    from irtiming.archive import result_file
+    from irtiming.archive import json_file
     from irtiming.session.demo import USUAL
 
     if json is not None:
-        result_file.require_place(json)
+        json_file.require_place(json)
     given = {"rows": rows, "columns": columns, "runs": runs, "seed": seed, "folder": out_dir, "keep": keep}
     said: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     results = {kind: _demonstrated(replace(usual, **said)) for kind, usual in USUAL.items() if camera in ("both", kind)}
     if json is not None:
-        result_file.write_result(results if camera == "both" else results[camera], json)
+        json_file.write_json(results if camera == "both" else results[camera], json)
 
 
 def _demonstrated(order: "DemoOrder") -> dict[str, Any]:

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.result_file import require_place, write_result
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.instruments.cameras import find
 from irtiming.instruments.serial_line import ports
 from irtiming.records.camera_frame import CameraIdentity
@@ -35,7 +35,7 @@ def discover(
         screen.print(f"note: {complaint}", markup=False, highlight=False, soft_wrap=True)
     if json is not None:
         found = {"cameras": [asdict(camera) for camera in cameras], "serial_ports": lines, "notes": complaints}
-        write_result(found, json)
+        write_json(found, json)
 
 
 def _show_cameras(cameras: list[CameraIdentity], screen: Console) -> None:

@@ -29,7 +29,7 @@ def doctor(
 
     Exit status 0 whatever is found.
     """
-    from irtiming.archive.result_file import require_place, write_result
+    from irtiming.archive.json_file import require_place, write_json
     from irtiming.session.computer import checks
 
     if json is not None:
@@ -40,7 +40,7 @@ def doctor(
         found.append(asdict(check))
         say(f"{check.status:<8} {check.part}: {check.found}" + (f"; {check.cure}" if check.cure else ""))
     if json is not None:
-        write_result({"checks": found}, json)
+        write_json({"checks": found}, json)
 
 
 def _device(text: str) -> "Device":

@@ -26,7 +26,7 @@ def export_vcd(
     from rich.console import Console
 
     from irtiming.archive import reader
-    from irtiming.archive.result_file import require_place
+    from irtiming.archive.json_file import require_place
     from irtiming.archive.timestamps_file import read_timestamps
     from irtiming.archive.vcd_export import write_vcd
     from irtiming.errors import ArchiveError

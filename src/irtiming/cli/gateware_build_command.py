@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from irtiming.archive.result_file import require_place, write_result
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.gateware.boards import BOARDS, find_board
 from irtiming.gateware.build import BuildReport
 from irtiming.gateware.build import build as build_for
@@ -38,7 +38,7 @@ def build(
     with screen.status(f"building for {chosen.title}"):
         report = build_for(chosen, folder, seed=seed)
     if json is not None:
-        write_result(_plain(report), json)
+        write_json(_plain(report), json)
     _show(report, screen)
 
 

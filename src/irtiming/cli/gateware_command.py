@@ -39,7 +39,7 @@ def identify(
     from rich.console import Console
     from rich.table import Table
 
-    from irtiming.archive.result_file import require_place, write_result
+    from irtiming.archive.json_file import require_place, write_json
     from irtiming.gateware.register_map import REGISTERS
 
     if json is not None:
@@ -58,7 +58,7 @@ def identify(
         table.add_row(register.name, str(values[register.name]), register.unit)
     screen.print(table)
     if json is not None:
-        write_result({"port": port, "version": list(identity.version), "registers": values}, json)
+        write_json({"port": port, "version": list(identity.version), "registers": values}, json)
 
 
 def record(
@@ -91,8 +91,8 @@ def record(
     """
     from rich.console import Console
 
+    from irtiming.archive.json_file import require_place
     from irtiming.archive.plan_file import read_plan
-    from irtiming.archive.result_file import require_place
     from irtiming.archive.timestamps_file import write_timestamps
     from irtiming.cli.progress import shown
 
@@ -143,7 +143,7 @@ def combine(
 
     from irtiming.archive.captures.streams import CapturedTicks
     from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
-    from irtiming.archive.result_file import require_place
+    from irtiming.archive.json_file import require_place
     from irtiming.archive.timestamps_file import read_timestamps
 
     require_place(out, besides=[timestamps, frames])

@@ -115,7 +115,7 @@ def simulate(
     Wheel, beams, mask and optics get random imperfections; rig.toml tells them as a person would have measured
     them, truth.json as they are.
     """
-    from irtiming.archive.result_file import write_result
+    from irtiming.archive.json_file import write_json
     from irtiming.cli.progress import shown
     from irtiming.session.simulation import CameraOrder, SimulationOrder
     from irtiming.session.simulation import simulate as make_recordings
@@ -155,4 +155,4 @@ def simulate(
         made = make_recordings(order, progress=told)
     say(f"{len(made.recordings)} recordings, rig.toml and truth.json in {out_dir}")
     if json is not None:
-        write_result({"camera": camera, "seed": seed, **vars(made)}, json)
+        write_json({"camera": camera, "seed": seed, **vars(made)}, json)

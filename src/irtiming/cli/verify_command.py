@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.result_file import require_place, write_result
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
 from irtiming.records.finding import Finding
@@ -36,7 +36,7 @@ def verify(
         _show(path, results[path], screen=screen)
     failed = [path for path, findings in results.items() if _has_error(findings)]
     if json is not None:
-        write_result({"files": [_entry(path, findings) for path, findings in results.items()]}, json)
+        write_json({"files": [_entry(path, findings) for path, findings in results.items()]}, json)
     if failed:
         raise typer.Exit(2)
 

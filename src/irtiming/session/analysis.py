@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import reader
-from irtiming.archive.result_file import require_place, write_atomically, write_result
+from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.measurement import Analysis, Progress, RollingAnalysis

@@ -7,7 +7,7 @@ from typing import final
 
 from irtiming.archive.captures.streams import CapturedTicks, captured_ticks, line_map
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
-from irtiming.archive.result_file import require_place, write_result
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 
@@ -80,7 +80,7 @@ def import_capture(order: CaptureOrder) -> Imported:
     lines = line_map(order.lines)
     ticks = captured_ticks(order.capture, lines, clock_hz=order.clock_hz, shortest_s=order.shortest_s)
     if order.json is not None:
-        write_result(_as_json(ticks), order.json)
+        write_json(_as_json(ticks), order.json)
     if order.frames is None or order.out is None:
         return Imported(ticks=ticks)
     findings = write_timed(order.frames, order.out, ticks=ticks, facts=order.facts, is_delayed=order.is_delayed)

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any, final
 
 from irtiming.archive import reader, rig_file, writer
-from irtiming.archive.result_file import make_folder, write_atomically, write_result
+from irtiming.archive.json_file import make_folder, write_atomically
+from irtiming.archive.result_file import write_result
 from irtiming.measurement import Analysis, Progress, RollingAnalysis, analyse
 from irtiming.records.recording import CameraType, Recording
 from irtiming.report import certificate

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
-from irtiming.archive.result_file import write_atomically, write_result
+from irtiming.archive.json_file import write_atomically, write_json
 from irtiming.archive.rig_file import read_rig
 from irtiming.errors import PlanError, listed
 from irtiming.plan.assumptions import assumed
@@ -153,7 +153,7 @@ def plan(order: PlanOrder) -> Planned | Proposed:
     wishes = exact(_completed(order), clock_frequency_hz=0)
     planned = _proposed(order, wishes) if order.wanted else _schemes(order, wishes)
     if order.json is not None:
-        write_result(planned.as_json(), order.json)
+        write_json(planned.as_json(), order.json)
     if order.picture is not None:
         write_atomically(sampling_svg(planned.best.schemes[0], wishes.clock_frequency_hz), order.picture)
     return planned

@@ -14,8 +14,8 @@ from irtiming.acquire.journal import Journal, digest_of
 from irtiming.acquire.rig import RigNotReady
 from irtiming.acquire.run import ENOUGH, RunOutcome
 from irtiming.acquire.series import Series, SeriesOutcome, record_series
+from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.live.recording import COMPLETE
-from irtiming.archive.result_file import require_place, write_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
 from irtiming.errors import InstrumentError
@@ -200,7 +200,7 @@ async def record(order: SeriesOrder, *, attending: Attending) -> SeriesMade:
         estimate = None if live is None else await asyncio.to_thread(live.settled)
     made = SeriesMade(outcome=outcome, journal=found.journal, estimate=estimate)
     if order.summary is not None:
-        write_result(made.as_json(), order.summary)
+        write_json(made.as_json(), order.summary)
     return made
 
 

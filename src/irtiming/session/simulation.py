@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import rig_file, writer
-from irtiming.archive.result_file import make_folder, write_result
+from irtiming.archive.json_file import make_folder, write_json
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
@@ -158,7 +158,7 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
     known = truth(rig.scene)
     measured, true = order.folder / "rig.toml", order.folder / "truth.json"
     rig_file.write_rig(rig.measured, measured)
-    write_result(known, true)
+    write_json(known, true)
     recordings = list[Path]()
     for recording in _recordings(scenes, order):
         path = order.folder / f"{recording.name}.nxs"

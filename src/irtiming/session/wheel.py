@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import reader
-from irtiming.archive.result_file import require_place, write_atomically
+from irtiming.archive.json_file import require_place, write_atomically
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import write_wheel_calibration
 from irtiming.errors import ArchiveError

@@ -2,7 +2,7 @@
 
 import pytest
 
-from irtiming.archive.result_file import require_place
+from irtiming.archive.json_file import require_place
 from irtiming.errors import ArchiveError
 
 

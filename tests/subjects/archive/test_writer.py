@@ -11,7 +11,7 @@ from nexusformat.nexus import nxload
 
 from irtiming.archive import reader, writer
 from irtiming.archive.frame_stack import ArrayFrames
-from irtiming.archive.result_file import plain, write_result
+from irtiming.archive.json_file import plain, write_json
 from irtiming.archive.writer import RecordingWriter
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
@@ -187,7 +187,7 @@ def test_results_become_strict_json(tmp_path: Path) -> None:
         "value": np.float64(1.5), "n": np.int64(3), "matrix": np.eye(2), "file": Path("a.nxs"),
         "nan": float("nan"), "list": (np.inf, None, True, "µs"),
     }  # fmt: skip
-    write_result(result, tmp_path / "r.json")
+    write_json(result, tmp_path / "r.json")
     assert "".join((tmp_path / "r.json").read_text("utf-8").split()) == (
         '{"value":1.5,"n":3,"matrix":[[1.0,0.0],[0.0,1.0]],"file":"a.nxs","nan":null,"list":[null,null,true,"µs"]}'
     )
@@ -198,7 +198,7 @@ def test_results_become_strict_json(tmp_path: Path) -> None:
 def test_a_result_that_cannot_be_written_says_why(tmp_path: Path) -> None:
     """Oracle: a folder that does not exist; a folder in place of the file."""
     with pytest.raises(ArchiveError, match=r"none/r\.json: cannot be written: there is no folder .*make it first"):
-        write_result({}, tmp_path / "none" / "r.json")
+        write_json({}, tmp_path / "none" / "r.json")
     with pytest.raises(ArchiveError, match="is a folder; name a file to write"):
-        write_result({}, tmp_path)
+        write_json({}, tmp_path)
     assert list(tmp_path.iterdir()) == []

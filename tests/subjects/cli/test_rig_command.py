@@ -19,24 +19,32 @@ def _address(worker_id):
     return "127.0.8.2" if worker_id == "master" else f"127.0.8.{3 + int(worker_id.removeprefix('gw'))}"
 
 
-@pytest.mark.parametrize("camera", ["photon", "microbolometer"])
-def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, camera):
+@pytest.mark.parametrize(
+    ("camera", "options", "readout"),
+    [
+        ("photon", (), "snapshot"),
+        ("photon", ("--readout", "rolling"), "rolling"),
+        ("microbolometer", (), "rolling"),
+        ("microbolometer", ("--readout", "snapshot"), "snapshot"),
+    ],
+)
+def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, camera, options, readout):
     """Oracle: the readers of those files; the plan names the addresses that were printed."""
     found = _typed(
-        "--simulate", "--camera", camera, "--rows", "24", "--columns", "32", "--out", str(tmp_path), "--duration", "100 ms",
+        "--simulate", "--camera", camera, *options, "--rows", "24", "--columns", "32", "--out", str(tmp_path), "--duration", "100 ms",
         "--console", "0", "--camera-address", _address(worker_id), "--speed", "5",
     )  # fmt: skip
     assert found.returncode == 0, found.stderr
     assert "the rig is ready, 5 of its seconds in one of yours" in found.stdout
     plan = read_series(tmp_path / "plan.toml")
-    assert plan.camera.camera_type == camera
+    assert (plan.camera.camera_type, plan.camera.readout_mode) == (camera, readout)
     assert plan.devices.camera == f"gige:{_address(worker_id)}"
     for address in (plan.devices.chopper, plan.devices.blackbody, plan.devices.trigger_generator):
         assert address in found.stdout
     assert (plan.references is not None) == (camera == "photon")
     assert read_rig(tmp_path / "rig.toml").wheel.control_slots == 100
     truth = json.loads((tmp_path / "truth.json").read_text())
-    assert ("row_delay_s" in truth) == (camera == "microbolometer")
+    assert ("row_delay_s" in truth) == (readout == "rolling")
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,9 @@ from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version, reduce_reference
-from irtiming.archive.result_file import unwritable
 from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError

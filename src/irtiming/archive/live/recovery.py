@@ -9,10 +9,10 @@ import numpy as np
 from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint, archive_error, refuse
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.json_file import require_place
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
 from irtiming.archive.live.unfinished import NOT_FINISHED, ending_of, frames_there, is_claimed, summary, unfinished
 from irtiming.archive.nexus import bring_to_disk
-from irtiming.archive.result_file import require_place
 from irtiming.errors import ArchiveError
 
 KILLED = "interrupted: the program that recorded it was stopped before its end"

@@ -1,0 +1,117 @@
+"""JSON and text, written whole or not at all, and places where they may be written."""
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irtiming.errors import ArchiveError
+
+
+def write_json(content: Mapping[str, Any], path: str | Path) -> None:
+    """Write strict JSON; an existing file is replaced only when the new one is complete.
+
+    Numpy numbers and arrays, tuples and paths become plain numbers, lists and text. A number that JSON does
+    not have (not-a-number, infinity) becomes null.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written, or the content holds something that JSON cannot express.
+    """
+    text = json.dumps(plain(content), indent=1, ensure_ascii=False, allow_nan=False)
+    write_atomically(text + "\n", path)
+
+
+def plain(value: Any) -> Any:
+    """The same value of types that JSON has: dict, list, str, int, float, bool, None.
+
+    Raises
+    ------
+    ArchiveError
+        If it holds an object of another type.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, Path):
+        return str(value)
+    raise ArchiveError(f"a result holds {type(value).__name__} {value!r:.60}; JSON has numbers, text and lists only")
+
+
+def write_atomically(text: str, path: str | Path) -> None:
+    """Write text as UTF-8 under a temporary name and rename it when it is complete.
+
+    Raises
+    ------
+    ArchiveError
+        If the folder does not exist, or the file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")
+    if target.is_dir():
+        raise ArchiveError(f"{target}: is a folder; name a file to write")
+    try:
+        part.write_text(text, encoding="utf-8", newline="\n")
+        part.replace(target)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise unwritable(target, error) from error
+
+
+def make_folder(path: str | Path) -> None:
+    """Make a folder and those above it, where they are not there.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be made.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ArchiveError(f"{path} cannot be made ({error.strerror}); give another folder") from error
+
+
+def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> None:
+    """Refuse a place where no result may be written, before the long work whose result should go there.
+
+    Parameters
+    ----------
+    path
+        Where the result should go.
+    besides
+        Files that are read or written too: none of them may be overwritten.
+
+    Raises
+    ------
+    ArchiveError
+        If the path is a folder or one of the other files, or its folder does not exist or may not be written to.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise ArchiveError(f"{target}: is a folder; name a file to write")
+    if target.resolve() in {Path(other).resolve() for other in besides}:
+        raise ArchiveError(
+            f"{target}: is another file of this command and would be overwritten; name a new file to write"
+        )
+    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK):
+        raise unwritable(target, PermissionError("no permission"))
+
+
+def unwritable(path: Path, error: OSError) -> ArchiveError:
+    """Error for a file that could not be written, with the reason and the cure."""
+    if not path.parent.is_dir():
+        return ArchiveError(f"{path}: cannot be written: there is no folder {path.parent}; make it first")
+    return ArchiveError(f"{path}: cannot be written ({error.strerror or error}); choose another place")
