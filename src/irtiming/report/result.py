@@ -24,23 +24,19 @@ from irtiming.report.sections.inputs import versions
 from irtiming.report.sections.parameters import entries
 from irtiming.report.verdict import last_row_read
 
-FORMAT, VERSION = "irtiming result", 1
-
 
 def result(analysis: Analysis) -> dict[str, Any]:
     """Result of the chosen method with its counterpart, in SI units.
 
     Returns
     -------
-    Keys format, version, method, camera, readout_mode, parameters, bounds, correlation, relative_delays, budget, warnings and
+    Keys method, camera, readout_mode, parameters, bounds, correlation, relative_delays, budget, warnings and
     findings; beside them the fits, the other method, choices, inputs and software. All values are of the types that JSON has.
     """
     core = _core(analysis, analysis.result)
     both = (analysis.best, *(() if analysis.published is None else (analysis.published.result,)))
     two = analysis.two_constants
     return {
-        "format": FORMAT,
-        "version": VERSION,
         "method": analysis.result.method,
         "camera": analysis.camera_type,
         "readout_mode": analysis.readout_mode,
@@ -65,7 +61,7 @@ def result(analysis: Analysis) -> dict[str, Any]:
         ),
         "geometry": result_of_wheel.geometry(analysis),
         "wheel": result_of_wheel.calibration(analysis.wheel),
-        "opening": result_of_fits.opening(analysis.sectors[0]) if analysis.sectors else None,
+        "opening": result_of_fits.opening(analysis.sectors[0]) if analysis.sectors else {},
         "choices": _choices(analysis),
         "inputs": [_input(recording) for recording in analysis.recordings],
         "rig": {"file": analysis.rig.source, "sha256": analysis.rig.sha256},

@@ -12,6 +12,7 @@ from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.report import budget
+from irtiming.report.camera_noise import OF_CAMERA
 from irtiming.report.meanings import SIGN, delay_name, has_lag, meaning, several_speeds
 from irtiming.report.sections import two_constants as wide_range
 from irtiming.report.sections.joint_fit import Shared, angles, moved, shared
@@ -110,23 +111,22 @@ def starts(analysis: Analysis) -> list[tuple[float, float]]:
 
 
 def fit(one: EdgeDelayFit | RowTimingFit, analysis: Analysis) -> dict[str, Any]:
-    """One recording's own fit."""
-    beside = [name for name in one.estimate.names if not name.startswith("edge_delay")]
-    found: dict[str, Any] = {
+    """One recording's own fit; delays of rows through a window count to its middle."""
+    beside = [name for name in (*OF_CAMERA, "opening_angle") if name in one.estimate]
+    to_middle = isinstance(one, RowTimingFit) and not has_lag(analysis)
+    by_rows = isinstance(one, RowTimingFit)
+    return {
         "recording": one.name,
-        delay_name(analysis.best): float(np.mean(one.edge_delay_s)),
+        "exposure_midpoint_delay" if to_middle else delay_name(analysis.best): float(np.mean(one.edge_delay_s)),
         **{name: one.estimate.value(name) for name in beside},
-        "standard_uncertainty": {name: one.estimate.u(name) for name in beside},
+        "search_started_at": [one.start[name] for name in ("edge_delay_0", *beside)]
+        if by_rows
+        else [one.start_delay_s],
+        "steps": one.n_steps if by_rows else None,
+        "rows": [int(one.row_px[0]), int(one.row_px[-1])] if by_rows else None,
+        "median_noise": float(np.median(one.noise)),
         "widening": one.widening,
         "unit": "s",
-    }
-    if isinstance(one, EdgeDelayFit):
-        return found | {"search_started_at": [one.start_delay_s], "median_noise": one.noise}
-    return found | {
-        "search_started_at": [one.start[name] for name in ("edge_delay_0", *beside) if name in one.start],
-        "steps": one.n_steps,
-        "rows": [int(one.row_px[0]), int(one.row_px[-1])],
-        "median_noise": float(np.median(one.noise)),
     }
 
 

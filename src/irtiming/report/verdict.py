@@ -37,7 +37,7 @@ def _sentence(
     analysis: Analysis, names: tuple[str, ...], *, found: dict[str, tuple[float, float]], bounds: dict[str, str]
 ) -> str:
     """What the numbers mean, where they are determined and where not."""
-    parts, result = [], analysis.result
+    result, parts = analysis.result, list[str]()
     for name in names:
         if name not in found:
             what = f"the {words(name)} is not determined ({bounds.get(name, 'no bounds')}, k = 2)"

@@ -46,7 +46,7 @@ def drift(analysis: Analysis) -> Figure:
         grid = drawn.subplots(2 * len(shown), 1, height_ratios=[1.5, 1] * len(shown), squeeze=False)[:, 0]
         for k, (recording, fit) in enumerate(shown):
             top, below = grid[2 * k], grid[2 * k + 1]
-            time_s = frame_time_s(recording, recording.frame_index)
+            time_s = frame_time_s(recording, recording.frame_index.astype(float))
             _by_stretch(top, time_s, recording.row_sums.drift_dn, recording.segment)
             top.set_title(f"{recording.name}: drift {np.ptp(recording.row_sums.drift_dn):.1f} DN in all")
             top.set_ylabel("level (DN)")
