@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from irtiming.records.rolling_result import RollingResult
 
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse

@@ -117,7 +117,7 @@ def play(scenario: Scenario, circuit: CompiledCircuit) -> Played:
     """Let a circuit that was just reset play the scenario, then read STATUS, RECORDS_WRITTEN and RECORDS_LOST."""
     end, length = end_cycle(scenario), command_cycles(scenario.settings.bit_cycles)
     last = [(end + 2 * length * i, read(name)) for i, name in enumerate(("STATUS", "RECORDS_WRITTEN", "RECORDS_LOST"))]
-    outcome = circuit.run(end + 7 * length, inputs=scenario.inputs, commands=[*commands(scenario), *last])
+    outcome = circuit.run(end + 7 * length, inputs=scenario.inputs, commands=dict([*commands(scenario), *last]))
     replies, records, starts, at = [], [], [], 0
     while at < len(outcome.line):
         size = 10 if outcome.line[at] == 0x5A else 12

@@ -100,7 +100,7 @@ def test_runs_join_without_a_seam():
                 before = p.level[p.cycle < first]
                 initial = int(before[-1]) if before.size else 0
                 inputs[pin] = PinChanges(cycle=p.cycle[share], level=p.level[share], initial=initial)
-            done = parts.run(until, inputs=inputs, commands=[text for text in texts if first <= text[0] < until])
+            done = parts.run(until, inputs=inputs, commands={at: text for at, text in texts if first <= at < until})
             line, cycles, camera = line + done.line, [*cycles, *done.line_cycle], [*camera, *done.camera_out.cycle]
     n = len(line)  # `play` also reads three registers
     assert n > 100
@@ -144,6 +144,6 @@ def test_what_cannot_be_driven_is_refused(circuit):
     with pytest.raises(GatewareError, match=r"an input changes in cycle 300; it must lie in those to run, 100..199"):
         circuit.run(200, inputs={Channel.CONTROL_SLOT: late})
     with pytest.raises(GatewareError, match=r"a byte begins in cycle 99; it must lie in those to run, 100..199"):
-        circuit.run(200, commands=[(99, b"a")])
+        circuit.run(200, commands={99: b"a"})
     with pytest.raises(GatewareError, match=r"bytes overlap on the line; begin each at least 40 cycles"):
-        circuit.run(500, commands=[(120, b"ab"), (199, b"c")])
+        circuit.run(500, commands={120: b"ab", 199: b"c"})

@@ -5,7 +5,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from typing import final
 
-from irtiming.errors import InstrumentError
+from irtiming.errors import InstrumentError, UnitError
 from irtiming.gateware.register_map import Channel, Polarity
 from irtiming.instruments.device_address import BLACKBODIES, CAMERAS, CHOPPERS, connect
 from irtiming.instruments.generator.register_link import Patience
@@ -91,14 +91,14 @@ def wiring_of(wishes: WiringWishes, *, clock_frequency_hz: int) -> Wiring:
 
     Raises
     ------
-    InstrumentError
+    UnitError
         If a line is named that there is not.
     """
     edges = Polarity(0)
     for name in wishes.falling:
         if name.upper() not in Polarity.__members__:
             lines = ", ".join(Polarity.__members__).lower()
-            raise InstrumentError(f"falling = '{name}' is no line of the trigger generator; name one of {lines}")
+            raise UnitError(f"{{falling}} '{name}' is no line; name one of {lines}", "falling")
         edges |= Polarity[name.upper()]
     return Wiring(
         falling_edges=edges,

@@ -125,10 +125,9 @@ class FileFrames:
         try:
             dataset.read_direct(into, np.s_[first : first + len(into)])
         except H5_ERRORS as error:
-            self._name_damaged_frame(dataset, first, block=(len(into), error))
+            self._name_damaged_frame(dataset, first, count=len(into), error=error)
 
-    def _name_damaged_frame(self, dataset: h5py.Dataset, first: int, *, block: tuple[int, Exception]) -> NoReturn:
-        count, error = block
+    def _name_damaged_frame(self, dataset: h5py.Dataset, first: int, *, count: int, error: Exception) -> NoReturn:
         frame = np.empty((1, *self._shape[1:]), dtype=np.uint16)
         damaged = first
         for index in range(first, first + count):

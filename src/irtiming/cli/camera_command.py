@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError, UnitError
 
 _USUAL = (
@@ -33,7 +34,7 @@ def camera(
 
     screen = Console(highlight=False)
     for line in asyncio.run(_lines(address, get or [], named(feature or []))):
-        screen.print(line, markup=False, soft_wrap=True)
+        say(line, screen)
 
 
 def named(texts: Sequence[str]) -> tuple[tuple[str, str], ...]:

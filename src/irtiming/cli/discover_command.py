@@ -10,6 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from irtiming.archive.json_file import require_place, write_json
+from irtiming.cli.screen import say
 from irtiming.instruments.cameras import find
 from irtiming.instruments.serial_line import ports
 from irtiming.records.camera_frame import CameraIdentity
@@ -30,9 +31,9 @@ def discover(
     cameras, complaints = find(hosts=hosts or [], timeout_s=timeout_s)
     lines = ports()
     _show_cameras(cameras, screen)
-    screen.print("serial ports: " + ("; ".join(lines) or "none"), markup=False, highlight=False, soft_wrap=True)
+    say("serial ports: " + ("; ".join(lines) or "none"), screen)
     for complaint in complaints:
-        screen.print(f"note: {complaint}", markup=False, highlight=False, soft_wrap=True)
+        say(f"note: {complaint}", screen)
     if json is not None:
         found = {"cameras": [asdict(camera) for camera in cameras], "serial_ports": lines, "notes": complaints}
         write_json(found, json)
@@ -40,10 +41,9 @@ def discover(
 
 def _show_cameras(cameras: list[CameraIdentity], screen: Console) -> None:
     if not cameras:
-        screen.print(
+        say(
             "cameras: none answers; check power and cable, and that camera and computer have addresses of one network",
-            markup=False,
-            soft_wrap=True,
+            screen,
         )
         return
     if not screen.is_terminal:
@@ -51,7 +51,7 @@ def _show_cameras(cameras: list[CameraIdentity], screen: Console) -> None:
             line = (
                 f'camera = "{camera.address}"  # {camera.vendor} {camera.model}, serial number {camera.serial_number}'
             )
-            screen.print(line, markup=False, highlight=False, soft_wrap=True)
+            say(line, screen)
         return
     table = Table(title="cameras", title_justify="left")
     for heading in ("address for plan.toml", "vendor", "model", "serial number", "firmware"):

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irtiming.cli.screen import say
+
 if TYPE_CHECKING:
     from irtiming.archive.timestamps_file import TimedRun
     from irtiming.records.recording import Recording
@@ -23,8 +25,6 @@ def export_vcd(
 
     Times are in ns, and rounded so that each tick comes back exactly when the file is read with import-capture.
     """
-    from rich.console import Console
-
     from irtiming.archive import reader
     from irtiming.archive.json_file import require_place
     from irtiming.archive.timestamps_file import read_timestamps
@@ -42,6 +42,4 @@ def export_vcd(
         except ArchiveError:
             raise error from None
     write_vcd(found, target)
-    Console().print(
-        f"{target}: ticks of {found.clock_frequency_hz:.15g} Hz as times", markup=False, highlight=False, soft_wrap=True
-    )
+    say(f"{target}: ticks of {found.clock_frequency_hz:.15g} Hz as times")

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from irtiming.cli.screen import say
 from irtiming.gateware.firmware_files import write_firmware
 
 
@@ -20,4 +21,4 @@ def firmware(
     """
     screen = Console()
     for path in write_firmware(into):
-        screen.print(str(path), markup=False, highlight=False, soft_wrap=True)
+        say(str(path), screen)

@@ -7,6 +7,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from irtiming.cli.screen import say
 from irtiming.plan import sampling
 from irtiming.plan.drawing import sampling_text
 from irtiming.plan.photon_information import frame_noise
@@ -41,7 +42,7 @@ def _show_schemes(planned: Planned, most: int, console: Console) -> None:
         _show_runs(best, console)
     for scheme in best.schemes:
         console.print(f"\nSampling order of T = {scheme.turn_period_ticks}, C = {scheme.camera_period_ticks} ticks")
-        console.print(sampling_text(scheme, turns=12 // len(best.schemes) + 1), markup=False, soft_wrap=True)
+        say(sampling_text(scheme, turns=12 // len(best.schemes) + 1), console)
 
 
 def _show_proposed(planned: Proposed, console: Console) -> None:

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from irtiming.cli.screen import say
+
 
 def recover(
     part: Annotated[Path, typer.Argument(help="Interrupted recording, NAME.nxs.part.", metavar="FILE")],
@@ -28,7 +30,6 @@ def recover(
     """
     from functools import partial
 
-    from rich.console import Console
     from rich.markup import escape
 
     from irtiming.archive.live.recovery import recover as recover_file
@@ -38,5 +39,4 @@ def recover(
     with shown("frames") as told:
         finished = recover_file(part, out, keep=keep, trust=trust, progress=partial(told, escape(part.name)))
     for finding in verify(finished):
-        line = f"{finding.severity}: {finding.sentence()}"
-        Console().print(f"{finished}: {line}", markup=False, highlight=False, soft_wrap=True)
+        say(f"{finished}: {finding.severity}: {finding.sentence()}")

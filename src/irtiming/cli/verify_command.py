@@ -13,6 +13,7 @@ from rich.table import Table
 from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
+from irtiming.cli.screen import say
 from irtiming.records.finding import Finding
 
 _STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
@@ -53,7 +54,7 @@ def _show(path: Path, findings: list[Finding], *, screen: Console) -> None:
     if not screen.is_terminal:
         for finding in findings:
             line = f"{finding.severity}: {path}: {finding.sentence()}"
-            screen.print(" ".join(line.split()), markup=False, highlight=False, soft_wrap=True)
+            say(" ".join(line.split()), screen)
         return
     table = Table(title=escape(str(path)), title_justify="left", show_lines=False)
     for heading in ("", "where", "what", "what to do"):

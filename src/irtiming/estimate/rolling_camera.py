@@ -1,6 +1,6 @@
-"""The default method for a rolling microbolometer camera: contrast image and row sums, in turns, until they agree."""
+"""The default method for a camera that lags or is read row by row: contrast image and row sums, in turns, until they agree."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -16,10 +16,10 @@ from irtiming.estimate import (
 )
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
-from irtiming.inference.optimiser import Model
+from irtiming.inference.optimiser import Linearised
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS
+from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing, timing_names
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import AxleView, ReducedRecording
 from irtiming.records.rig import Rig
@@ -28,27 +28,33 @@ from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
 _AGREED = 0.1  # standard uncertainties between two rounds
-_FIRST_LAG = 1e-4  # seconds; the first contrast image is fitted as if there were no lag
+_FIRST_RESPONSE_S = 1e-4  # the first contrast image is fitted as if pixels answered at once
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RowFits:
-    """What the rows of all recordings say, one after the other.
+class FittedRows:
+    """Each recording by itself: fits and sectors in the order of ``recordings``, which now know the axle.
 
-    ``recordings`` now know the axle; ``sectors``, ``fits`` and ``models`` stand in their order, one of each per recording. A model
-    tells how well any local numbers fit, exactly, were the residuals white.
+    ``geometry`` is the rig's with the axle known, ``bare`` the wheel that the rows were fitted with, ``lights`` their light.
     """
 
     recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
+    bare: WheelModel
     sectors: tuple[SectorFit, ...]
+    lights: tuple[RowLight, ...]
     fits: tuple[RowTimingFit, ...]
-    models: tuple[Model, ...]
+
+    @property
+    def likelihoods(self) -> tuple[Callable[[Timing], Linearised], ...]:
+        """How well any numbers fit each recording."""
+        both = zip(self.recordings, self.lights, strict=True)
+        return tuple(row_fit.likelihood(one, self.bare, light=light) for one, light in both)
 
 
-def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RowFits:
-    """Trigger delay, time constant and row delay.
+def rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
+    """Contrast images and row sums of recordings of any camera, each fitted by itself.
 
     Parameters
     ----------
@@ -65,77 +71,78 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RowFits:
         If the rig's numbers contradict each other.
     """
     with one_thread():
-        return _estimate(recordings, rig)
+        return _rows(recordings, rig)
 
 
-def _estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> RowFits:
+def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     views, fits = _in_turns(recordings, bare, rig=rig)
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
-    lights, sectors = [view.light for view in view_of], [view.sector for view in view_of]
     changes = {id(view): _changes(view, recordings, model=bare, rig=rig) for view in views}
     fits = tuple(
         row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
-    seen = tuple(replace(one, axle=_axle(sector)) for one, sector in zip(recordings, sectors, strict=True))
-    geometry = wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False)
-    return RowFits(
+    seen = tuple(replace(one, axle=_axle(view.sector)) for one, view in zip(recordings, view_of, strict=True))
+    return FittedRows(
         recordings=seen,
-        geometry=geometry,
-        sectors=tuple(sectors),
+        geometry=wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False),
+        bare=bare,
+        sectors=tuple(view.sector for view in view_of),
+        lights=tuple(view.light for view in view_of),
         fits=fits,
-        models=tuple(row_fit.likelihood(one, bare, light=light) for one, light in zip(recordings, lights, strict=True)),
     )
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _View:
-    """What the recordings before one blackbody (``members``) show: the sector, seen with a lag, and the light of the rows."""
+    """What the recordings before one blackbody (``members``) show: the sector, seen with ``timing``, and the light of the rows."""
 
     members: list[int]
     sector: SectorFit
     light: RowLight
-    lag: tuple[Array, float]
+    timing: Timing
 
 
 def _in_turns(
     recordings: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig
 ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
     """Contrast image and rows by turns, until the rows' numbers stay."""
-    response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
+    kind = camera(recordings[0].camera_type, recordings[0].readout_mode)
     groups = by_blackbody.groups(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
     )
-    lags: list[tuple[Array, float]] = [(np.zeros(4), _FIRST_LAG)] * len(groups)
+    at_once = dict.fromkeys(timing_names(kind), 0.0) | {kind.response.PARAMETER: _FIRST_RESPONSE_S}
+    timings: list[Timing] = [at_once] * len(groups)
     views: list[_View] = []
     fits: tuple[RowTimingFit, ...] = ()
     for n_round in range(_MOST_ROUNDS):
         starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(groups)
         sectors = [
-            sector_fit.fit([recordings[k] for k in members], model, rig=rig, lag=lag, start=start)
-            for members, lag, start in zip(groups, lags, starts, strict=True)
+            sector_fit.fit([recordings[k] for k in members], model, rig=rig, lag=_lag(timing), start=start)
+            for members, timing, start in zip(groups, timings, starts, strict=True)
         ]
         views = [
             _View(
                 members=members,
                 sector=sector,
                 light=row_light.row_light(
-                    recordings[members[0]].row_sums.row_px, sector, n_harmonics=response.HARMONICS
+                    recordings[members[0]].row_sums.row_px, sector, n_harmonics=kind.response.HARMONICS
                 ),
-                lag=lag,
+                timing=timing,
             )
-            for members, sector, lag in zip(groups, sectors, lags, strict=True)
+            for members, sector, timing in zip(groups, sectors, timings, strict=True)
         ]
         before = fits
         fits = _rows_fitted(recordings, model, views=views, before=before)
-        lags = [_mean_lag([fits[k] for k in members]) for members in groups]
+        timings = [_mean([fits[k].timing for k in members]) for members in groups]
         if n_round + 1 >= _FEWEST_ROUNDS and _agree(before, fits):
             return views, fits
     raise EstimationError(
-        f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds (time constant {1e3 * lags[0][1]:.3f} ms); "
+        f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds "
+        f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * timings[0][kind.response.PARAMETER]:.3f} ms); "
         "the recordings must show the whole opening and nothing else that turns with the wheel"
     )
 
@@ -163,15 +170,17 @@ def _rows_fitted(
 def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: WheelModel, rig: Rig) -> ComplexArray:
     """Derivatives of the light to the sector's numbers."""
     members = [recordings[k] for k in view.members]
-    varied = sector_fit.variations(members, model, rig=rig, lag=view.lag, found=view.sector)
+    varied = sector_fit.variations(members, model, rig=rig, lag=_lag(view.timing), found=view.sector)
     return row_light.changes(view.light, varied)
 
 
-def _mean_lag(fits: list[RowTimingFit]) -> tuple[Array, float]:
-    """Edge delays and time constant, means over fits."""
-    return np.mean([fit.edge_delay_s for fit in fits], axis=0), float(
-        np.mean([fit.timing["time_constant"] for fit in fits])
-    )
+def _lag(timing: Timing) -> tuple[Array, float]:
+    return np.array([timing[name] for name in EDGE_DELAYS]), timing.get("time_constant", 0.0)
+
+
+def _mean(timings: list[dict[str, float]]) -> Timing:
+    """Mean of each number over fits."""
+    return {name: float(np.mean([timing[name] for timing in timings])) for name in timings[0]}
 
 
 def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:

@@ -159,7 +159,7 @@ def _opening_and_window(
 
 
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
-    rows = rolling_camera.estimate(recordings, rig)
+    rows = rolling_camera.rows(recordings, rig)
     fits, blackbodies = rows.fits, _blackbodies(rows.recordings)
     groups = scatter.alike(fits, blackbodies)
     factor = scatter.run_to_run(fits, groups)
@@ -175,7 +175,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
     exact = tuple(
         _exact(fit, model, names=names, factor=float(scale) * fit.widening)
-        for fit, model, scale in zip(fits, rows.models, factor, strict=True)
+        for fit, model, scale in zip(fits, rows.likelihoods, factor, strict=True)
     )
     found = joint.fit(models, shared)
     freedom = float(sum(fit.wheel_angle_rad.size - len(fit.estimate.names) for fit in fits))

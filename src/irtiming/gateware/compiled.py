@@ -10,13 +10,13 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Self, TypeAlias, final
+from typing import Self, final
 
 import numpy as np
 
@@ -30,9 +30,6 @@ from irtiming.records.arrays import Ticks
 _SHIM = Path(__file__).with_name("compiled_shim.cpp")
 _COMPILER = "g++"
 _FLAGS = ("-std=c++17", "-O1", "-shared", "-fPIC")  # -O2 and -O3 make it slower
-
-Commands: TypeAlias = Sequence[tuple[int, bytes]]
-"""Cycle in which the first start bit begins, and bytes that follow each other without a gap; in order of time."""
 
 
 @final
@@ -87,7 +84,11 @@ class CompiledCircuit:
         return int(self._library.bench_cycle(self._bench))
 
     def run(
-        self, until_cycle: int, *, inputs: Mapping[Channel, PinChanges] | None = None, commands: Commands = ()
+        self,
+        until_cycle: int,
+        *,
+        inputs: Mapping[Channel, PinChanges] | None = None,
+        commands: Mapping[int, bytes] | None = None,
     ) -> Outcome:
         """Let it run until its counter is ``until_cycle``.
 
@@ -98,7 +99,8 @@ class CompiledCircuit:
         inputs
             What each of `event_model.INPUT_PINS` does from now on; one that is left out stays as it is.
         commands
-            What comes over the line.
+            What comes over the line: cycle in which the first start bit begins -> bytes that follow each other without a gap; in
+            order of time.
 
         Returns
         -------
@@ -110,7 +112,7 @@ class CompiledCircuit:
             If a change or a byte begins before now or not before ``until_cycle``, or bytes overlap.
         """
         cycle, pin, level = self._input_changes(inputs or {})
-        rx_cycle, rx = self._bytes(commands)
+        rx_cycle, rx = self._bytes(commands or {})
         for what, all_cycles in (("an input changes", cycle), ("a byte begins", rx_cycle)):
             for at in (*all_cycles[:1], *all_cycles[-1:]):
                 if not self.cycle <= at < until_cycle:
@@ -145,14 +147,14 @@ class CompiledCircuit:
         order = np.argsort(cycle, kind="stable")
         return cycle[order], np.concatenate(pins)[order], np.concatenate(levels)[order]
 
-    def _bytes(self, commands: Commands) -> tuple[Ticks, np.ndarray]:
+    def _bytes(self, commands: Mapping[int, bytes]) -> tuple[Ticks, np.ndarray]:
         """First cycle of each byte, and the byte."""
         length = BITS_PER_BYTE * self.bit_cycles
-        cycle = [np.empty(0, np.int64), *(begin + length * np.arange(len(text)) for begin, text in commands)]
+        cycle = [np.empty(0, np.int64), *(begin + length * np.arange(len(text)) for begin, text in commands.items())]
         starts = np.concatenate(cycle)
         if np.any(np.diff(starts, prepend=self._last_byte) < length):
             raise GatewareError(f"bytes overlap on the line; begin each at least {length} cycles after the one before")
-        return starts, np.frombuffer(b"".join(text for _, text in commands), np.uint8)
+        return starts, np.frombuffer(b"".join(commands.values()), np.uint8)
 
     def _results(self, name: str) -> tuple[Ticks, np.ndarray]:
         count = getattr(self._library, f"bench_{name}_count")(self._bench)

@@ -45,7 +45,7 @@ class CompiledDevice:
             self._line_free = begin + len(received) * BITS_PER_BYTE * self._circuit.bit_cycles
         until = max(until_cycle, self._line_free, now)
         inputs = {} if self._wheel is None else self._wheel.turn(until, slot_period_cycles=self._slot_period)
-        outcome = self._circuit.run(until, inputs=inputs, commands=[(begin, received)] if received else [])
+        outcome = self._circuit.run(until, inputs=inputs, commands={begin: received} if received else {})
         self._follow(outcome.chopper_out)
         return outcome.line
 

@@ -98,11 +98,6 @@ def _edge_frame(mask_row_sum: Array) -> int:
 
 
 def _check(recording: Recording) -> None:
-    if recording.camera_type != "microbolometer" or recording.readout_mode != "rolling":
-        raise ReductionError(
-            f"{recording.name}: says camera type {recording.camera_type}, readout {recording.readout_mode}; this analysis is "
-            "for a rolling microbolometer camera"
-        )
     wheel_angles.refuse_lost_timestamps(recording)
     if recording.frames.shape[0] < _FEWEST_FRAMES:
         raise ReductionError(

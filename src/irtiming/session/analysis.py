@@ -10,8 +10,9 @@ from irtiming.archive.json_file import require_place, write_atomically
 from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
-from irtiming.measurement import Analysis, Progress, RollingAnalysis
+from irtiming.measurement import ALL_EXTRAS, Progress
 from irtiming.measurement import analyse as analyse_recordings
+from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.report import certificate
@@ -30,7 +31,7 @@ class AnalysisOrder:
     report: Path | None = None
 
 
-def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analysis | RollingAnalysis:
+def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analysis:
     """Timing of a camera from its recordings.
 
     Parameters
@@ -48,14 +49,15 @@ def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analys
     _require_places(order)
     rig = read_rig(order.rig)
     wheel = None if order.wheel_calibration is None else read_wheel_calibration(order.wheel_calibration)
+    extras = ALL_EXTRAS if order.result or order.report else ()
     found = analyse_recordings(
-        _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel
-    )  # fmt: skip
+        _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel, extras=extras
+    )
     write(found, result=order.result, report=order.report)
     return found
 
 
-def write(found: Analysis | RollingAnalysis, *, result: Path | None = None, report: Path | None = None) -> None:
+def write(found: Analysis, *, result: Path | None = None, report: Path | None = None) -> None:
     """Write what was found as JSON, as a page, or both.
 
     Parameters

@@ -8,7 +8,8 @@ from typing import Any, final
 from irtiming.archive import reader, rig_file, writer
 from irtiming.archive.json_file import make_folder, write_atomically
 from irtiming.archive.result_file import write_result
-from irtiming.measurement import Analysis, Progress, RollingAnalysis, analyse
+from irtiming.measurement import ALL_EXTRAS, Progress, analyse
+from irtiming.records.analysis import Analysis
 from irtiming.records.recording import CameraType, Recording
 from irtiming.report import certificate
 from irtiming.twin import rig as twin
@@ -45,7 +46,7 @@ _SUFFIX = {"photon": "", "microbolometer": "-microbolometer"}
 class Demonstration:
     """What was found of one camera, its result as plain data, what is true of it, by name and in seconds, and its report."""
 
-    analysis: Analysis | RollingAnalysis
+    analysis: Analysis
     result: dict[str, Any]
     truth_s: dict[str, float]
     report: Path
@@ -68,7 +69,7 @@ def demonstrate(order: DemoOrder, *, progress: Progress | None = None) -> Demons
     """
     make_folder(order.folder)
     rig = twin.draw(_scene(order), seed=order.seed)
-    analysis = analyse(_recordings(rig.scene, order), rig.measured, progress=progress)
+    analysis = analyse(_recordings(rig.scene, order), rig.measured, progress=progress, extras=ALL_EXTRAS)
     suffix, found = _SUFFIX[order.camera], certificate.report(analysis)
     page = order.folder / f"report{suffix}.html"
     rig_file.write_rig(rig.measured, order.folder / f"rig{suffix}.toml")

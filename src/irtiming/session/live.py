@@ -16,16 +16,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, final
 
+from irtiming import measurement
 from irtiming.archive.live.so_far import read_so_far
 from irtiming.errors import IrTimingError
-from irtiming.measurement import (
-    Analysis,
-    RollingAnalysis,
-    estimate_rolling,
-    estimate_snapshot,
-    reduce_rolling,
-    reduce_snapshot,
-)
+from irtiming.records.analysis import Analysis
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
@@ -205,9 +199,9 @@ class Analyst:
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
-        self._kept: list[Any] = []
+        self._kept: list[ReducedRecording] = []
 
-    def keep(self, path: Path) -> Analysis | RollingAnalysis:
+    def keep(self, path: Path) -> Analysis:
         """Read a finished recording, keep it, and estimate all that is kept.
 
         Parameters
@@ -225,7 +219,7 @@ class Analyst:
         self._kept.append(reduced)
         return found
 
-    def look(self, path: Path) -> Analysis | RollingAnalysis:
+    def look(self, path: Path) -> Analysis:
         """The same for one that is still written, which is not kept.
 
         Parameters
@@ -241,14 +235,10 @@ class Analyst:
         return self._estimated([*self._kept, self._reduced(read_so_far(path))])
 
     def _reduced(self, recording: Recording) -> ReducedRecording:
-        if recording.camera_type == "microbolometer":
-            return reduce_rolling(recording, self._rig, before=self._kept)
-        return reduce_snapshot(recording, self._rig, before=self._kept)
+        return measurement.reduce(recording, self._rig, before=self._kept)
 
-    def _estimated(self, reduced: list[Any]) -> Analysis | RollingAnalysis:
-        if reduced[0].rows is not None:
-            return estimate_rolling(reduced, self._rig)
-        return estimate_snapshot(reduced, self._rig)
+    def _estimated(self, reduced: list[ReducedRecording]) -> Analysis:
+        return measurement.estimate(reduced, self._rig)
 
 
 def _work(line: Connection, rig: Rig) -> None:
@@ -274,7 +264,7 @@ def _unknown(finding: Finding) -> LiveEstimate:
     return LiveEstimate(frames=0, values={}, uncertainties={}, finding=finding)
 
 
-def told_of(found: Analysis | RollingAnalysis) -> LiveEstimate:
+def told_of(found: Analysis) -> LiveEstimate:
     """What an analysis says, in short.
 
     Parameters

@@ -31,8 +31,8 @@ def _address(worker_id):
 def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, camera, options, readout):
     """Oracle: the readers of those files; the plan names the addresses that were printed."""
     found = _typed(
-        "--simulate", "--camera", camera, *options, "--rows", "24", "--columns", "32", "--out", str(tmp_path), "--duration", "100 ms",
-        "--console", "0", "--camera-address", _address(worker_id), "--speed", "5",
+        "--simulate", "--camera", camera, *options, "--rows", "24", "--columns", "32", "--out", str(tmp_path),
+        "--duration", "100 ms", "--console", "0", "--camera-address", _address(worker_id), "--speed", "5",
     )  # fmt: skip
     assert found.returncode == 0, found.stderr
     assert "the rig is ready, 5 of its seconds in one of yours" in found.stdout

@@ -31,6 +31,7 @@ from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 from irtiming.records.wheel_track import WheelTrack
+from irtiming.report import sheet
 
 TURN = 2 * np.pi
 OMEGA = 3 * TURN
@@ -447,3 +448,9 @@ def _rolling_result(method: str, names: tuple[str, ...]) -> Result:
         edge_delay_s=values[0] + np.array([1, -1, 2, -2]) * 1e-6 if ours else np.full(4, np.nan),
         u_edge_delay_s=np.full(4, 5e-6) if ours else np.full(4, np.nan),
     )
+
+
+@pytest.fixture
+def sketched(monkeypatch) -> None:
+    """Pages whose figures are made but not turned into SVG, which takes seconds: for tests of what is written around them."""
+    monkeypatch.setattr(sheet, "svg", lambda drawn, *, title: f'<svg role="img" aria-label="{title}"></svg>')

@@ -99,6 +99,7 @@ def test_a_negative_delay_comes_before_the_edge(analysis):
     assert verdict.number == "trigger delay = −400 ± 30 µs"
 
 
+@pytest.mark.usefixtures("sketched")
 def test_without_an_integration_time_the_verdict_tells_the_middle(analysis):
     """Oracle: the start cannot be told, and is not."""
     middle = Estimate(
@@ -140,6 +141,7 @@ def test_the_result_follows_the_chosen_method(analysis):
     assert (result["method"], result["other_method"]["method"]) == ("published", "pixel-sum")
 
 
+@pytest.mark.usefixtures("sketched")
 def test_one_recording_alone_makes_a_page(analysis):
     """Oracle: no relative delay, and the verdict says so."""
     one = replace(

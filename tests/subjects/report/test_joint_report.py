@@ -41,6 +41,7 @@ def test_the_search_tells_how_far_it_went(analysis):
     assert rows["recordings below that"] == "1 of 10"
 
 
+@pytest.mark.usefixtures("sketched")
 def test_only_several_speeds_tell_of_rig_toml(analysis, two_speeds):
     """Oracle: at one speed an angle is a delay; the common angle by hand: 0.4 mrad, u 0.1, of 0.5 mrad allowed."""
     assert [block.title for block in joint_tables.blocks(analysis)] == ["What all recordings share", "How the fit went"]
@@ -108,6 +109,7 @@ def test_recordings_that_are_not_white_are_red(analysis):
     assert lines[3].get_ydata()[0] == 1e-4
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_section_stands_between_fit_and_uncertainty(analysis):
     """Oracle: the order of the argument; residuals stand under the fit before it."""
     page = certificate.page(analysis)

@@ -111,6 +111,7 @@ def test_a_readout_from_the_bottom_up_is_said_to_be_one(upward):
     assert verdict.further[1] == "row delay = −40.00 ± 0.20 µs"
 
 
+@pytest.mark.usefixtures("sketched")
 def test_an_undetermined_parameter_is_a_bound_and_no_number(undetermined):
     """Oracle: the bounds put in; absent from the parameters of the result, and the page is still made."""
     verdict = certificate.verdict(undetermined)
@@ -188,6 +189,7 @@ def test_the_budget_has_a_column_for_each_parameter(rolling):
     assert rows[3][3:] == ("∞", "∞", "∞")
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_single_set_delay_has_no_table_of_relative_delays(rolling):
     """Oracle: nothing to compare."""
     one = replace(
@@ -243,6 +245,7 @@ def test_the_truth_of_a_simulation_stands_beside_both_methods(rolling):
     assert row == ("t_delay", "4.06 ms", "4.000 ± 0.030 ms", "−2.0", "4.100 ± 0.040 ms", "+1.0")
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_page_stands_without_the_published_procedure(rolling):
     """Oracle: the row sums do not need it; its numbers are dashes and the reason is told."""
     alone = replace(

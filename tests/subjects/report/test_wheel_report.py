@@ -78,6 +78,7 @@ def test_picture_shows_slots_with_bars_and_orders(ripple):
     assert times.get_ylim() == pytest.approx((1e3 * low / (6 * np.pi), 1e3 * high / (6 * np.pi)))
 
 
+@pytest.mark.usefixtures("sketched")
 def test_certificate_tells_of_the_wheel(analysis):
     """Oracle: the page and the result of an analysis with a calibrated wheel, and of one without."""
     found = certificate.report(replace(analysis, wheel=_calibration(ripple=True)))

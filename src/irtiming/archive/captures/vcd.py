@@ -59,7 +59,9 @@ def read_vcd(path: Path, names: Sequence[str]) -> Capture:
     """
     with path.open("rb") as file:
         per_second, variables, rate = _header(path, file)
-        places = find_lines(names, _short_names(variables), path=path)
+        places = find_lines(
+            names, _short_names([one for one, _ in variables], [one for _, one in variables]), path=path
+        )
         seen = {name: _Seen(name) for name in names}
         by_code: dict[bytes, list[_Seen]] = {}
         for name, place in places.items():
@@ -119,13 +121,13 @@ def _tokens(path: Path, head: bytes) -> Iterator[Token]:
         raise broken(path, f"is no value change dump ({error}); export the capture again") from error
 
 
-def _short_names(variables: list[tuple[str, VarDecl]]) -> list[str]:
+def _short_names(scopes: list[str], variables: list[VarDecl]) -> list[str]:
     """Name of each variable, with its scope where the name alone stands for several lines."""
     codes: dict[str, set[str]] = {}
-    for _, variable in variables:
+    for variable in variables:
         codes.setdefault(variable.ref_str, set()).add(variable.id_code)
     names = []
-    for scope, variable in variables:
+    for scope, variable in zip(scopes, variables, strict=True):
         name = variable.ref_str
         if len(codes[name]) > 1:
             name = f"{scope}.{name}"
