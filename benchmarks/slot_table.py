@@ -17,7 +17,8 @@ import numpy as np
 from irtiming.physics import slot_orders
 from irtiming.records.recording import Recording
 from irtiming.reduce import wheel_calibration
-from irtiming.report import sheet, wheel_figures
+from irtiming.report import sheet
+from irtiming.report.sections import wheel as wheel_section
 from irtiming.twin.rig import SimulatedRig, Tolerances, draw, simulate
 from irtiming.twin.scene import Ripple, SpeedWander, paper_scene, with_wheel_speed
 
@@ -92,7 +93,7 @@ def draw_figure(path: Path) -> None:
     case = Case(name="drawn", turns=99, speeds_hz=(3.0, 6.0), runs=2, wander=1e-4, ripple=True)
     rig = drawn(case, 3.0, 1)
     wheel = wheel_calibration.from_recordings(recordings(case, 1), rig.measured)
-    path.write_text(sheet.svg(wheel_figures.calibration(wheel), title="Deviation of the control slots, and its orders"))
+    path.write_text(sheet.svg(wheel_section.calibration(wheel), title="Deviation of the control slots, and its orders"))
 
 
 def main() -> None:

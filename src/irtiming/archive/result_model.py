@@ -112,6 +112,13 @@ class BudgetLine(Part):
     unit: str
 
 
+class Contribution(BudgetLine):
+    """The same of every parameter, for every camera."""
+
+    standard_uncertainty: dict[str, Real]
+    share_percent: dict[str, Real]
+
+
 class LastRow(Measured):
     """When the last image row is read."""
 
@@ -129,6 +136,7 @@ class Core(Part):
     relative_delays_combined: list[CombinedDelay] = Field([])
     last_row_read: LastRow | None = None
     budget: list[BudgetLine]
+    contributions: list[Contribution] = Field([])
     edge_delays: Uncertains | None
     warnings: list[str]
 
@@ -173,6 +181,7 @@ class JointFit(Part):
     shared: dict[str, SharedNumber]
     correlation: Correlation
     steps: int
+    decrement: Real = None
     moved: Moved
     reduced_chi_square: Real
     birge: Real
@@ -223,6 +232,7 @@ class LikeCamera(Part):
     """The camera in the words of ``irtiming plan --like``; times in the unit."""
 
     camera: CameraType
+    readout_mode: ReadoutMode | None = None
     noise_to_contrast: Real
     opening_pixels: Real
     unit: str
@@ -272,8 +282,8 @@ class NoiseCorrelation(Correlation):
     """What the noise of the frames alone does to the parameters."""
 
     standard_uncertainty: list[Real]
-    trigger_delay_minus_time_constant: dict[str, Real | str]
-    trigger_delay_plus_time_constant: dict[str, Real | str]
+    trigger_delay_minus_time_constant: dict[str, Real | str] | None = None
+    trigger_delay_plus_time_constant: dict[str, Real | str] | None = None
     unit: str
 
 
@@ -333,17 +343,19 @@ class Wheel(Part):
     angle_unit: str
 
 
-class RowFit(Part):
-    """The fit of one recording, row by row; ``rows`` are the first and the last."""
+class RecordingFit(Part):
+    """The fit of one recording; of row sums with the first and the last of its ``rows``."""
 
     recording: str
-    trigger_delay: Real
+    trigger_delay: Real = None
+    exposure_midpoint_delay: Real = None
     time_constant: Real = None
     integration_time: Real = None
     row_delay: Real = None
+    opening_angle: Real = None
     search_started_at: list[Real]
-    steps: int
-    rows: list[int]
+    steps: int | None = None
+    rows: list[int] | None = None
     median_noise: Real
     widening: Real
     unit: str
@@ -403,6 +415,7 @@ class ResultFinding(Part):
 
     code: str
     severity: Severity
+    recording: str = ""
     where: str
     what: str
     cure: str = ""
@@ -425,7 +438,7 @@ class Result(Core):
     geometry: Geometry
     wheel: Wheel | None
     opening: dict[str, Uncertain | bool | float | None] = Field({})
-    fits: list[RowFit] = Field([])
+    fits: list[RecordingFit] = Field([])
     published_fits: list[PublishedFit] = Field([])
     choices: Settings
     inputs: list[Input]

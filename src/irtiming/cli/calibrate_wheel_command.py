@@ -31,7 +31,7 @@ def calibrate_wheel(
     from rich.console import Console
 
     from irtiming.cli.result_table import print_table
-    from irtiming.report import wheel_tables
+    from irtiming.report.sections import wheel as wheel_section
     from irtiming.session.wheel import CalibrationOrder, calibrate
 
     order = CalibrationOrder(
@@ -40,5 +40,5 @@ def calibrate_wheel(
     wheel, screen = calibrate(order), Console()
     for text in wheel.warnings:
         warn(text, screen)
-    for table in (wheel_tables.summary(wheel), wheel_tables.speeds(wheel), wheel_tables.orders(wheel)):
+    for table in (wheel_section.summary(wheel), wheel_section.speeds(wheel), wheel_section.orders(wheel)):
         print_table(table, screen)

@@ -8,11 +8,8 @@ from scipy import stats
 from irtiming.physics.covariance import inverse
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
-from irtiming.records.result import EffectiveTimeConstants, JointFit
+from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit
 from irtiming.records.row_timing import RowTimingFit, SectorFit
-
-LEAST_WHITENESS = 1e-4
-"""Ljung-Box p-value below which residuals are not called white."""
 
 _CONTRADICTS = 4.0  # standard uncertainties
 _LARGEST_EDGE_RAD = 5e-3

@@ -17,7 +17,7 @@ from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_geometry import WheelGeometry
 
-Fits: TypeAlias = tuple[EdgeDelayFit, ...] | tuple[RowTimingFit, ...]
+Fits: TypeAlias = tuple[EdgeDelayFit | RowTimingFit, ...]
 """Of pixel sums or of row sums, one per recording."""
 
 

@@ -11,6 +11,9 @@ from irtiming.records.finding import Finding
 Method = Literal["pixel-sum", "row-sum", "published"]
 """The project's best method by what it sums, and the procedure of Schatz 2023 step by step."""
 
+LEAST_WHITENESS = 1e-4
+"""Ljung-Box p-value below which residuals are not called white: then there is a finding, and a red point in the report."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -3,52 +3,56 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
+from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import sheet
-from irtiming.report.evidence import RollingEvidence
 
 
-def draw(axes: Axes, evidence: RollingEvidence, *, marked: list[tuple[int, str]]) -> None:
+def draw(axes: Axes, analysis: Analysis, *, marked: list[tuple[int, str]]) -> None:
     """The frame, the edge as read row by row and as a snapshot would show it, and lines at the marked rows.
 
     Parameters
     ----------
     axes
         To draw in.
-    evidence
+    analysis
         Its first recording.
     marked
         Image rows and their colours.
     """
-    recording = evidence.recordings[0]
-    rows = recording.row_sums
-    angle = float(evidence.row_fits[0].wheel_angle_rad[rows.edge_frame])
-    frame = rows.edge_frame_dn
+    recording, fit = analysis.recordings[0], analysis.fits[0]
+    if recording.rows is None or not isinstance(fit, RowTimingFit):
+        return
+    place = recording.rows.edge_frame
+    angle, frame = float(fit.wheel_angle_rad[place]), recording.rows.edge_frame_dn
     row0, row1, column0, column1 = recording.opening.roi
     low, high = (float(v) for v in np.quantile(frame[row0:row1, column0:column1], [0.01, 0.99]))
     axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    for place, hue in marked:
-        axes.axhline(place, color=hue, linewidth=1)
-    for rolling, line in ((True, "-"), (False, "--")):
-        for row, column in edges(evidence, angle, rolling=rolling):
+    for marked_row, hue in marked:
+        axes.axhline(marked_row, color=hue, linewidth=1)
+    for rolling, line in ((True, "-"), (False, "--"))[: 2 if fit.row_delay_s else 1]:
+        for row, column in edges(analysis, fit, wheel_angle_rad=angle, rolling=rolling):
             axes.plot(column, row, line, color=sheet.RED if rolling else "#ffd23f", linewidth=1.2)
     axes.set_xlim(column0 - 0.5, column1 - 0.5)
     axes.set_ylim(row1 - 0.5, row0 - 0.5)
     axes.set_xlabel("column (px)")
     axes.set_ylabel("row (px)")
     axes.grid(visible=False)
-    axes.set_title(f"(b) frame {recording.frame_index[rows.edge_frame]}, wheel at {np.degrees(angle):.1f}°")
+    axes.set_title(f"(b) frame {recording.frame_index[place]}, wheel at {np.degrees(angle):.1f}°")
 
 
-def edges(evidence: RollingEvidence, wheel_angle_rad: float, *, rolling: bool) -> list[tuple[Array, Array]]:
-    """Rows and columns (px) of each wheel edge within the opening where the lagging pixels are half way.
+def edges(analysis: Analysis, fit: RowTimingFit, *, wheel_angle_rad: float, rolling: bool) -> list[tuple[Array, Array]]:
+    """Rows and columns (px), shapes (n,), of each wheel edge within the opening where its pixels are half way.
 
     Without ``rolling`` all rows are read together with the middle one: then an edge is straight.
     """
-    fit, shape, model = evidence.row_fits[0], evidence.sector.shape, evidence.geometry.model
+    shape, model = analysis.sectors[0].shape, analysis.geometry.model
     omega, middle = fit.angular_frequency_rad_per_s, float(fit.row_px.mean())
     row = np.linspace(float(fit.row_px[0]), float(fit.row_px[-1]), 200)
-    read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.timing["time_constant"]
+    read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.timing.get(
+        "time_constant", 0.0
+    )
     sense = -1.0 if shape.mirrored else 1.0
     found = []
     for edge, delay in zip(model.cutout_edges_rad, fit.edge_delay_s, strict=True):

@@ -2,38 +2,65 @@
 
 from datetime import datetime
 
-from irtiming.report import result, rolling_certificate, rolling_result, snapshot_certificate
-from irtiming.report.evidence import Evidence, RollingEvidence
-from irtiming.report.page import Certificate, Content, Verdict, render
+from irtiming.records.analysis import Analysis
+from irtiming.report import result
+from irtiming.report.blocks import Section
+from irtiming.report.page import Certificate, Content, render
+from irtiming.report.sections import (
+    image,
+    inputs,
+    joint_fit,
+    lag,
+    parameters,
+    pixel_sums,
+    relative_delays,
+    rig,
+    row_sums,
+    two_constants,
+    uncertainty,
+    wheel,
+)
+from irtiming.report.verdict import verdict
 
 
-def report(evidence: Evidence | RollingEvidence, *, created: datetime | None = None) -> Certificate:
-    """Page and result of one analysis, of either kind of camera.
+def report(analysis: Analysis, *, created: datetime | None = None) -> Certificate:
+    """Page and result of one analysis.
 
     Parameters
     ----------
-    evidence
-        An analysis; the report computes nothing that is not in it but means of runs, sums over rows and rounded text.
+    analysis
+        The report computes nothing that is not in it but means of runs, sums over rows and rounded text.
     created
         Date to print; now, where none is given.
     """
-    if isinstance(evidence, RollingEvidence):
-        return Certificate(page=page(evidence, created=created), result=rolling_result.result(evidence))
-    return Certificate(page=page(evidence, created=created), result=result.result(evidence))
+    return Certificate(page=page(analysis, created=created), result=result.result(analysis))
 
 
-def page(evidence: Evidence | RollingEvidence, *, created: datetime | None = None) -> str:
+def page(analysis: Analysis, *, created: datetime | None = None) -> str:
     """One HTML page without any link to the outside: verdict and warnings first, then tables and figures."""
-    if isinstance(evidence, RollingEvidence):
-        heading, sections = "Timing of a rolling microbolometer camera", rolling_certificate.sections(evidence)
-    else:
-        heading, sections = "Timing of a snapshot photon camera", snapshot_certificate.sections(evidence)
-    content = Content(heading=heading, verdict=verdict(evidence), warnings=evidence.warnings, sections=sections)
+    content = Content(
+        heading=f"Timing of a {analysis.readout_mode} {analysis.camera_type} camera",
+        verdict=verdict(analysis),
+        warnings=result.warnings(analysis),
+        sections=sections(analysis),
+    )
     return render(content, created=created)
 
 
-def verdict(evidence: Evidence | RollingEvidence) -> Verdict:
-    """What was measured, in one sentence, and what limits it."""
-    if isinstance(evidence, RollingEvidence):
-        return rolling_certificate.verdict(evidence)
-    return snapshot_certificate.verdict(evidence)
+def sections(analysis: Analysis) -> tuple[Section, ...]:
+    """The body of the page, in the order of the argument; each section asks the analysis what it has."""
+    made = (
+        parameters.section(analysis),
+        relative_delays.section(analysis),
+        pixel_sums.section(analysis),
+        *row_sums.sections(analysis),
+        lag.section(analysis),
+        two_constants.section(analysis.two_constants),
+        joint_fit.section(analysis),
+        uncertainty.section(analysis),
+        image.section(analysis),
+        rig.section(analysis),
+        wheel.section(analysis),
+        inputs.section(analysis),
+    )
+    return tuple(section for section in made if section is not None)

@@ -5,8 +5,10 @@ from typing import final
 
 import numpy as np
 
-from irtiming.records.estimate import DelayResult, RelativeDelay
-from irtiming.report.evidence import Evidence
+from irtiming.records.analysis import Analysis
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import EDGE_DELAYS
+from irtiming.records.result import RelativeDelay, Result
 
 PAPER_TABLE_1 = (
     (0.025, 0.024998, 1.123e-6, -1.745e-6),
@@ -35,15 +37,15 @@ class CombinedDelay:
         return self.value_s - self.nominal_s
 
 
-def combined(evidence: Evidence, result: DelayResult) -> list[CombinedDelay]:
+def combined(analysis: Analysis, result: Result) -> list[CombinedDelay]:
     """One entry per nominal delay and wheel speed, without the reference itself, sorted; none where there is no result.
 
     Parameters
     ----------
-    evidence
+    analysis
         For the noise of each recording.
     result
-        One of its two; relative delays in the order of the recordings.
+        One of its two; each relative delay names its file.
 
     Notes
     -----
@@ -52,39 +54,37 @@ def combined(evidence: Evidence, result: DelayResult) -> list[CombinedDelay]:
     which all entries share. Whatever else stands in a run's uncertainty (angle errors between wheel speeds) counts as
     common to its group and does not average. Published values of one nominal delay are already means over its runs.
     """
-    if not result.relative_delays:
-        return []
-    noise = np.array([float(fit.covariance_s2.mean()) for fit in evidence.edge_fits])
-    groups: dict[tuple[float, float], list[int]] = {}
-    for k, (recording, delay) in enumerate(zip(evidence.recordings, result.relative_delays, strict=True)):
-        groups.setdefault((recording.rotation_speed_hz, round(delay.nominal_s, 9)), []).append(k)
-    reference = [k for (_, nominal), members in groups.items() if nominal == 0 for k in members]
-    reference_noise = float(noise[reference].sum()) / len(reference) ** 2
+    noise, speed_hz = {}, {}
+    for recording, fit in zip(analysis.recordings, analysis.fits, strict=True):
+        file = recording.source or recording.name
+        noise[file] = float(fit.estimate.pick(*EDGE_DELAYS).covariance.mean())
+        speed_hz[file] = recording.rotation_speed_hz
+    groups: dict[tuple[float, float], list[RelativeDelay]] = {}
+    for delay in result.relative_delays:
+        groups.setdefault((speed_hz[delay.file], round(delay.nominal_s, 9)), []).append(delay)
+    reference = [noise[delay.file] for (_, nominal), group in groups.items() if nominal == 0 for delay in group]
+    reference_noise = sum(reference) / max(len(reference), 1) ** 2
     rows = []
-    for (speed, nominal), members in sorted(groups.items()):
+    for (speed, nominal), group in sorted(groups.items(), key=lambda entry: entry[0]):
         if nominal == 0:
             continue
-        delays = [result.relative_delays[k] for k in members]
-        values = np.array([delay.value_s for delay in delays])
-        if result.method == "published":
-            u = delays[0].standard_uncertainty_s
-        else:
-            u = _mean_uncertainty(delays, noise[members], reference_noise)
-        own = result.method != "published" and len(members) > 1
+        values = np.array([delay.value_s for delay in group])
+        own = result.method != "published"
+        found = _mean_uncertainty(group, np.array([noise[delay.file] for delay in group]), reference_noise)
         rows.append(
             CombinedDelay(
                 nominal_s=nominal,
                 rotation_speed_hz=speed,
-                n_runs=len(members),
+                n_runs=len(group),
                 value_s=float(values.mean()),
-                standard_uncertainty_s=u,
-                scatter_s=float(values.std(ddof=1)) if own else None,
+                standard_uncertainty_s=found if own else group[0].standard_uncertainty_s,
+                scatter_s=float(values.std(ddof=1)) if own and len(group) > 1 else None,
             )
         )
     return rows
 
 
-def _mean_uncertainty(delays: list[RelativeDelay], noise: np.ndarray, reference_noise: float) -> float:
+def _mean_uncertainty(delays: list[RelativeDelay], noise: Array, reference_noise: float) -> float:
     """Standard uncertainty of the mean of runs, s: noise averages, the reference's noise and the common rest do not.
 
     Where the fits' own noise exceeds what a relative delay states, because part of it cancels between recordings, it is

@@ -6,8 +6,8 @@ from typing import Any, final
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from irtiming.report.figures import Panel
-from irtiming.report.tables import Table, versions
+from irtiming.report.blocks import Section
+from irtiming.report.sections.inputs import versions
 
 
 @final
@@ -22,15 +22,6 @@ class Verdict:
     sentence: str
     remarks: tuple[str, ...]
     further: tuple[str, ...] = ()
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Section:
-    """Part of the page: tables and figures under one heading."""
-
-    title: str
-    blocks: tuple[Table | Panel, ...]
 
 
 @final

@@ -1,53 +1,95 @@
-"""The result as plain data, for JSON: shared format of all cameras, with what the reader needs to judge it."""
+"""The result as plain data, for JSON: the same keys for every camera, SI units, with what the reader needs to judge it."""
 
 from typing import Any
 
 import numpy as np
 
-from irtiming.records.estimate import DelayResult
+from irtiming.records.analysis import Analysis
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rolling_result import RollingResult
-from irtiming.report import budget, joint_result, wheel_result
+from irtiming.records.result import Result
+from irtiming.report import budget, camera_noise, result_of_fits, result_of_wheel
 from irtiming.report.combination import combined
-from irtiming.report.evidence import Evidence
-from irtiming.report.prediction_result import predicted
-from irtiming.report.tables import REFERENCE_EVENTS, RELATIVE_EVENT, RELATIVE_SIGN, SIGN, versions
+from irtiming.report.meanings import (
+    RELATIVE_SIGN,
+    SIGN,
+    delay_name,
+    event,
+    has_lag,
+    has_pixel_sums,
+    headline,
+    meaning,
+    relative_event,
+)
+from irtiming.report.sections.inputs import versions
+from irtiming.report.sections.parameters import entries
+from irtiming.report.verdict import last_row_read
 
-_RELATIVE = {"reference_event": RELATIVE_EVENT, "sign": RELATIVE_SIGN}
 
-
-def result(evidence: Evidence) -> dict[str, Any]:
+def result(analysis: Analysis) -> dict[str, Any]:
     """Result of the chosen method with its counterpart, in SI units.
 
     Returns
     -------
-    Keys method, camera, parameters, correlation, relative_delays, warnings as the format asks; beside them
-    relative_delays_combined, budget, edge_delays, joint_fit, other_method, choices, inputs and software. All values are of
-    the types that JSON has.
+    Keys method, camera, readout_mode, parameters, bounds, correlation, relative_delays, budget, warnings and
+    findings; beside them the fits, the other method, choices, inputs and software. All values are of the types that JSON has.
     """
-    other = evidence.best if evidence.result is evidence.as_published else evidence.as_published
+    core = _core(analysis, analysis.result)
+    both = (analysis.best, *(() if analysis.published is None else (analysis.published.result,)))
+    two = analysis.two_constants
     return {
-        "method": evidence.result.method,
-        "camera": "photon",
-        **_core(evidence, evidence.result),
-        "warnings": list(evidence.warnings),
-        "joint_fit": joint_result.result(evidence),
-        "prediction": predicted(evidence, kind="photon"),
-        "other_method": {"method": other.method, **_core(evidence, other), "warnings": list(other.warnings)},
-        "geometry": _geometry(evidence),
-        "wheel": wheel_result.result(evidence.wheel),
-        "choices": _choices(evidence),
-        "inputs": [_input(recording) for recording in evidence.recordings],
-        "rig": {"file": evidence.rig.source, "sha256": evidence.rig.sha256},
+        "method": analysis.result.method,
+        "camera": analysis.camera_type,
+        "readout_mode": analysis.readout_mode,
+        **core,
+        "parameters": core["parameters"] | result_of_fits.two_constant_parameters(two),
+        "warnings": list(warnings(analysis)),
+        "findings": [
+            {"code": one.code, "severity": one.severity, "recording": one.recording, "where": one.where, "what": one.what,
+             "cure": one.cure}
+            for one in analysis.findings
+        ],
+        "joint_fit": result_of_fits.joint_fit(analysis),
+        "likelihood": result_of_fits.likelihood(analysis) if has_lag(analysis) else None,
+        "fits": [result_of_fits.fit(one, analysis) for one in analysis.fits],
+        "published_fits": result_of_fits.published(analysis),
+        "two_constants": result_of_fits.two_constants(two),
+        "noise_correlation": _noise(analysis),
+        "prediction": _predicted(analysis),
+        "other_method": next(
+            ({"method": other.method, **_core(analysis, other), "warnings": [one.sentence() for one in other.findings]}
+             for other in both if other is not analysis.result), None,
+        ),
+        "geometry": result_of_wheel.geometry(analysis),
+        "wheel": result_of_wheel.calibration(analysis.wheel),
+        "opening": result_of_fits.opening(analysis.sectors[0]) if analysis.sectors else {},
+        "choices": _choices(analysis),
+        "inputs": [_input(recording) for recording in analysis.recordings],
+        "rig": {"file": analysis.rig.source, "sha256": analysis.rig.sha256},
         "software": versions(),
-    }
+    }  # fmt: skip
 
 
-def _core(evidence: Evidence, chosen: DelayResult) -> dict[str, Any]:
+def warnings(analysis: Analysis) -> tuple[str, ...]:
+    """Findings that a person should know of, one sentence each."""
+    return tuple(one.sentence() for one in analysis.findings if one.severity in ("warning", "error"))
+
+
+def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
+    relative = {"unit": "s", "reference_event": relative_event(analysis), "sign": RELATIVE_SIGN}
     return {
-        "parameters": _parameters(chosen),
+        "parameters": {name: _parameter(analysis, chosen, name=name) for name in chosen.estimate.names},
+        "bounds": {one.name: {"lower": one.lower, "upper": one.upper, "unit": one.unit} for one in chosen.bounds},
         "correlation": {"names": list(chosen.estimate.names), "matrix": chosen.estimate.correlation.tolist()},
-        "relative_delays": _relative_delays(evidence, chosen),
+        "relative_delays": [
+            {
+                "file": delay.file,
+                "nominal": delay.nominal_s,
+                "value": delay.value_s,
+                "standard_uncertainty": delay.standard_uncertainty_s,
+                **relative,
+            }
+            for delay in chosen.relative_delays
+        ],
         "relative_delays_combined": [
             {
                 "nominal": row.nominal_s,
@@ -56,92 +98,152 @@ def _core(evidence: Evidence, chosen: DelayResult) -> dict[str, Any]:
                 "runs": row.n_runs,
                 "scatter_of_runs": row.scatter_s,
                 "rotation_speed": {"value": row.rotation_speed_hz, "unit": "Hz"},
-                "unit": "s",
-                **_RELATIVE,
+                **relative,
             }
-            for row in combined(evidence, chosen)
+            for row in combined(analysis, chosen)
         ],
-        "budget": [
-            {
-                "source": line.part.source,
-                "type": line.part.kind,
-                "standard_uncertainty": line.part.standard_uncertainty_s,
-                "degrees_of_freedom": budget.freedom_number(line.part.degrees_of_freedom),
-                "share_percent": 100 * line.share,
-                "unit": "s",
-            }
-            for line in budget.of_delay(chosen).lines
-        ],
-        "edge_delays": edge_delays(chosen, event=_edge_event(chosen)),
+        "last_row_read": _last_row(analysis, chosen),
+        "budget": _of_delay(chosen) if has_pixel_sums(analysis) else _by_parameter(chosen, headline(analysis, chosen)),
+        "contributions": _by_parameter(chosen, chosen.estimate.names),
+        "edge_delays": _edge_delays(analysis, chosen),
     }
 
 
-def edge_delays(chosen: DelayResult | RollingResult, *, event: str) -> dict[str, Any] | None:
-    """Delay by wheel edge, for either kind of camera; None where the method does not tell edges apart, or could not be run."""
+def _parameter(analysis: Analysis, chosen: Result, *, name: str) -> dict[str, Any]:
+    value, u = entries(chosen)[name]
+    means = meaning(name, analysis)
+    return {
+        "value": value,
+        "standard_uncertainty": u,
+        **budget.expanded_numbers(u, budget.of(chosen, name).degrees_of_freedom),
+        "unit": "s",
+        "reference_event": means.event,
+        "sign": means.sign,
+    }
+
+
+def _last_row(analysis: Analysis, chosen: Result) -> dict[str, Any] | None:
+    last = last_row_read(analysis, chosen)
+    if last is None:
+        return None
+    what = "reading" if has_lag(analysis) else "start of integration"
+    return {
+        "row": last[0],
+        "value": last[1],
+        "standard_uncertainty": last[2],
+        "unit": "s",
+        "reference_event": f"{what} of the last image row",
+        "sign": SIGN,
+    }
+
+
+def _of_delay(chosen: Result) -> list[dict[str, Any]]:
+    """Of a camera whose verdict is one delay: the largest first."""
+    return [
+        {
+            "source": line.source,
+            "type": line.kind,
+            "standard_uncertainty": line.standard_uncertainty,
+            "degrees_of_freedom": budget.freedom_number(line.degrees_of_freedom),
+            "share_percent": 100 * line.share,
+            "unit": "s",
+        }
+        for line in budget.of(chosen, delay_name(chosen)).lines
+    ]
+
+
+def _by_parameter(chosen: Result, names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """In the order of the estimation; shares by parameter."""
+    found = {name: budget.of(chosen, name) for name in names}
+    return [
+        {
+            "source": part.source,
+            "type": part.kind,
+            "standard_uncertainty": {name: part.standard_uncertainty.get(name, 0.0) for name in names},
+            "degrees_of_freedom": budget.freedom_number(part.degrees_of_freedom),
+            "share_percent": {name: 100 * found[name].share(part.source) for name in names},
+            "unit": "s",
+        }
+        for part in chosen.budget
+    ]
+
+
+def _edge_delays(analysis: Analysis, chosen: Result) -> dict[str, Any] | None:
+    """None where the method does not tell edges apart, or could not be run."""
     if not np.isfinite(chosen.edge_delay_s).all():
         return None
     return {
         "value": [float(v) for v in chosen.edge_delay_s],
         "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
         "unit": "s",
-        "reference_event": event,
+        "reference_event": f"{event(delay_name(chosen), analysis)}, by wheel edges 0 to 3",
         "sign": SIGN,
     }
 
 
-def _parameters(chosen: DelayResult) -> dict[str, Any]:
-    estimate = chosen.estimate
-    return {
-        name: {
-            "value": float(value),
-            "standard_uncertainty": float(u),
-            **budget.expanded_numbers(float(u), budget.degrees_of_freedom(chosen, name)),
-            "unit": "s",
-            "reference_event": REFERENCE_EVENTS.get(name, name),
-            "sign": None if name == "integration_time" else SIGN,
+def _noise(analysis: Analysis) -> dict[str, Any]:
+    found = camera_noise.noise(analysis)
+    both = {
+        f"{found.names[0]}_{word}_time_constant": {
+            "standard_uncertainty": camera_noise.u_of_sum(found, {found.names[0]: 1.0, "time_constant": sign}), "unit": "s",
         }
-        for name, value, u in zip(estimate.names, estimate.values, estimate.standard_uncertainties, strict=True)
+        for word, sign in (("minus", -1.0), ("plus", 1.0)) if "time_constant" in found
+    }  # fmt: skip
+    return {
+        "names": list(found.names),
+        "matrix": found.correlation.tolist(),
+        "standard_uncertainty": found.standard_uncertainties.tolist(),
+        **both,
+        "unit": "s",
     }
 
 
-def _edge_event(chosen: DelayResult) -> str:
-    name = "trigger_delay" if "trigger_delay" in chosen.estimate.names else "exposure_midpoint_delay"
-    return f"{REFERENCE_EVENTS[name]}, as seen from wheel edges 0 to 3"
+def _predicted(analysis: Analysis) -> dict[str, Any] | None:
+    """Predicted standard uncertainties with their parts, and the camera in the words of `irtiming plan --like`.
 
-
-def _relative_delays(evidence: Evidence, chosen: DelayResult) -> list[dict[str, Any]]:
-    if not chosen.relative_delays:
-        return []
-    return [
-        {
-            "file": recording.source or delay.file,
-            "nominal": delay.nominal_s,
-            "value": delay.value_s,
-            "standard_uncertainty": delay.standard_uncertainty_s,
-            "unit": "s",
-            **_RELATIVE,
-        }
-        for recording, delay in zip(evidence.recordings, chosen.relative_delays, strict=True)
-    ]
-
-
-def _geometry(evidence: Evidence) -> dict[str, Any]:
-    model, gates = evidence.geometry.model, evidence.geometry.gates
+    None where nothing was predicted. ``ratio`` is the stated standard uncertainty of the default method over the predicted one.
+    """
+    found, stated = analysis.prediction, entries(analysis.best)
+    if found is None:
+        return None
+    camera: dict[str, Any] = {
+        "camera": analysis.camera_type, "readout_mode": analysis.readout_mode, "noise_to_contrast": found.noise_to_contrast,
+        "opening_pixels": found.opening_pixels, "unit": "s",
+    }  # fmt: skip
+    if has_lag(analysis):
+        camera["time_constant"] = stated["time_constant"][0] if "time_constant" in stated else None
+    else:
+        camera["integration_time"] = analysis.recordings[0].integration_time_s
     return {
-        "cutout_edges": [float(angle) for angle in model.cutout_edges_rad],
-        "cutout_edges_from": evidence.geometry.edges_from,
-        "beta_1": gates.application_rad,
-        "beta_2": gates.control_rad,
-        "gate_height": {"value": gates.height_m, "unit": "m"},
-        "camera_roll": evidence.geometry.camera_roll_rad,
-        "opening_angle": model.opening_angle_rad,
-        "opening_angle_fitted": [fit.opening_angle_rad for fit in evidence.edge_fits],
-        "angle_unit": "rad",
+        "camera": camera,
+        "parameters": {
+            each.name: {
+                "predicted_standard_uncertainty": each.standard_uncertainty_s,
+                "ratio": stated[each.name][1] / each.standard_uncertainty_s
+                if each.name in stated and each.standard_uncertainty_s > 0
+                else None,
+                "parts": [
+                    {"source": part.source, "standard_uncertainty": part.standard_uncertainty_s} for part in each.parts
+                ],
+                "unit": "s",
+            }
+            for each in found.uncertainties
+        },
+        "relative_delays": [
+            {
+                "nominal": each.nominal_s,
+                "rotation_speed": {"value": each.rotation_speed_hz, "unit": "Hz"},
+                "predicted_standard_uncertainty": each.standard_uncertainty_s,
+                "unit": "s",
+            }
+            for each in found.relative_delays
+        ],
     }
 
 
-def _choices(evidence: Evidence) -> dict[str, Any]:
-    chosen = evidence.choices
+def _choices(analysis: Analysis) -> dict[str, Any]:
+    chosen = analysis.choices
+    fits = result_of_fits.starts(analysis)
     return {
         "roi": None if chosen.roi is None else list(chosen.roi),
         "threshold": chosen.threshold_dn,
@@ -150,8 +252,10 @@ def _choices(evidence: Evidence) -> dict[str, Any]:
         "plateau_margin": chosen.plateau_margin,
         "slope_limits": list(chosen.slope_limits),
         "reference_edge": chosen.reference_edge,
-        "search_started_at": [fit.start_delay_s for fit in evidence.edge_fits],
-        "fit_arrived_at": [float(np.mean(fit.edge_delay_s)) for fit in evidence.edge_fits],
+        "substrate_temperature": chosen.substrate_temperature_k,
+        "wheel_temperature": chosen.wheel_temperature_k,
+        "search_started_at": [start for start, _ in fits],
+        "fit_arrived_at": [end for _, end in fits],
     }
 
 
@@ -161,12 +265,19 @@ def _input(recording: ReducedRecording) -> dict[str, Any]:
         "file": recording.source or recording.name,
         "sha256": recording.sha256,
         "frames": recording.n_frames,
+        "frames_used": int(recording.frame_index.size),
         "trigger_delay_time_set": recording.trigger_delay_time_set_s,
         "integration_time": recording.integration_time_s,
         "rotation_speed": recording.rotation_speed_hz,
+        "blackbody_temperature": recording.blackbody_temperature_k,
         "roi": list(opening.roi),
         "threshold": None if opening.histogram is None else float(opening.histogram.threshold_dn),
         "border_px": opening.border_px,
         "bad_pixels": opening.n_bad_pixels,
+        "blackbody_is_colder": bool(opening.blackbody_is_colder),
+        "shutter_events": [
+            {"first_frame": int(event.first_frame), "end_frame": int(event.end_frame), "kind": event.kind}
+            for event in recording.shutter_events
+        ],
         "axle_row_column_px": None if view is None else [view.row_px, view.column_px],
     }

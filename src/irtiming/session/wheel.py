@@ -12,7 +12,8 @@ from irtiming.errors import ArchiveError
 from irtiming.records.choices import ReferenceEdge
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import wheel_calibration
-from irtiming.report import sheet, wheel_figures
+from irtiming.report import sheet
+from irtiming.report.sections import wheel as wheel_section
 
 
 @final
@@ -54,6 +55,6 @@ def calibrate(order: CalibrationOrder) -> WheelCalibration:
     wheel = wheel_calibration.from_recordings(recordings, rig, reference_edge=order.reference_edge)
     write_wheel_calibration(wheel, order.calibration)
     if order.picture is not None:
-        drawing = sheet.svg(wheel_figures.calibration(wheel), title="Deviation of the control slots, and its orders")
+        drawing = sheet.svg(wheel_section.calibration(wheel), title="Deviation of the control slots, and its orders")
         write_atomically(drawing, order.picture)
     return wheel

@@ -1,30 +1,21 @@
 """An analysis made by hand: five nominal delays, two runs each, with numbers that the tests can check on paper."""
 
 import hashlib
-from dataclasses import dataclass, fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from irtiming.records.joint_fit import JointFit, Profile
-from irtiming.records.rolling_result import RollingContribution, RollingResult
 
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import EDGE_SIGNS, exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
+from irtiming.records.analysis import Analysis, Published
 from irtiming.records.arrays import Array
 from irtiming.records.choices import Choices
-from irtiming.records.estimate import (
-    Contribution,
-    DelayResult,
-    EdgeDelayFit,
-    Estimate,
-    PublishedFit,
-    RelativeDelay,
-    SlopeLine,
-)
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate, PublishedFit, SlopeLine
 from irtiming.records.exposed import ExposedFraction, ExposedRows
+from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
-from irtiming.records.prediction import Prediction
 from irtiming.records.reduced import (
     AxleView,
     ContrastImage,
@@ -35,51 +26,26 @@ from irtiming.records.reduced import (
     RowSums,
     ShutterEvent,
 )
+from irtiming.records.result import Contribution, JointFit, Profile, RelativeDelay, Result
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
-from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, SectorShape, TimeConstantScan
-from irtiming.records.two_constants import TwoConstantsResult
-from irtiming.records.wheel_calibration import WheelCalibration
-from irtiming.records.wheel_geometry import GateAngles, WheelModel
+from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape
+from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.report import sheet
 
 TURN = 2 * np.pi
 OMEGA = 3 * TURN
 CLOCK_HZ = 49_152_000
+EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
 GATES = LightGates(half_separation_m=Measured(13e-3), height_difference_m=Measured(5.5e-3), whole_slots_between=9)
 
 
-@dataclass(frozen=True)
-class _Geometry:
-    model: WheelModel
-    gates: GateAngles
-    edges_from: str = "rig.toml"
-    camera_roll_rad: float | None = 0.01
-
-
-@dataclass(frozen=True)
-class _Analysis:
-    rig: Rig
-    choices: Choices
-    recordings: tuple[ReducedRecording, ...]
-    geometry: _Geometry
-    equal_geometry: _Geometry
-    edge_fits: tuple[EdgeDelayFit, ...]
-    published_fits: tuple[PublishedFit, ...]
-    joint: JointFit
-    best: DelayResult
-    as_published: DelayResult
-    warnings: tuple[str, ...]
-    wheel: WheelCalibration | None = None
-    prediction: Prediction | None = None
-
-    @property
-    def result(self) -> DelayResult:
-        return self.as_published if self.choices.method == "published" else self.best
+def _doubt(what: str, recording: str = "") -> Finding:
+    return Finding(code="made-by-hand", severity="warning", what=what, recording=recording)
 
 
 @pytest.fixture(scope="session")
-def analysis() -> _Analysis:
+def analysis() -> Analysis:
     """Trigger delay 400.0 us with u 30 us; relative delays 1, -2, 3, -4 us off, two runs 0.2 us apart, noise 0.3 us."""
     gates = gate_angles(0.5697, GATES)
     model = wheel_model(
@@ -91,21 +57,33 @@ def analysis() -> _Analysis:
     set_s = np.repeat([0.0, 0.025, 0.05, 0.075, 0.1], 2)
     rng = np.random.default_rng(5)
     names = [f"camera-{1e3 * delay:g}ms-r{k % 2}" for k, delay in enumerate(set_s)]
-    geometry = _Geometry(model, gates)
-    return _Analysis(
+    geometry = WheelGeometry(
+        model=model, gates=gates, angle_budget=(), u_edge_rad=1e-4, edges_from="rig.toml", camera_roll_rad=0.01, findings=()
+    )  # fmt: skip
+    return Analysis(
+        camera_type="photon",
+        readout_mode="snapshot",
         rig=Rig(light_gates=GATES, mask_opening=MaskOpening(
             opening_angle_rad=Measured(np.radians(75)), centre_angle_rad=Measured(-np.pi / 2)
         ), source="rig.toml", sha256="e" * 64),
         choices=Choices(),
         recordings=tuple(_recording(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
         geometry=geometry,
-        equal_geometry=geometry,
-        edge_fits=tuple(_edge_fit(name, delay, model, rng) for name, delay in zip(names, set_s, strict=True)),
-        published_fits=tuple(_published_fit(set_s[k], names[k : k + 2], model, rng) for k in range(0, 10, 2)),
+        sectors=(),
+        fits=tuple(_edge_fit(name, delay, model, rng) for name, delay in zip(names, set_s, strict=True)),
         joint=_joint(len(names)),
-        best=_result("pixel-sum", names, set_s),
-        as_published=_result("published", names, set_s),
-        warnings=("camera-0ms-r0: 3 frames lost", "<b>not markup</b> & co"),
+        best=replace(
+            _result("pixel-sum", names, set_s),
+            findings=(_doubt("3 frames lost", "camera-0ms-r0"), _doubt("<b>not markup</b> & co")),
+        ),
+        published=Published(
+            result=_result("published", names, set_s),
+            fits=tuple(_published_fit(set_s[k], names[k : k + 2], model, rng) for k in range(0, 10, 2)),
+            geometry=geometry,
+        ),
+        profiles=tuple(_profile(name, value, 30e-6) for name, value in (
+            ("trigger_delay", 400e-6), ("exposure_midpoint_delay", 525e-6)
+        )),
     )  # fmt: skip
 
 
@@ -147,10 +125,14 @@ def _edge_fit(name: str, delay_s: float, model: WheelModel, rng: np.random.Gener
     residual = rng.normal(0, 2e-4, angle.size)
     return EdgeDelayFit(
         name=name, trigger_delay_time_set_s=delay_s, angular_frequency_rad_per_s=OMEGA,
-        edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6, covariance_s2=np.eye(4) * 4 * (0.3e-6) ** 2,
+        estimate=Estimate(
+            names=(*EDGE_DELAYS, "opening_angle"), units=(*("s",) * 4, "rad"),
+            values=np.array([*(525e-6 + np.array([1, -1, 2, -2]) * 1e-6), np.radians(75)]),
+            covariance=np.diag([*(4 * (0.3e-6) ** 2,) * 4, 1e-10]),
+        ),
+        edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         start_delay_s=0.0, wheel_angle_rad=angle, fraction=exposed_fraction(angle, model) + residual, residual=residual,
-        opening_angle_rad=model.opening_angle_rad, noise=2e-4, widening=1.0, n_dropped=0,
-        kept=np.ones(1000, bool), values=np.zeros(14),
+        noise=2e-4, step=1.0, widening=1.0, n_dropped=0, kept=np.ones(1000, bool),
     )  # fmt: skip
 
 
@@ -159,15 +141,17 @@ def _joint(n_fit: int) -> JointFit:
     u = np.array([30e-6, 0, 0, 0, 0, 1e-5, 10e-6, 2e-3, 2e-3])
     covariance = np.diag(u**2)
     covariance[1:5, 1:5] = 1e-8 + 1e-12 * np.eye(4)
+    names = ("delay", *EDGE_ANGLES, "opening_angle", "integration_time", "lean_low", "lean_high")
+    start = (465e-6, 0, 0, 0, 0, np.radians(75), 300e-6, 1e-3, -1e-3)
     return JointFit(
-        shared=np.array([525e-6, 4e-4, 4e-4, 4e-4, 4e-4, np.radians(75.01), 240e-6, 1e-3, -1e-3]),
-        covariance=covariance,
-        start=np.array([465e-6, 0, 0, 0, 0, np.radians(75), 300e-6, 1e-3, -1e-3]),
-        prior_covariance_rad2=25e-8 + 1e-12 * np.eye(4), information=np.zeros((n_fit, 9, 9)), pull=np.zeros((n_fit, 9)),
+        parameters=Estimate(
+            names=names, units=("s", *("rad",) * 5, "s", "rad", "rad"), covariance=covariance,
+            values=np.array([525e-6, 4e-4, 4e-4, 4e-4, 4e-4, np.radians(75.01), 240e-6, 1e-3, -1e-3]),
+        ),
+        start=dict(zip(names, start, strict=True)),
+        prior=Estimate(names=EDGE_ANGLES, units=("rad",) * 4, values=np.zeros(4), covariance=25e-8 + 1e-12 * np.eye(4)),
         reduced_chi_square=0.98, birge=1.23, whiteness=np.append(np.linspace(0.1, 0.9, n_fit - 1), 1e-5), n_steps=4,
-        profiles=tuple(_profile(name, value, u) for name, value, u in (
-            ("trigger_delay", 400e-6, 30e-6), ("exposure_midpoint_delay", 525e-6, 30e-6)
-        )),
+        decrement=0.001, u_edge_rad=1e-4,
     )  # fmt: skip
 
 
@@ -195,14 +179,14 @@ def _published_fit(delay_s: float, names: list[str], model: WheelModel, rng: np.
             )
         )  # fmt: skip
     data = ExposedFraction(
-        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, names=tuple(names), wheel_angle_rad=angle,
+        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA, names=tuple(names), wheel_angle_rad=angle,
         fraction=fraction, u_wheel_angle_rad=np.full(400, 1e-5), u_fraction=np.full(400, 7e-4),
         plateaus=((0.4, 0.6, 0), (2.0, 2.2, 1), (3.5, 3.7, 0), (5.1, 5.3, 1)),
     )  # fmt: skip
     return PublishedFit(data=data, lines=tuple(lines), angular_frequency_rad_per_s=OMEGA)
 
 
-def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
+def _result(method: str, names: list[str], set_s: np.ndarray) -> Result:
     shift = np.array([1.0, 1.0, 1.0, 1.0])
     own = np.diag([0.0, 0.0, 4e-6**2, 3e-6**2])
     off = {0.0: 0.0, 0.025: 1e-6, 0.05: -2e-6, 0.075: 3e-6, 0.1: -4e-6}
@@ -211,53 +195,37 @@ def _result(method: str, names: list[str], set_s: np.ndarray) -> DelayResult:
         run = (0.1e-6 if k % 2 else -0.1e-6) if delay and method == "pixel-sum" else 0.0
         u = 0.0 if delay == 0 else 1e-6 if method == "published" else np.sqrt(1.5) * 0.3e-6
         relative.append(
-            RelativeDelay(file=name, nominal_s=delay, value_s=delay + off[delay] + run, standard_uncertainty_s=float(u))
+            RelativeDelay(
+                file=f"runs/{name}.nxs",
+                nominal_s=delay,
+                value_s=delay + off[delay] + run,
+                standard_uncertainty_s=float(u),
+            )
         )
-    return DelayResult(
+    told = ("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising")
+    return Result(
         method=method,
         estimate=Estimate(
-            names=("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising"),
-            units=("s",)
-            * len(("trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising")),
+            names=told,
+            units=("s",) * 4,
             values=np.array([400e-6, 525e-6, 401e-6, 399e-6]),
             covariance=np.outer(shift, shift) * 30e-6**2 + own,
         ),
         relative_delays=tuple(relative),
         budget=(
-            Contribution(source="mask centre angle phi_M", kind="B", standard_uncertainty_s=24e-6),
             Contribution(
-                source="noise of the frames", kind="A", standard_uncertainty_s=18e-6, degrees_of_freedom=400.0
+                source="mask centre angle phi_M", kind="B", standard_uncertainty=dict.fromkeys(told, 24e-6)
+            ),
+            Contribution(
+                source="noise of the frames", kind="A", standard_uncertainty=dict.fromkeys(told, 18e-6), degrees_of_freedom=400.0
             ),
         ),
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         u_edge_delay_s=np.full(4, 0.3e-6),
-        warnings=(),
-    )
+    )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Rolling:
-    rig: Rig
-    choices: Choices
-    recordings: tuple[ReducedRecording, ...]
-    geometry: _Geometry
-    sector: SectorFit
-    row_fits: tuple[RowTimingFit, ...]
-    scan: TimeConstantScan
-    likelihood: RowLikelihood
-    published_fits: tuple[PublishedLagFit, ...]
-    best: RollingResult
-    as_published: RollingResult
-    warnings: tuple[str, ...]
-    wheel: WheelCalibration | None = None
-    prediction: Prediction | None = None
-    two_constants: TwoConstantsResult | None = None
-
-    @property
-    def result(self) -> RollingResult:
-        return self.as_published if self.choices.method == "published" else self.best
-
-
+NOTHING = Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
 ROLLING_DELAY_S, TAU_S, ROW_S = 4e-3, 5e-3, 40e-6
 ROLLING_NAMES = (*(f"edge_delay_{edge}" for edge in range(4)), "time_constant", "row_delay")
 ROW_LATE_US = 100.0
@@ -265,36 +233,95 @@ ROW_LATE_US = 100.0
 
 
 @pytest.fixture(scope="session")
-def rolling(analysis: _Analysis) -> _Rolling:
+def rolling(analysis: Analysis) -> Analysis:
     """Delay 4 ms with u 30 us, tau 5 ms with 4 us, row delay 40 us with 0.2 us; noise alone correlates the first two by 0.96."""
     rng = np.random.default_rng(7)
     names, set_s = ("bolo-0ms", "bolo-10ms"), (0.0, 0.01)
-    fits = tuple(_row_fit(name, delay, rng) for name, delay in zip(names, set_s, strict=True))
-    tau = TAU_S + 4e-6 * np.linspace(-4, 4, 21)
-    return _Rolling(
+    numbers, u = ("delay", "time_constant", "row_delay"), np.array([30e-6, 4e-6, 0.2e-6])
+    return Analysis(
+        camera_type="microbolometer",
+        readout_mode="rolling",
         rig=analysis.rig,
         choices=Choices(),
         recordings=tuple(_rows(analysis, name, delay) for name, delay in zip(names, set_s, strict=True)),
         geometry=analysis.geometry,
-        sector=_sector(),
-        row_fits=fits,
-        scan=TimeConstantScan(time_constant_s=tau, deviation=((tau - TAU_S) / 4e-6) ** 2),
-        likelihood=RowLikelihood(
-            values=np.array([ROLLING_DELAY_S, TAU_S, ROW_S]),
-            start=np.array([3.9e-3, 5.1e-3, 41e-6]),
-            n_steps=4,
-            whiteness=np.array([0.4, 0.02]),
-            profiles=(
-                _profile("trigger_delay", ROLLING_DELAY_S, 30e-6),
-                _profile("time_constant", TAU_S, 4e-6),
-                _profile("row_delay", ROW_S, 0.2e-6),
+        sectors=(_sector(), _sector()),
+        fits=tuple(_row_fit(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
+        joint=JointFit(
+            parameters=Estimate(
+                names=numbers, units=("s",) * 3, values=np.array([ROLLING_DELAY_S, TAU_S, ROW_S]), covariance=np.diag(u**2)
             ),
+            start=dict(zip(numbers, (3.9e-3, 5.1e-3, 41e-6), strict=True)),
+            prior=NOTHING,
+            reduced_chi_square=1.0, birge=1.0, whiteness=np.array([0.4, 0.02]), n_steps=4, decrement=0.001,
+            u_edge_rad=1e-4,
         ),
-        published_fits=tuple(_published_lag(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
-        best=_rolling_result("row-sum", names),
-        as_published=_rolling_result("published", names),
-        warnings=("bolo-0ms: the shutter is closed in frames 100 to 119", "<i>no markup</i>"),
-    )
+        best=replace(
+            _rolling_result("row-sum", names),
+            findings=(_doubt("the shutter is closed in frames 100 to 119", "bolo-0ms"), _doubt("<i>no markup</i>")),
+        ),
+        published=Published(
+            result=_rolling_result("published", names),
+            fits=tuple(_published_lag(name, delay, rng) for name, delay in zip(names, set_s, strict=True)),
+            geometry=analysis.geometry,
+        ),
+        profiles=(
+            _profile("trigger_delay", ROLLING_DELAY_S, 30e-6),
+            _profile("time_constant", TAU_S, 4e-6),
+            _profile("row_delay", ROW_S, 0.2e-6),
+        ),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def rolling_photon(rolling: Analysis) -> Analysis:
+    """The same rows through a window of 2 ms: its start is read 3 ms after the edge, its middle 4 ms, u 30 us."""
+    names = ("trigger_delay", "exposure_midpoint_delay", "row_delay")
+    mix = np.array([[1.0, 0], [1, 0], [0, 1]])
+    covariance = mix @ np.diag([30e-6**2, 0.2e-6**2]) @ mix.T
+    estimate = Estimate(names=names, units=("s",) * 3, values=np.array([3e-3, 4e-3, ROW_S]), covariance=covariance)
+    return _other(rolling, "photon", "rolling", estimate=estimate, local=(*EDGE_DELAYS, "row_delay"))
+
+
+@pytest.fixture(scope="session")
+def snapshot_lag(rolling: Analysis) -> Analysis:
+    """The same lag, all rows read at once."""
+    local = (*EDGE_DELAYS, "time_constant")
+    estimate = rolling.best.estimate.pick("trigger_delay", "time_constant")
+    return _other(rolling, "microbolometer", "snapshot", estimate=estimate, local=local)
+
+
+@pytest.fixture(scope="session", params=["analysis", "rolling", "rolling_photon", "snapshot_lag"])
+def any_camera(request: pytest.FixtureRequest) -> Analysis:
+    """All four, one after the other."""
+    return request.getfixturevalue(request.param)
+
+
+def _other(rolling: Analysis, camera: str, readout: str, *, estimate: Estimate, local: tuple[str, ...]) -> Analysis:
+    """Another response and readout, with what fits, result and profiles of the rolling microbolometer then have."""
+    kept = [name for name in ("delay", "time_constant", "row_delay") if name == "delay" or name in local]
+    budget = tuple(
+        replace(part, standard_uncertainty={name: part.standard_uncertainty.get(name, part.standard_uncertainty["trigger_delay"])
+                                            for name in estimate.names})
+        for part in rolling.best.budget
+    )  # fmt: skip
+    return replace(
+        rolling,
+        camera_type=camera,
+        readout_mode=readout,
+        recordings=tuple(
+            replace(one, camera_type=camera, readout_mode=readout, integration_time_s=2e-3 if camera == "photon" else None)
+            for one in rolling.recordings
+        ),
+        fits=tuple(
+            replace(fit, estimate=fit.estimate.pick(*local), start={name: fit.start[name] for name in local})
+            for fit in rolling.fits
+        ),
+        joint=replace(rolling.joint, parameters=rolling.joint.parameters.pick(*kept)),
+        best=replace(rolling.best, estimate=estimate, budget=budget),
+        published=None,
+        profiles=tuple(profile for profile in rolling.profiles if profile.name in estimate),
+    )  # fmt: skip
 
 
 ROW_PX = np.arange(7, 33)
@@ -327,7 +354,7 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
     )  # fmt: skip
 
 
-def _rows(analysis: _Analysis, name: str, delay_s: float) -> ReducedRecording:
+def _rows(analysis: Analysis, name: str, delay_s: float) -> ReducedRecording:
     given = analysis.recordings[0]
     mask, kept = given.opening.mask, np.delete(np.arange(400), np.arange(100, 120))
     summed = np.zeros(mask.shape, bool)
@@ -392,27 +419,30 @@ def _published_lag(name: str, delay_s: float, rng: np.random.Generator) -> Publi
     )  # fmt: skip
 
 
-def _rolling_result(method: str, names: tuple[str, ...]) -> RollingResult:
+def _rolling_result(method: str, names: tuple[str, ...]) -> Result:
     ours = method == "row-sum"
     u = np.array([30e-6, 4e-6, 0.2e-6]) if ours else np.array([40e-6, 3e-6, 2e-6])
     values = np.array([ROLLING_DELAY_S, TAU_S, ROW_S]) if ours else np.array([4.1e-3, 5.1e-3, 41e-6])
+    told = ("trigger_delay", "time_constant", "row_delay")
     parts = (
-        RollingContribution(source="mask centre angle phi_M", kind="B", trigger_delay_s=24e-6, time_constant_s=0.0,
-                            row_delay_s=0.0),
-        RollingContribution(source="noise of the frames", kind="A", trigger_delay_s=18e-6, time_constant_s=4e-6,
-                            row_delay_s=0.2e-6),
+        Contribution(
+            source="mask centre angle phi_M", kind="B", standard_uncertainty=dict(zip(told, (24e-6, 0.0, 0.0), strict=True))
+        ),
+        Contribution(
+            source="noise of the frames", kind="A", standard_uncertainty=dict(zip(told, (18e-6, 4e-6, 0.2e-6), strict=True))
+        ),
     )  # fmt: skip
-    return RollingResult(
+    return Result(
         method=method,
         estimate=Estimate(
-            names=("trigger_delay", "time_constant", "row_delay"),
+            names=told,
             units=("s",) * 3,
             values=values,
             covariance=np.diag(u**2),
         ),
         relative_delays=(
-            RelativeDelay(file=names[0], nominal_s=0.0, value_s=0.0, standard_uncertainty_s=0.0),
-            RelativeDelay(file=names[1], nominal_s=0.01, value_s=0.010001, standard_uncertainty_s=2e-6),
+            RelativeDelay(file=f"runs/{names[0]}.nxs", nominal_s=0.0, value_s=0.0, standard_uncertainty_s=0.0),
+            RelativeDelay(file=f"runs/{names[1]}.nxs", nominal_s=0.01, value_s=0.010001, standard_uncertainty_s=2e-6),
         ),
         budget=parts if ours else parts[1:],
         edge_delay_s=values[0] + np.array([1, -1, 2, -2]) * 1e-6 if ours else np.full(4, np.nan),

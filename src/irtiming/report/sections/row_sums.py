@@ -1,24 +1,115 @@
-"""Rows of a rolling camera over the wheel angle: figure 6, the delay of each row, and what the fit leaves over."""
+"""Rows over the wheel angle: figure 6, the delay of each row, and what the fit leaves over."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from irtiming.physics.wheel import TURN
+from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import bent_edge, row_curves, sheet
-from irtiming.report.evidence import RollingEvidence
+from irtiming.report.blocks import MS, US, Panel, Section
+from irtiming.report.meanings import has_lag
+from irtiming.report.rounding import uncertainty_text
 from irtiming.report.row_curves import Curve
 
-MS, US = 1e-3, 1e-6
 _BINS = 144
 
 
-def figure_6(evidence: RollingEvidence) -> Figure:
+def sections(analysis: Analysis) -> tuple[Section, ...]:
+    """Figure 6, and row by row; none of a camera whose pixels were summed at once."""
+    fits = row_fits(analysis)
+    if not fits:
+        return ()
+    return (
+        Section(title="Exposed fraction and fit", blocks=(_figure_6_panel(analysis),)),
+        Section(title="Row by row", blocks=(_row_panel(analysis), _map_panel(analysis))),
+    )
+
+
+def row_fits(analysis: Analysis) -> list[RowTimingFit]:
+    """Fits of row sums, one per recording; none of another camera."""
+    return [fit for fit in analysis.fits if isinstance(fit, RowTimingFit)]
+
+
+def published_fits(analysis: Analysis) -> list[PublishedLagFit]:
+    """By the published simulation, one per nominal delay and wheel speed."""
+    fits = () if analysis.published is None else analysis.published.fits
+    return [fit for fit in fits if isinstance(fit, PublishedLagFit)]
+
+
+def absent(analysis: Analysis) -> str:
+    """Why nothing of the published procedure is shown."""
+    return (
+        "The published procedure was not run."
+        if analysis.published is None
+        else "The published procedure could not be run."
+    )
+
+
+def _figure_6_panel(analysis: Analysis) -> Panel:
+    fit = row_fits(analysis)[0]
+    rows = ", ".join(str(fit.row_px[k]) for k in row_curves.show_rows(fit))
+    lags, rolls = has_lag(analysis), fit.row_delay_s != 0
+    rounds = (
+        "Pixels lag, so every corner is rounded behind it" if lags else "The integration window rounds every corner"
+    )
+    later = "; later rows show the wheel further on" if rolls else ""
+    bend = (
+        " Rows are read one after the other, which bends the edge; dashed: where it would be if all rows were read with the "
+        "middle one." if rolls else ""
+    )  # fmt: skip
+    return Panel(
+        title="Opening fractions of the whole opening and of four rows",
+        caption=f"As figure 6 of Schatz 2023, from {fit.name}. (a) Rows weighted by their light; (c) to (f) rows {rows}, "
+        "marked in (b). Points: frames, over the wheel angle at the trigger with its set delay; black: the exact model with the "
+        f"fitted numbers; below each what it leaves over, red its mean over 6°. {rounds}{later}. (b) A frame as recorded. "
+        "Red: the "
+        f"edge where {'lagging ' if lags else ''}pixels are half way.{bend}",
+        svg=sheet.svg(figure_6(analysis), title="Opening fractions over the wheel angle with residuals"),
+    )
+
+
+def _row_panel(analysis: Analysis) -> Panel:
+    fit = row_fits(analysis)[0]
+    ours = row_curves.row_delays(fit)
+    weight = 1 / ours.u_delay_s**2
+    rms = float(np.sqrt(np.sum(weight * (ours.delay_s - ours.line_s) ** 2) / weight.sum()))
+    theirs = absent(analysis)
+    for published in published_fits(analysis)[:1]:
+        line = published.timing.trigger_delay_s + published.timing.row_delay_s * published.row_px
+        rms_published = float(np.sqrt(np.nanmean((published.delay_of_row_s - line) ** 2)))
+        theirs = (
+            "Orange: published row delays (horizontal distance of the slopes; outliers lie at the edge of the picture), rms "
+            f"{uncertainty_text(rms_published)} about their line."
+        )
+    return Panel(
+        title="Delay of each image row",
+        caption=f"Blue, {fit.name}: where each row alone would have the exact model, the other numbers held, with standard "
+        f"uncertainties from noise; weighted rms distance from the line {uncertainty_text(rms)}. Rows with much less light than "
+        f"the others are left out of the picture, not of the fit. {theirs} A bend would show distortion by the lens or an uneven "
+        "readout.",
+        svg=sheet.svg(row_delays(analysis), title="Delay over the image row with residuals"),
+    )
+
+
+def _map_panel(analysis: Analysis) -> Panel:
+    wrong = "time constant" if has_lag(analysis) else "integration time"
+    return Panel(
+        title="Residuals of all rows",
+        caption=f"{row_fits(analysis)[0].name}: data minus model, mean over 2.5° of wheel angle, over the standard deviation "
+        "that "
+        "the row’s noise would give that mean. Good: speckle between −2 and 2. Stripes along an edge’s passing would show a "
+        f"wrong {wrong}, a wrong edge or a mask that is no sector.",
+        svg=sheet.svg(residual_map(analysis), title="Residuals over image row and wheel angle"),
+    )
+
+
+def figure_6(analysis: Analysis) -> Figure:
     """Whole opening (a), a frame with a bent edge (b), four rows (c) to (f): data, exact model and residuals."""
-    fit = evidence.row_fits[0]
+    fit = row_fits(analysis)[0]
     rows = row_curves.show_rows(fit)
     hues = sheet.SERIES[: len(rows)]
     with sheet.style():
@@ -28,7 +119,7 @@ def figure_6(evidence: RollingEvidence) -> Figure:
         )
         pair = drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0])
         _curve(pair, row_curves.whole(fit), sheet.BLUE, "(a) whole opening")
-        bent_edge.draw(drawn.add_subplot(grid[0:2, 1]), evidence, marked=list(zip(fit.row_px[rows], hues, strict=True)))
+        bent_edge.draw(drawn.add_subplot(grid[0:2, 1]), analysis, marked=list(zip(fit.row_px[rows], hues, strict=True)))
         for k, (index, hue) in enumerate(zip(rows, hues, strict=True)):
             place = 3 * (1 + k // 2)
             pair = drawn.add_subplot(grid[place, k % 2]), drawn.add_subplot(grid[place + 1, k % 2])
@@ -69,9 +160,9 @@ def _binned(angle_rad: Array, values: Array, n_bins: int) -> tuple[Array, Array]
     return ((np.arange(n_bins) + 0.5) * TURN / n_bins)[filled], total[filled] / count[filled, None]
 
 
-def residual_map(evidence: RollingEvidence) -> Figure:
+def residual_map(analysis: Analysis) -> Figure:
     """Residuals of all rows over the wheel angle, means of narrow bins over what noise would leave of them."""
-    fit = evidence.row_fits[0]
+    fit = row_fits(analysis)[0]
     rows = np.arange(fit.row_px[0], fit.row_px[-1] + 1)
     table = np.full((rows.size, _BINS), np.nan)
     angle, mean = _binned(fit.wheel_angle_rad, fit.residual / fit.noise, _BINS)
@@ -92,28 +183,29 @@ def residual_map(evidence: RollingEvidence) -> Figure:
     return drawn
 
 
-def row_delays(evidence: RollingEvidence) -> Figure:
+def row_delays(analysis: Analysis) -> Figure:
     """Delay of each row by both methods, what its straight line is, and the distance from it."""
-    fit = evidence.row_fits[0]
+    fit = row_fits(analysis)[0]
     ours = row_curves.row_delays(fit)
     clear = ours.u_delay_s < 5 * float(np.median(ours.u_delay_s))
+    theirs = published_fits(analysis)[:1]
     with sheet.style():
         drawn = sheet.figure(height_in=4.4)
-        top, *below = drawn.subplots(3, 1, sharex=True, height_ratios=[2.2, 1, 1])
+        top, *below = drawn.subplots(2 + len(theirs), 1, sharex=True, height_ratios=[2.2, 1, 1][: 2 + len(theirs)])
         top.plot(ours.row_px, ours.line_s / MS, color=sheet.BLUE, linewidth=1, label=_line_name("row sums", fit))
         top.plot(ours.row_px[clear], ours.delay_s[clear] / MS, ".", color=sheet.BLUE, markersize=4)
-        if evidence.published_fits:
-            _published_rows(top, below[1], evidence.published_fits[0], ours.line_s)
+        for published in theirs:
+            _published_rows(top, below[1], published, ours.line_s)
         top.set_ylabel("delay of the row (ms)")
         top.legend(loc="best")
         below[0].errorbar(
             ours.row_px[clear], (ours.delay_s - ours.line_s)[clear] / US, yerr=ours.u_delay_s[clear] / US, fmt=".",
             color=sheet.BLUE, markersize=4, elinewidth=0.8,
         )  # fmt: skip
-        for axes, name in zip(below, ("row sums", "published"), strict=True):
+        for axes, name in zip(below, ("row sums", "published"), strict=False):
             sheet.zero_line(axes)
             axes.set_ylabel(f"{name}:\nrow − line (µs)", fontsize=8)
-        below[1].set_xlabel("image row (px)")
+        below[-1].set_xlabel("image row (px)")
     return drawn
 
 

@@ -1,14 +1,32 @@
-"""The wheel calibration as plain data, for the result JSON."""
+"""The rig's geometry and the wheel calibration as plain data, for JSON."""
 
 from typing import Any
 
 import numpy as np
 
 from irtiming.physics import slot_orders
+from irtiming.records.analysis import Analysis
 from irtiming.records.wheel_calibration import WheelCalibration
 
 
-def result(wheel: WheelCalibration | None) -> dict[str, Any] | None:
+def geometry(analysis: Analysis) -> dict[str, Any]:
+    """Wheel, gates and opening as angles."""
+    found = analysis.geometry
+    model, gates, name = found.model, found.gates, "opening_angle"
+    return {
+        "cutout_edges": [float(angle) for angle in model.cutout_edges_rad],
+        "cutout_edges_from": found.edges_from,
+        "beta_1": gates.application_rad,
+        "beta_2": gates.control_rad,
+        "gate_height": {"value": gates.height_m, "unit": "m"},
+        "camera_roll": found.camera_roll_rad,
+        "opening_angle": model.opening_angle_rad,
+        "opening_angle_fitted": [fit.estimate.value(name) for fit in analysis.fits if name in fit.estimate],
+        "angle_unit": "rad",
+    }
+
+
+def calibration(wheel: WheelCalibration | None) -> dict[str, Any] | None:
     """Slots, orders, ripple and register in radians; None where the slots were taken as equal."""
     if wheel is None:
         return None

@@ -1,4 +1,4 @@
-"""Exposed fraction over the wheel angle: the model (figure 4b), the user's figure 5, and the fits with residuals."""
+"""Pixel sums over the wheel angle: the fit with its residuals, and the paper's figure 5."""
 
 from itertools import groupby
 
@@ -6,68 +6,62 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from irtiming.physics.wheel import TURN, corner_angles_rad, exposed_fraction, slope_centres_rad
-from irtiming.records.arrays import Array
+from irtiming.physics.wheel import TURN, exposed_fraction
+from irtiming.records.analysis import Analysis
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit, SlopeLine
-from irtiming.records.wheel_geometry import WheelModel
 from irtiming.report import sheet
-from irtiming.report.evidence import Evidence, WheelEvidence
+from irtiming.report.blocks import Panel, Section, several
+from irtiming.report.sections.rig import dense_rad
 
 _MOST_PANELS = 8
 _BINS = 60
 
 
-def model(evidence: WheelEvidence) -> Figure:
-    """Figure 4(b): exposed fraction without any delay, its corners and which edge makes each slope."""
-    wheel = evidence.geometry.model
-    with sheet.style():
-        drawn = sheet.figure(height_in=2.9)
-        axes = drawn.add_subplot()
-        angle = _dense(wheel)
-        axes.plot(np.degrees(angle), exposed_fraction(angle, wheel), color=sheet.BLUE, linewidth=1.8)
-        for edge, (start, end) in enumerate(corner_angles_rad(wheel)):
-            falls = edge in (0, 2)
-            _corner(axes, start, level=1.0 if falls else 0.0, starts=True)
-            _corner(axes, end, level=0.0 if falls else 1.0, starts=False)
-            _middle(axes, slope_centres_rad(wheel)[edge], edge)
-        axes.set_ylim(-0.17, 1.17)
-        axes.set_ylabel("exposed fraction (1)")
-        sheet.degrees_axis(axes, label="wheel angle (degrees)")
-    return drawn
+def section(analysis: Analysis) -> Section | None:
+    """The pixel sums with the model, and figure 5 where the published procedure was run; None of a camera without them."""
+    fits = pixel_fits(analysis)
+    if not fits:
+        return None
+    noise = 1e3 * float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
+    panel = Panel(
+        title="Pixel sums and fitted model",
+        caption="Pixel sums over the opening with its whole blurred border, over the wheel angle at the start of integration: "
+        "the delay is taken out, so that all nominal delays fall on one curve. Below: what the fit leaves over, "
+        f"{noise:.2f}·10⁻³ of the step (standard deviation); red, its mean over 6°. A fit that is right leaves noise without "
+        "structure. Right: its distribution beside a normal one.",
+        svg=sheet.svg(fitted(analysis), title="Pixel sums and fitted model with residuals"),
+    )
+    published = published_fits(analysis)
+    if analysis.published is None or not published:
+        return Section(title="Exposed fraction and fit", blocks=(panel,))
+    bars = any(fit.data.u_fraction is not None for fit in published)
+    scatter = "Error bars are standard uncertainties from the scatter over runs, mostly smaller than the points. "
+    figure_5 = Panel(
+        title="Exposed fraction over the wheel angle at the trigger",
+        caption="Counts above the threshold, normalised to the plateaus, as in figure 5 of Schatz 2023. A larger delay shifts "
+        "the curve to the left: the same state of the wheel stands in frames that were triggered earlier. Dashed: the "
+        f"model without any delay. {scatter if bars else ''}Below: what the four straight lines leave over.",
+        svg=sheet.svg(averaged(analysis), title="Exposed fraction over wheel angle at the trigger"),
+    )
+    return Section(title="Exposed fraction and fit", blocks=(panel, figure_5))
 
 
-def _corner(axes: Axes, angle_rad: float, *, level: float, starts: bool) -> None:
-    """Corner where a slope starts or ends, its angle written on the side of the plateau's outside."""
-    angle = float(np.degrees(angle_rad % TURN))
-    axes.plot([angle], [level], "o", color=sheet.BLUE, markersize=4, zorder=4)
-    right = (starts or angle < 18) and angle < 335
-    axes.annotate(
-        f"{angle:.2f}°", (angle, level), xytext=(-5 if right else 5, 6 if level else -6), textcoords="offset points",
-        ha="left" if right else "right", va="bottom" if level else "top", fontsize=8,
-    )  # fmt: skip
+def pixel_fits(analysis: Analysis) -> list[EdgeDelayFit]:
+    """Fits of pixel sums, one per recording; none of another camera."""
+    return [fit for fit in analysis.fits if isinstance(fit, EdgeDelayFit)]
 
 
-def _middle(axes: Axes, angle_rad: float, edge: int) -> None:
-    """Middle of a slope, with the edge that makes it."""
-    angle, falls = float(np.degrees(angle_rad)), edge in (0, 2)
-    axes.plot([angle], [0.5], "o", color=sheet.RED, markersize=4, zorder=4)
-    right = angle < 300
-    axes.annotate(
-        f"edge {edge} {'covers' if falls else 'uncovers'}\nat {angle:.2f}°", (angle, 0.5),
-        xytext=(7 if right else -7, 2 if falls == right else -2), textcoords="offset points",
-        ha="left" if right else "right", va="bottom" if falls == right else "top", fontsize=8, color=sheet.RED,
-    )  # fmt: skip
+def published_fits(analysis: Analysis) -> list[PublishedFit]:
+    """Straight lines through the slopes, one per nominal delay and wheel speed."""
+    return (
+        [] if analysis.published is None else [fit for fit in analysis.published.fits if isinstance(fit, PublishedFit)]
+    )
 
 
-def _dense(wheel: WheelModel) -> Array:
-    """Angles of a turn with the corners among them, rad."""
-    corners = np.mod(corner_angles_rad(wheel).ravel(), TURN)
-    return np.sort(np.concatenate([np.linspace(0, TURN, 721), corners]))
-
-
-def averaged(evidence: Evidence) -> Figure:
+def averaged(analysis: Analysis) -> Figure:
     """Figure 5 for the user's camera, with the lines through the slopes and what they leave over."""
-    fits = evidence.published_fits
+    fits, geometry = published_fits(analysis), analysis.geometry
+    wheel = geometry.model if analysis.published is None else analysis.published.geometry.model
     names = sheet.run_names(
         [fit.data.trigger_delay_time_set_s for fit in fits], [fit.data.rotation_speed_hz for fit in fits]
     )
@@ -75,15 +69,9 @@ def averaged(evidence: Evidence) -> Figure:
     with sheet.style():
         drawn = sheet.figure(height_in=5.4)
         top, below = drawn.subplots(2, 1, sharex=True, height_ratios=[2.4, 1.2])
-        wheel = evidence.equal_geometry.model
-        angle = _dense(wheel)
+        angle, ink = dense_rad(wheel), sheet.INK
         top.plot(
-            np.degrees(angle),
-            exposed_fraction(angle, wheel),
-            "--",
-            color=sheet.INK,
-            linewidth=1,
-            label="model, no delay",
+            np.degrees(angle), exposed_fraction(angle, wheel), "--", color=ink, linewidth=1, label="model, no delay"
         )
         for fit, name, hue in zip(fits, names, hues, strict=True):
             _averaged_points(top, fit, name, hue)
@@ -102,8 +90,7 @@ def averaged(evidence: Evidence) -> Figure:
 
 def _averaged_points(axes: Axes, fit: PublishedFit, name: str, hue: str) -> None:
     data = fit.data
-    runs = "1 run" if len(data.names) == 1 else f"{len(data.names)} runs"
-    label = f"{name}, {runs}"
+    label = f"{name}, {several(len(data.names), 'run')}"
     sheet.points(axes, x=np.degrees(data.wheel_angle_rad), y=data.fraction, colour=hue, label=label)
     if data.u_wheel_angle_rad is not None and data.u_fraction is not None:
         axes.errorbar(
@@ -123,9 +110,9 @@ def _line_and_rest(top: Axes, below: Axes, line: SlopeLine, hue: str) -> None:
     sheet.points(below, x=np.degrees(np.mod(line.angle_rad, TURN)), y=1e3 * rest, colour=hue)
 
 
-def fitted(evidence: Evidence) -> Figure:
+def fitted(analysis: Analysis) -> Figure:
     """Pixel sums with the fitted model; below, what it leaves over per nominal delay, with its distribution."""
-    groups = _groups(evidence)
+    groups = _groups(analysis)
     shown = groups[:_MOST_PANELS]
     names = sheet.run_names([delay for (_, delay), _ in groups], [speed for (speed, _), _ in groups])
     hues = sheet.colours(names)
@@ -155,11 +142,10 @@ def fitted(evidence: Evidence) -> Figure:
     return drawn
 
 
-def _groups(evidence: Evidence) -> list[tuple[tuple[float, float], list[EdgeDelayFit]]]:
+def _groups(analysis: Analysis) -> list[tuple[tuple[float, float], list[EdgeDelayFit]]]:
     """Fits of the same wheel speed and nominal delay, in order."""
-    fits = list(evidence.edge_fits)
-    speeds = [round(recording.rotation_speed_hz, 6) for recording in evidence.recordings]
-    keyed = [((s, round(f.trigger_delay_time_set_s, 9)), f) for s, f in zip(speeds, fits, strict=True)]
+    speeds = [round(recording.rotation_speed_hz, 6) for recording in analysis.recordings]
+    keyed = [((s, round(f.trigger_delay_time_set_s, 9)), f) for s, f in zip(speeds, pixel_fits(analysis), strict=True)]
     return [(key, [f for _, f in part]) for key, part in groupby(sorted(keyed, key=_key), key=_key)]
 
 
@@ -187,11 +173,10 @@ def _rest(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     axes.plot(((np.arange(_BINS) + 0.5) * 360 / _BINS)[filled], mean[filled], color=sheet.RED, linewidth=1)
     axes.set_ylabel("sums − model\n(10⁻³ of step)", fontsize=7.5)
     noise = 1e3 * float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
-    runs = "" if len(fits) == 1 else f", {len(fits)} runs"
     widening = max(fit.widening for fit in fits)
     axes.set_title(
-        f"{name}{runs}: standard deviation {noise:.2f}·10⁻³, "
-        f"widening for correlation {widening**0.5:.2f}",
+        f"{name}, {several(len(fits), 'run')}: standard deviation {noise:.2f}·10⁻³, "
+        f"u × {widening**0.5:.2f} for correlation",
         fontsize=8, fontweight="normal", color=hue, pad=2,
     )  # fmt: skip
 

@@ -1,0 +1,380 @@
+"""One fit of all recordings together: what they share, how the search went, profiles, and whether residuals are white."""
+
+import textwrap
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from irtiming.records.analysis import Analysis
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.result import LEAST_WHITENESS, Profile
+from irtiming.report import sheet
+from irtiming.report.blocks import MS, US, Panel, Section, Table, several
+from irtiming.report.meanings import METHOD_NAMES, SIGN, event, has_lag, several_speeds, words
+from irtiming.report.rounding import fixed, in_unit, significant, time_text
+from irtiming.report.row_curves import whole
+from irtiming.report.sections.row_sums import published_fits
+
+MRAD, DEG = 1e-3, float(np.pi / 180)
+EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
+_WIDEST = 2.6  # standard uncertainties shown to either side
+_LEAST_SHOWN = 1e-8  # probability
+_TITLE_WIDTH = 16
+_MEANINGS = {
+    "opening_angle": "opening angle of the mask",
+    "lean_low": "mask edge at the lower wheel angle: angle by which it misses the axle, at the mean radius",
+    "lean_high": "mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius",
+    **{name: f"wheel edge {name[-1]}: angle by which it comes earlier than rig.toml says" for name in EDGE_ANGLES},
+}
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Shared:
+    """A number that all recordings share, in its unit; ``scale`` and ``shown_unit`` are those of the tables."""
+
+    name: str
+    meaning: str
+    unit: str
+    start: float
+    value: float
+    standard_uncertainty: float
+    prior_uncertainty: float | None = None
+
+    @property
+    def scale(self) -> float:
+        """Of the unit in the tables."""
+        return {"s": US, "rad": DEG if self.name == "opening_angle" else MRAD}.get(self.unit, 1.0)
+
+    @property
+    def shown_unit(self) -> str:
+        """In the tables."""
+        return {US: "µs", DEG: "°", MRAD: "mrad"}.get(self.scale, self.unit)
+
+    @property
+    def over_prior(self) -> float | None:
+        """Estimate over the standard uncertainty that was expected of it; None without one."""
+        return None if not self.prior_uncertainty else self.value / self.prior_uncertainty
+
+
+def section(analysis: Analysis) -> Section:
+    """Tables and figures of all fits."""
+    speeds = (by_speeds(analysis),) if several_speeds(analysis) and EDGE_ANGLES[0] in analysis.joint.parameters else ()
+    profiles = (_profile_panel(analysis),) if analysis.profiles else ()
+    tables = (numbers(analysis), search(analysis), *speeds, fits(analysis), searches(analysis))
+    return Section(title="Joint fit", blocks=(*tables, _whiteness_panel(analysis), *profiles))
+
+
+def shared(analysis: Analysis) -> tuple[Shared, ...]:
+    """What all recordings share, in the order of the fit."""
+    joint = analysis.joint
+    return tuple(
+        Shared(
+            name=name,
+            meaning=_meaning(name, analysis),
+            unit=unit,
+            start=joint.start.get(name, 0.0),
+            value=joint.parameters.value(name),
+            standard_uncertainty=joint.parameters.u(name),
+            prior_uncertainty=joint.prior.u(name) if name in joint.prior else None,
+        )
+        for name, unit in zip(joint.parameters.names, joint.parameters.units, strict=True)
+    )
+
+
+def _meaning(name: str, analysis: Analysis) -> str:
+    if name == "delay":
+        what = event("trigger_delay", analysis) if has_lag(analysis) else "middle of the integration window"
+        return f"{what} after the trigger edge"
+    known = event(name, analysis)
+    return _MEANINGS.get(name, words(name) if known == name else known)
+
+
+def angles(analysis: Analysis) -> tuple[Shared, ...]:
+    """The edges' common angle, and of each edge what it differs from it; none where no angles were fitted."""
+    joint = analysis.joint
+    if EDGE_ANGLES[0] not in joint.parameters:
+        return ()
+    found = joint.parameters.pick(*EDGE_ANGLES)
+    prior = joint.prior.pick(*EDGE_ANGLES).covariance
+    start = np.array([joint.start.get(name, 0.0) for name in EDGE_ANGLES])
+    common = np.full(4, 0.25)
+    rows = [("common_angle", "all edges together: angle by which they come earlier than rig.toml says", common)]
+    rows += [
+        (f"edge_{edge}_alone", f"edge {edge}, beyond what all have in common", np.eye(4)[edge] - common)
+        for edge in range(4)
+    ]
+    return tuple(
+        Shared(
+            name=name,
+            meaning=meaning,
+            unit="rad",
+            start=float(weight @ start),
+            value=float(weight @ found.values),
+            standard_uncertainty=float(np.sqrt(max(0.0, weight @ found.covariance @ weight))),
+            prior_uncertainty=float(np.sqrt(max(0.0, weight @ prior @ weight))),
+        )
+        for name, meaning, weight in rows
+    )
+
+
+def moved(analysis: Analysis) -> tuple[float, float]:
+    """How far the delay is from where the search began, s, and in its own standard uncertainties."""
+    first = next(one for one in shared(analysis) if one.name == "delay")
+    way = first.value - first.start
+    return way, way / first.standard_uncertainty if first.standard_uncertainty > 0 else 0.0
+
+
+def numbers(analysis: Analysis) -> Table:
+    """Shared numbers with the start of the search and what was known before."""
+    rows = tuple(
+        (f"{one.meaning} ({one.shown_unit})", _shown(one, one.start), _shown(one, one.value),
+         significant(one.standard_uncertainty / one.scale), *_prior(one))
+        for one in shared(analysis)
+    )  # fmt: skip
+    window = "" if has_lag(analysis) else (
+        " The window is what the rounded corners say; the delays count on the integration time that the recordings state, where "
+        "they state one."
+    )  # fmt: skip
+    return Table(
+        title="What all recordings share",
+        columns=("quantity", "start", "estimate", "u", "prior u", "estimate / prior u"),
+        align="lrrrrr",
+        rows=rows,
+        note=f"One likelihood over all recordings. The delay is {SIGN}; an angle is positive where an edge comes early. Prior u: "
+        f"what rig.toml, the images and the residuals allow an angle to be off before the fit.{window}",
+    )
+
+
+def _shown(one: Shared, value: float) -> str:
+    return in_unit(value, one.standard_uncertainty, unit_s=one.scale)
+
+
+def _prior(one: Shared) -> tuple[str, str]:
+    if one.prior_uncertainty is None or one.over_prior is None:
+        return "–", "–"
+    return significant(one.prior_uncertainty / one.scale), fixed(one.over_prior, 2)
+
+
+def search(analysis: Analysis) -> Table:
+    """How the search went, and whether recordings and model agree."""
+    joint = analysis.joint
+    way_s, own = moved(analysis)
+    low = int(np.sum(joint.whiteness < LEAST_WHITENESS))
+    return Table(
+        title="How the fit went",
+        columns=("what", "found", "expected"),
+        align="lrl",
+        rows=(
+            ("evaluations of the likelihood", str(joint.n_steps), "some"),
+            ("distance of the delay from its start", f"{significant(way_s / US, digits=3)} µs = {fixed(own, 2)} u",
+             "not 0: a fit that stays at its start has found nothing"),
+            ("what a further step would move", f"{joint.decrement:.1g} u", "far less than 1"),
+            ("reduced chi-square of the frames", f"{joint.reduced_chi_square:.2f}",
+             "about 1: one set of shared numbers does as well as each recording's own; less where noise was inflated"),
+            ("Birge ratio of the recordings' delays", f"{joint.birge:.2f}", "about 1: they scatter as their noise says"),
+            ("least Ljung-Box p-value of the residuals", f"{float(np.min(joint.whiteness)):.2g}", f"{LEAST_WHITENESS:g} or more"),
+            ("recordings below that", f"{low} of {joint.whiteness.size}", "0"),
+        ),
+        note="Delays of single recordings count from the trigger edge, with the delay set taken off.",
+    )  # fmt: skip
+
+
+def by_speeds(analysis: Analysis) -> Table:
+    """What several wheel speeds say of the angles in rig.toml."""
+    of = ("[mask] centre_angle_deg, [beams]", *["[wheel] cutout_edges_rad"] * 4)
+    rows = tuple(
+        (
+            one.meaning,
+            f"{_shown(one, one.value)} ± {significant(one.standard_uncertainty / one.scale)}",
+            *_prior(one),
+            check,
+        )
+        for one, check in zip(angles(analysis), of, strict=True)
+    )
+    return Table(
+        title="What the wheel speeds say of rig.toml",
+        columns=("angle", "measured ± u (mrad)", "rig.toml: u (mrad)", "measured / u of rig.toml", "belongs to"),
+        align="lrrrl",
+        rows=rows,
+        note="A delay is an angle that grows with the wheel's speed, an error of rig.toml is one that does not: recordings at "
+        "several speeds measure it. Positive: the edge comes early. Within about 2 u of rig.toml nothing need be "
+        "done: the delay is already corrected for it.",
+    )
+
+
+def fits(analysis: Analysis) -> Table:
+    """Quality of each recording's own fit, and what it finds beside the delays."""
+    names = [name for name in analysis.fits[0].estimate.names if not name.startswith("edge_delay")]
+    rows = []
+    for recording, fit in zip(analysis.recordings, analysis.fits, strict=True):
+        if isinstance(fit, EdgeDelayFit):
+            used, n_rows, residual, noise = int(fit.kept.sum()), "–", fit.residual, fit.noise
+        else:
+            used, n_rows = fit.wheel_angle_rad.size, f"{fit.row_px.size} ({fit.row_px[0]} … {fit.row_px[-1]})"
+            residual, noise = whole(fit).residual, float(np.median(fit.noise))
+        rows.append(
+            (
+                fit.name,
+                f"{used} of {recording.n_frames}",
+                n_rows,
+                significant(1e3 * float(np.sqrt(np.mean(residual**2)))),
+                significant(1e3 * noise),
+                f"{fit.widening**0.5:.2f}",
+                *(_local(fit.estimate.value(name), fit.estimate.u(name), name) if name in fit.estimate else "–" for name in names),
+            )
+        )  # fmt: skip
+    return Table(
+        title="Fits, recording by recording",
+        columns=(
+            "recording", "frames used", "rows", "rms residual, whole opening (10⁻³)", "noise of a sum (10⁻³)",
+            "factor on u", *(f"{words(name)} ({_local_unit(name)[1]})" for name in names),
+        ),
+        align="lrrrrr" + "r" * len(names),
+        rows=tuple(rows),
+        note="Residuals in 10⁻³ of the step from covered to open; noise of a row sum, the median over the rows. Factor on u: "
+        "root of "
+        "the variance inflation because residuals are correlated; 1 when they are white.",
+    )  # fmt: skip
+
+
+def _local_unit(name: str) -> tuple[float, str]:
+    if name == "opening_angle":
+        return DEG, "°"
+    return (MRAD, "mrad") if name.startswith("lean") else (MS, "ms") if name == "time_constant" else (US, "µs")
+
+
+def _local(value: float, u: float, name: str) -> str:
+    scale = _local_unit(name)[0]
+    return f"{in_unit(value, u, unit_s=scale)} ± {significant(u / scale)}"
+
+
+def searches(analysis: Analysis) -> Table:
+    """Where each fit began and where it ended: a fit that stays at its start has found nothing."""
+    beside = [name for name in ("time_constant", "row_delay") if name in analysis.fits[0].estimate]
+    method = METHOD_NAMES[analysis.best.method]
+    rows = []
+    for fit in analysis.fits:
+        starts = {"delay": fit.start_delay_s} if isinstance(fit, EdgeDelayFit) else dict(fit.start)
+        begun = [starts.get("delay", starts.get("edge_delay_0", 0.0)), *(starts.get(name, 0.0) for name in beside)]
+        ends = [float(fit.edge_delay_s.mean()), *(fit.estimate.value(name) for name in beside)]
+        work = "–" if isinstance(fit, EdgeDelayFit) else several(fit.n_steps, "evaluation")
+        rows.append((f"{method}, {fit.name}", *_moves(begun, ends), work))
+    joint = analysis.joint
+    begun = [joint.start.get(name, 0.0) for name in ("delay", *beside)]
+    ends = [joint.parameters.value(name) if name in joint.parameters else 0.0 for name in ("delay", *beside)]
+    rows.append((f"{method}, all recordings", *_moves(begun, ends), several(joint.n_steps, "evaluation")))
+    for published in published_fits(analysis):
+        first, last = published.initial_timing, published.timing
+        begun = [first.trigger_delay_s, first.time_constant_s, first.row_delay_s][: 1 + len(beside)]
+        ends = [last.trigger_delay_s, last.time_constant_s, last.row_delay_s][: 1 + len(beside)]
+        work = several(published.n_simulations, "simulation")
+        rows.append((f"published, {published.data.names[0]}", *_moves(begun, ends), work))
+    return Table(
+        title="Start and end of each search",
+        columns=("fit", "delay", *(words(name) for name in beside), "work"),
+        align="lr" + "r" * len(beside) + "r",
+        rows=tuple(rows),
+        note=f"Delay: {event('trigger_delay', analysis)}, of all recordings together the number that the fit has for it; "
+        f"{SIGN}. Row sums "
+        "and contrast image are fitted in rounds: a later round begins where the one before ended.",
+    )
+
+
+def _moves(begun: list[float], ends: list[float]) -> list[str]:
+    return [f"{time_text(start)} → {time_text(end)}" for start, end in zip(begun, ends, strict=True)]
+
+
+def _profile_panel(analysis: Analysis) -> Panel:
+    return Panel(
+        title="Profile likelihoods",
+        caption="Twice the logarithm of the likelihood that is lost where a parameter is held at a value and all others are at "
+        "their best. Points and blue line: as computed; grey: the parabola x² that the covariance expects. Red: where the "
+        "deviation reaches 1, the ends of the interval of one standard uncertainty; they belong at −1 and +1. A curve "
+        "narrower than the parabola: the stated u holds more than the frames' noise; wider or lopsided: value ± u is not the "
+        "whole truth.",
+        svg=sheet.svg(draw_profiles(analysis.profiles), title="Profile likelihood of each parameter"),
+    )
+
+
+def draw_profiles(found: tuple[Profile, ...]) -> Figure:
+    """One panel per parameter."""
+    with sheet.style():
+        drawn = sheet.figure(height_in=2.9)
+        panels = drawn.subplots(1, max(1, len(found)), sharey=True, squeeze=False)[0]
+        for axes, profile in zip(panels, found, strict=False):
+            _profile(axes, profile)
+            axes.set_xlabel("(value − estimate) / u (1)")
+        panels[0].set_ylabel("deviation (1)")
+        panels[0].set_ylim(-0.2, 6.2)
+    return drawn
+
+
+def _profile(axes: Axes, profile: Profile) -> None:
+    x = np.linspace(-_WIDEST, _WIDEST, 161)
+    axes.plot(x, x**2, color=sheet.FAINT, linewidth=2.6, alpha=0.5)
+    scaled = _in_u(profile, profile.values)
+    within = np.linspace(scaled.min(), scaled.max(), 161)
+    axes.plot(within, _between(scaled, profile.deviation, within), color=sheet.BLUE, linewidth=1)
+    axes.plot(scaled, profile.deviation, "o", color=sheet.BLUE, markersize=4)
+    axes.axhline(1, color=sheet.RED, linewidth=0.7, linestyle="--")
+    ends = [end for end in (profile.lower, profile.upper) if end is not None]
+    for place in _in_u(profile, np.array(ends)):
+        axes.plot([place, place], [0, 1], color=sheet.RED, linewidth=1)
+        axes.annotate(
+            f"{place:+.2f}".replace("-", "−"), (place, 0), xytext=(-3 if place < 0 else 3, 3), textcoords="offset points",
+            ha="right" if place < 0 else "left", color=sheet.RED, fontsize=7.5,
+        )  # fmt: skip
+    axes.set_title(textwrap.fill(profile.name.replace("_", " "), _TITLE_WIDTH), fontsize=8.5)
+    axes.set_xlim(-_WIDEST, _WIDEST)
+    axes.set_xticks(range(-2, 3))
+
+
+def _in_u(profile: Profile, values: Array) -> Array:
+    return np.asarray((values - profile.value) / profile.standard_uncertainty)
+
+
+def _between(scaled: Array, deviation: Array, at: Array) -> Array:
+    """Deviation between its points: its root, with a sign, is nearly a straight line."""
+    return np.asarray(np.interp(at, scaled, np.sign(scaled) * np.sqrt(deviation)) ** 2)
+
+
+def _whiteness_panel(analysis: Analysis) -> Panel:
+    return Panel(
+        title="Are the residuals white?",
+        caption="Ljung-Box p-value: the probability of residuals at least as correlated along the wheel angle (20 lags), were "
+        "they "
+        "white; one point per recording, in the order of the inputs. White residuals scatter evenly over 0 to 1. "
+        "Below the red line (a triangle: below 10⁻⁸) the model misses something of the rig; the uncertainty is inflated for "
+        "it, and a "
+        "warning says so.",
+        svg=sheet.svg(draw_whiteness(analysis.joint.whiteness), title="Whiteness of the residuals by recording"),
+    )
+
+
+def draw_whiteness(probability: Array) -> Figure:
+    """P-value (n_recording,) over recordings with the limit."""
+    number = np.arange(1, probability.size + 1)
+    shown = np.maximum(probability, _LEAST_SHOWN)
+    hidden, low = probability < _LEAST_SHOWN, probability < LEAST_WHITENESS
+    with sheet.style():
+        drawn = sheet.figure(height_in=1.9)
+        axes = drawn.add_subplot()
+        for which, marker, colour in (
+            (~low, "o", sheet.BLUE),
+            (low & ~hidden, "o", sheet.RED),
+            (hidden, "v", sheet.RED),
+        ):
+            axes.semilogy(number[which], shown[which], marker, color=colour, markersize=5)
+        axes.axhline(LEAST_WHITENESS, color=sheet.RED, linewidth=0.9, linestyle="--")
+        axes.set_ylim(min(LEAST_WHITENESS / 10, float(shown.min()) / 3), 2)
+        axes.set_xlim(0.5, probability.size + 0.5)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_xlabel("recording, in the order of the inputs (1)")
+        axes.set_ylabel("p-value (1)")
+    return drawn

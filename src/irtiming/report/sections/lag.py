@@ -1,0 +1,187 @@
+"""The time constant: how well others fit by both methods, and how noise ties it to the trigger delay."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from irtiming.records.analysis import Analysis
+from irtiming.records.arrays import Array
+from irtiming.records.lag_estimate import PublishedLagFit
+from irtiming.records.result import Profile
+from irtiming.report import camera_noise, sheet
+from irtiming.report.blocks import MS, US, Panel, Section, Table
+from irtiming.report.meanings import has_lag, words
+from irtiming.report.rounding import fixed, time_text, uncertainty_text
+from irtiming.report.sections.row_sums import absent, published_fits
+
+_PAIR = ("trigger_delay", "time_constant")
+
+
+def section(analysis: Analysis) -> Section | None:
+    """Figures and table; None of a camera without a lag."""
+    if not has_lag(analysis):
+        return None
+    scan = (_scan_panel(analysis),) if _profile_of(analysis) or published_fits(analysis) else ()
+    return Section(title="Lag and delay", blocks=(*scan, _ellipse_panel(analysis), noise(analysis)))
+
+
+def _profile_of(analysis: Analysis) -> Profile | None:
+    return next((profile for profile in analysis.profiles if profile.name == "time_constant"), None)
+
+
+def _scan_panel(analysis: Analysis) -> Panel:
+    profile, left, theirs = _profile_of(analysis), "", absent(analysis)
+    if profile is not None:
+        estimate = time_text(profile.value, profile.standard_uncertainty)
+        left = f"Left, all recordings: all other numbers at their best at each τ; 1 is one standard uncertainty; {estimate}. "
+    for fit in published_fits(analysis)[:1]:
+        theirs = (
+            f"Right: rms deviation of the published simulation from {' and '.join(fit.data.names[:2])}, delays determined "
+            "anew at "
+            "each τ."
+        )
+    return Panel(
+        title="How well other time constants fit",
+        caption=f"{left}{theirs} Below: points minus parabola. The narrower the valley, the better τ is known; points off the "
+        "parabola would bias its minimum.",
+        svg=sheet.svg(scan(analysis), title="Deviation over the time constant by both methods"),
+    )
+
+
+def scan(analysis: Analysis) -> Figure:
+    """Deviation over the time constant by both methods, each with its parabola and estimate."""
+    profile, published = _profile_of(analysis), published_fits(analysis)
+    with sheet.style():
+        drawn = sheet.figure(height_in=3.5)
+        grid = drawn.add_gridspec(2, 2, height_ratios=[2.6, 1])
+        if profile is not None:
+            _likelihood((drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0])), profile)
+        if published:
+            _published((drawn.add_subplot(grid[0, 1]), drawn.add_subplot(grid[1, 1])), published[0])
+    return drawn
+
+
+def _likelihood(pair: tuple[Axes, Axes], profile: Profile) -> None:
+    top, below = pair
+    tau, deviation = profile.values / MS, profile.deviation
+    parabola = ((tau - profile.value / MS) / (profile.standard_uncertainty / MS)) ** 2
+    dense = np.linspace(tau[0], tau[-1], 200)
+    expected = ((dense - profile.value / MS) / (profile.standard_uncertainty / MS)) ** 2
+    top.plot(dense, expected, color=sheet.INK, linewidth=0.9, label="parabola of u")
+    top.plot(tau, deviation, "o", color=sheet.BLUE, markersize=3.5, label="fits at fixed τ")
+    _estimate(top, profile.value / MS, profile.standard_uncertainty / MS)
+    top.set_ylabel("2 · log-likelihood lost (1)")
+    top.set_title("Row sums")
+    top.legend(loc="upper center", frameon=True, framealpha=0.92, edgecolor="none")
+    _rest(below, tau, deviation - parabola, sheet.BLUE)
+    below.set_ylabel("points −\nparabola (1)", fontsize=8)
+
+
+def _published(pair: tuple[Axes, Axes], fit: PublishedLagFit) -> None:
+    top, below = pair
+    tau, rms = fit.time_constants_s, 1e3 * fit.rms
+    dense = np.linspace(tau[0], tau[-1], 200)
+    level = 1e3 * np.polyval(fit.parabola[::-1], dense)
+    top.plot(dense / MS, level, color=sheet.INK, linewidth=0.9, label="parabola")
+    top.plot(tau / MS, rms, "s", color=sheet.ORANGE, markersize=3.5, label="simulations")
+    _estimate(top, fit.timing.time_constant_s / MS, fit.u_timing.time_constant_s / MS)
+    top.set_ylabel("rms deviation (10⁻³)")
+    top.set_title("As published")
+    top.legend(loc="upper center", frameon=True, framealpha=0.92, edgecolor="none")
+    _rest(below, tau / MS, rms - 1e3 * np.polyval(fit.parabola[::-1], tau), sheet.ORANGE)
+    below.set_ylabel("points −\nparabola (10⁻³)", fontsize=8)
+
+
+def _estimate(axes: Axes, value: float, u: float) -> None:
+    axes.axvspan(value - u, value + u, color=sheet.RED, alpha=0.15, linewidth=0)
+    axes.axvline(value, color=sheet.RED, linewidth=1, label="estimate ± u")
+    axes.tick_params(labelbottom=False)
+
+
+def _rest(axes: Axes, tau_ms: Array, rest: Array, hue: str) -> None:
+    sheet.zero_line(axes)
+    axes.plot(tau_ms, rest, "o", color=hue, markersize=3)
+    sheet.robust_limits(axes, [rest])
+    axes.set_xlabel("time constant (ms)")
+
+
+def _ellipse_panel(analysis: Analysis) -> Panel:
+    return Panel(
+        title="Trigger delay and time constant as noise ties them",
+        caption=f"{noise_sentence(analysis)} Box: what ± u of each alone would suggest. Right: with all parts of the budget; "
+        "errors of the rig’s angles move the trigger delay only, along the abscissa.",
+        svg=sheet.svg(ellipse(analysis), title="Correlation of trigger delay and time constant"),
+    )
+
+
+def ellipse(analysis: Analysis) -> Figure:
+    """Trigger delay and time constant as noise alone scatters them, and with all parts of their uncertainty."""
+    panels = [("Noise alone", camera_noise.noise(analysis).pick(*_PAIR))]
+    if all(name in analysis.best.estimate for name in _PAIR):
+        panels.append(("All parts of the uncertainty", analysis.best.estimate.pick(*_PAIR)))
+    with sheet.style():
+        drawn = sheet.figure(height_in=3.9)
+        grid = drawn.subplots(1, 2)
+        for axes, (title, found) in zip(grid, panels, strict=False):
+            _ellipses(axes, found.covariance / US**2)
+            axes.set_title(title)
+        for axes in grid[len(panels) :]:
+            axes.set_axis_off()
+        drawn.legend(*grid[0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    return drawn
+
+
+def _ellipses(axes: Axes, covariance: Array) -> None:
+    """Ellipses of one and two u, the box of one u of each, and the line of equal differences; covariance in us^2."""
+    u = np.sqrt(np.diag(covariance))
+    root = np.linalg.cholesky(covariance + 1e-12 * np.diag(u**2))
+    turn = np.linspace(0, 2 * np.pi, 200)
+    circle = np.stack([np.cos(turn), np.sin(turn)])
+    for factor, line in ((1, "-"), (2, ":")):
+        across, up = factor * root @ circle
+        axes.plot(across, up, line, color=sheet.BLUE, linewidth=1.4, label=f"{factor} u ellipse")
+    corners = np.array([[-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1]])
+    axes.plot(u[0] * corners[0], u[1] * corners[1], "--", color=sheet.RED, linewidth=1, label="box of ± u each")
+    reach = 2.4 * float(u.max())
+    axes.plot([-reach, reach], [-reach, reach], color=sheet.FAINT, linewidth=0.9, label="same t_delay − τ")
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
+    axes.set_aspect("equal")
+    axes.set_xlabel("trigger delay − estimate (µs)")
+    axes.set_ylabel("time constant − estimate (µs)")
+
+
+def noise(analysis: Analysis) -> Table:
+    """How well noise alone lets the camera's parameters be told apart."""
+    found = camera_noise.noise(analysis)
+    rows = [(name, uncertainty_text(found.u(name))) for name in found.names]
+    rows.append(
+        ("trigger_delay − time_constant", uncertainty_text(camera_noise.u_of_sum(found, {**_WEIGHTS, _PAIR[1]: -1.0})))
+    )
+    rows.append(("trigger_delay + time_constant", uncertainty_text(camera_noise.u_of_sum(found, _WEIGHTS))))
+    return Table(
+        title="What the noise of the frames allows",
+        columns=("quantity", "u from noise alone"),
+        align="lr",
+        rows=tuple(rows),
+        note="Of the mean over all recordings and wheel edges; the budget adds the rig’s angles and the opening’s shape.",
+    )
+
+
+_WEIGHTS = dict.fromkeys(_PAIR, 1.0)
+
+
+def noise_sentence(analysis: Analysis) -> str:
+    """What the correlation of trigger delay and time constant means."""
+    found = camera_noise.noise(analysis).pick(*_PAIR)
+    ratio = float(found.correlation[0, 1])
+    sign, better = (-1.0, "difference") if ratio > 0 else (1.0, "sum")
+    u_better = camera_noise.u_of_sum(found, {_PAIR[0]: 1.0, _PAIR[1]: sign})
+    worse = float(found.standard_uncertainties.max())
+    return (
+        f"Noise correlates {words(_PAIR[0])} and {words(_PAIR[1])} by {fixed(ratio, 3)}: a lag of τ shows each long slope as "
+        "it was "
+        "τ ago, which a reading later by the same time makes up for; only the rounding of the corners tells one from the "
+        f"other. So their {better} is known to {uncertainty_text(u_better)} from noise, each alone to "
+        f"{uncertainty_text(worse)} or better."
+    )

@@ -1,0 +1,142 @@
+"""Constants of substrate and scene over a wide range of temperatures, as tables and as a figure."""
+
+from math import inf
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.report import budget, sheet
+from irtiming.report.blocks import MS, US, Panel, Section, Table
+from irtiming.report.meanings import bound_text
+from irtiming.report.rounding import fixed, signed, time_text
+
+NAMES = ("substrate_time_constant", "scene_time_constant")
+_WHAT = {
+    "substrate_time_constant": "exchange of heat with the detector’s substrate alone, by conduction",
+    "scene_time_constant": "exchange of heat with the scene alone, by radiation, for a pixel at {kelvin:g} K",
+}
+_TWO_U = 4.0
+_HIGHEST = 12.0  # of the deviation shown
+_WHEEL_FROM = {"you": "by you", "contrast": "where the contrast vanishes", "assumption": "assumed"}
+
+
+def section(found: TwoConstantsResult | None) -> Section | None:
+    """Tables and figure; None where they were not asked for."""
+    if found is None:
+        return None
+    return Section(title="Wide temperature range", blocks=(constants(found), effective(found), panel(found)))
+
+
+def what(name: str, found: TwoConstantsResult) -> str:
+    """What a constant is."""
+    return _WHAT[name].format(kelvin=found.reference_temperature_k)
+
+
+def constants(found: TwoConstantsResult) -> Table:
+    """Both constants, or what is known of them, and what they rest on."""
+    change = found.change_per_k_s
+    names = found.estimate.names
+    rows = []
+    for k, name in enumerate(NAMES):
+        words = what(name, found)
+        if name in names:
+            value, u = float(found.estimate.values[k]), float(found.estimate.standard_uncertainties[k])
+            moved = [f"{1e6 * one:+.1f}".replace("-", "−") for one in change[k]]
+            rows.append((name, time_text(value, u), budget.expanded_text(u, inf)[0], *moved, words))
+        else:
+            rows.append((name, bound_text(next(b for b in found.bounds if b.name == name)), "–", "–", "–", words))
+    around = found.surroundings
+    return Table(
+        title="Separate time constants",
+        columns=(
+            "parameter", "value ± u", f"U\u00a0(k\u00a0=\u00a0{budget.coverage_factor(inf):.2f})", "per K of substrate (µs)",
+            "per K of wheel (µs)", "what it is",
+        ),
+        align="lrrrrl",
+        rows=tuple(rows),
+        note=f"Substrate at {around.substrate_temperature_k:.2f} K, by you; solid wheel like {around.wheel_temperature_k:.2f} K, "
+        f"{_WHEEL_FROM[around.wheel_temperature_from]}. u holds the uncertainty of the effective constants alone, not that "
+        "of these temperatures: what a kelvin of either would change stands in the report."
+        + (f" Correlation of the two: {fixed(float(found.estimate.correlation[0, 1]), 3)}." if names else ""),
+    )  # fmt: skip
+
+
+def effective(found: TwoConstantsResult) -> Table:
+    """The constant that was fitted at each blackbody temperature beside the model."""
+    u = np.sqrt(np.diag(found.effective.covariance_s2))
+    rows = tuple(
+        (f"{kelvin:.2f}", f"{pixel:.2f}", time_text(float(tau), float(one)), time_text(float(model)),
+         signed(float(tau - model), float(one), unit_s=US), f"{1e6 * bend:.2f}")
+        for kelvin, pixel, tau, one, model, bend in zip(
+            found.effective.blackbody_temperature_k, found.pixel_temperature_k, found.effective.time_constant_s, u,
+            found.model_time_constant_s, found.bend_s, strict=True,
+        )
+    )  # fmt: skip
+    return Table(
+        title="Effective time constants",
+        columns=(
+            "blackbody (K)", "pixel, middle (K)", "fitted ± u", "two constants", "difference (µs)", "for bending (µs)",
+        ),
+        align="rrrrrr",
+        rows=rows,
+        note="A pixel lies between scene and substrate; warmer, it radiates more per kelvin and is faster. For bending: what the "
+        "model adds because the answer to a large step is no exponential.",
+    )  # fmt: skip
+
+
+def panel(found: TwoConstantsResult) -> Panel:
+    """The figure with its caption."""
+    end = (
+        "The curve is the two-constant model."
+        if found.estimate.names
+        else "The two constants are not determined apart: the curve is one of many that would do."
+    )
+    return Panel(
+        title="Time constant over the blackbody’s temperature",
+        caption="Left: effective constants as fitted, with standard uncertainties (part of which they share), and below what the "
+        f"model leaves over. {end} Right: how much worse other shares of the scene fit; below the dashed line lie those "
+        "within two standard uncertainties.",
+        svg=sheet.svg(figure(found), title="Time constant over the temperature of the blackbody"),
+    )
+
+
+def figure(found: TwoConstantsResult) -> Figure:
+    """Effective constants with model and residuals; deviation over the scene's share."""
+    with sheet.style():
+        drawn = sheet.figure(height_in=3.7)
+        grid = drawn.add_gridspec(2, 2, height_ratios=[2.6, 1], width_ratios=[1.5, 1])
+        _effective(drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0]), found)
+        _share(drawn.add_subplot(grid[:, 1]), found)
+    return drawn
+
+
+def _effective(top: Axes, below: Axes, found: TwoConstantsResult) -> None:
+    data = found.effective
+    u = np.sqrt(np.diag(data.covariance_s2))
+    kelvin, tau = data.blackbody_temperature_k, data.time_constant_s
+    top.plot(found.curve_blackbody_k, found.curve_time_constant_s / MS, color=sheet.INK, linewidth=0.9, label="model")
+    top.errorbar(
+        kelvin, tau / MS, yerr=u / MS, fmt="o", color=sheet.BLUE, markersize=4.5, capsize=3, label="fitted ± u"
+    )
+    top.set_ylabel("effective time constant (ms)")
+    top.tick_params(labelbottom=False)
+    top.legend(loc="upper right")
+    sheet.zero_line(below)
+    left = (tau - found.model_time_constant_s) / US
+    below.errorbar(kelvin, left, yerr=u / US, fmt="o", color=sheet.BLUE, markersize=4, capsize=3)
+    sheet.robust_limits(below, [np.abs(left) + u / US])
+    below.set_xlim(top.get_xlim())
+    below.set_xlabel("blackbody (K)")
+    below.set_ylabel("fitted −\nmodel (µs)", fontsize=8)
+
+
+def _share(axes: Axes, found: TwoConstantsResult) -> None:
+    axes.plot(found.share_scan, found.deviation, color=sheet.INK, linewidth=1)
+    axes.axhline(_TWO_U, color=sheet.FAINT, linestyle="--", linewidth=0.9)
+    axes.axvline(found.scene_share, color=sheet.RED, linewidth=1)
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, _HIGHEST)
+    axes.set_xlabel("share of the scene in the exchange of heat (1)")
+    axes.set_ylabel("2 · log-likelihood lost (1)")

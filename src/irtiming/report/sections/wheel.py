@@ -1,0 +1,276 @@
+"""The wheel as its timestamps show it: speed over time, irregularity of its slots, their orders and ripple."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from irtiming.physics import slot_orders
+from irtiming.physics.wheel import TURN
+from irtiming.records.analysis import Analysis
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.wheel_calibration import SlotsAtSpeed, SpeedRipple, WheelCalibration
+from irtiming.records.wheel_track import WheelTrack
+from irtiming.report import sheet
+from irtiming.report.blocks import Panel, Section, Table
+from irtiming.report.rounding import in_unit, significant
+
+_PER_MILLION = 1e6
+_LEAST_MRAD = 1e-6
+_LARGEST = 6
+_RARE = 0.01
+_NOT_SEPARABLE = (
+    "All recordings have one wheel speed: a ripple of the speed that repeats every turn cannot be told apart from the slots "
+    "and is in "
+    "their angles. Add recordings at another speed."
+)
+
+
+def section(analysis: Analysis) -> Section:
+    """Figures; tables where the slots were learned."""
+    wheel = analysis.wheel
+    rate = Panel(
+        title="Speed of the wheel",
+        caption="Mean rate of each turn, from the control slots’ timestamps, relative to the nominal one. Wheel angles are "
+        "interpolated between the slots, so that slow wander does no harm.",
+        svg=sheet.svg(speed(analysis), title="Speed of the wheel over time"),
+    )
+    shown = wheel or _of_track(analysis.recordings[0].track)
+    slots = Panel(
+        title="Irregularity of the control slots",
+        caption=slots_caption(wheel),
+        svg=sheet.svg(calibration(shown), title="Deviation of the control slots, and its orders"),
+    )
+    tables = () if wheel is None else (speeds(wheel), orders(wheel))
+    return Section(title="What the wheel did", blocks=(rate, slots, *tables))
+
+
+def slots_caption(wheel: WheelCalibration | None) -> str:
+    """What the figure of the slots shows."""
+    if wheel is None:
+        return "Too few turns were recorded to learn the slots: they are taken as equal."
+    known = (
+        "Above: angle of each slot minus its regular place, from all recordings together. The default method corrects for it, "
+        "the published one takes the slots as equal. Below: the same as waves around the wheel; order 1 is eccentricity. "
+    )
+    if wheel.ripple is None:
+        return known + (
+            "A speed ripple that repeats every turn is in it: no order can be told apart from such a ripple at a single wheel "
+            "speed, "
+            "the low ones least. Recordings at another speed separate them."
+        )
+    return known + (
+        "Orange: speed ripple that repeats every turn, known apart from the slots by its fall with the square of the speed, "
+        "at the "
+        f"slowest speed; pale where it may be chance. All orders together are chance with probability {wheel.ripple.chance:.1g}."
+    )
+
+
+def speed(analysis: Analysis) -> Figure:
+    """Mean speed of each turn of each recording, relative to the nominal one."""
+    recordings = analysis.recordings
+    names = sheet.run_names(
+        [recording.trigger_delay_time_set_s for recording in recordings],
+        [recording.rotation_speed_hz for recording in recordings],
+    )
+    with sheet.style():
+        drawn = sheet.figure(height_in=2.6)
+        axes = drawn.add_subplot()
+        named: set[str] = set()
+        for recording, name, hue in zip(recordings, names, sheet.colours(names), strict=True):
+            middle_s, rate_hz = turn_rates(recording.track)
+            deviation = _PER_MILLION * (rate_hz / recording.rotation_speed_hz - 1)
+            label = None if name in named else name
+            named.add(name)
+            axes.plot(middle_s, deviation, color=hue, linewidth=0.9, marker=".", markersize=3, label=label)
+        sheet.zero_line(axes)
+        axes.set_xlabel("time after the first control slot of the recording (s)")
+        axes.set_ylabel("turn rate − nominal\n(10⁻⁶ of nominal)")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return drawn
+
+
+def summary(wheel: WheelCalibration) -> Table:
+    """What the slots, gates and edges are."""
+    n_slots = wheel.slot_deviation_rad.size
+    rms, u_slot = float(np.std(wheel.slot_deviation_rad)), slot_orders.u_slot_rad(wheel.order_variance_rad2, n_slots)
+    slowest_hz = wheel.speeds[0].rotation_speed_hz
+    rows = [
+        ("slots' deviations, rms", _mrad(rms), f"{1e6 * rms / (TURN * slowest_hz):.2f} µs at {slowest_hz:.3g} Hz"),
+        ("standard uncertainty of each slot", _mrad(u_slot), f"{1e6 * u_slot / (TURN * slowest_hz):.2f} µs"),
+        (
+            "closure: mean of the deviations",
+            f"{1e9 * abs(float(wheel.slot_deviation_rad.mean())):.3f} nrad",
+            "each turn is made 360°",
+        ),
+        ("gate separation Δβ", _mrad(wheel.gate_separation_rad), f"± {_mrad(wheel.u_gate_separation_rad)}"),
+    ]
+    if wheel.application_edges_rad is not None and wheel.u_application_edges_rad is not None:
+        both = zip("₀₁₂₃", wheel.application_edges_rad, wheel.u_application_edges_rad, strict=True)
+        rows += [
+            (f"application edge α{i}", _mrad(angle), "by definition" if i == "₀" else f"± {_mrad(u)}")
+            for i, angle, u in both
+        ]
+    return Table(title="Wheel", columns=("quantity", "value", ""), align="lrl", rows=tuple(rows))
+
+
+def speeds(wheel: WheelCalibration) -> Table:
+    """Which recordings it rests on."""
+    rows = tuple(
+        (
+            f"{one.rotation_speed_hz:.4g} Hz",
+            str(one.n_turns),
+            _mrad(float(np.std(one.deviation_rad))),
+            f"{significant(1e6 * slot_orders.u_slot_rad(one.order_variance_rad2, one.deviation_rad.size))} µrad",
+        )
+        for one in wheel.speeds
+    )
+    return Table(
+        title="Slots as they appear at each speed",
+        columns=("speed", "turns", "rms deviation", "u of each slot"),
+        align="rrrr",
+        rows=rows,
+        note="" if wheel.ripple is not None else _NOT_SEPARABLE,
+    )
+
+
+def orders(wheel: WheelCalibration) -> Table:
+    """The largest orders of the deviations, and the ripple of each where it is known."""
+    n_slots = wheel.slot_deviation_rad.size
+    amplitude = slot_orders.amplitude_rad(wheel.slot_deviation_rad)
+    phase = slot_orders.phase_rad(wheel.slot_deviation_rad)
+    u = slot_orders.u_amplitude_rad(wheel.order_variance_rad2, n_slots)
+    ripple = None if wheel.ripple is None else slot_orders.amplitude_rad(wheel.ripple.deviation_rad)
+    largest = amplitude if ripple is None else np.maximum(amplitude, ripple)
+    chosen = sorted((1 + np.argsort(largest[1:])[::-1][:_LARGEST]).tolist())
+    rows = tuple(
+        (str(k), _with_u(float(amplitude[k]), float(u[k])), f"{np.degrees(phase[k]):.0f}°", _ripple(wheel, k))
+        for k in chosen
+    )
+    note = f"The largest of {amplitude.size - 1} orders; order k has k waves to a turn."
+    if wheel.ripple is not None:
+        note += (
+            f" Ripple: of the wheel's angle, at {wheel.ripple.reference_speed_hz:.3g} Hz; it falls with the square of the speed. "
+            f"All orders of it together are chance with probability {wheel.ripple.chance:.1g}."
+        )
+    return Table(
+        title="Deviations by order",
+        columns=("order", "amplitude (µrad)", "phase", "speed ripple (µrad)"),
+        align="rrrl",
+        rows=rows,
+        note=note,
+    )
+
+
+def ripple_is_clear(ripple: SpeedRipple) -> Mask:
+    """Whether chance would make so large a ripple in any order with less than 1 % probability; shape (slots // 2 + 1,)."""
+    return np.asarray(ripple.order_chance * (ripple.order_chance.size - 1) < _RARE)
+
+
+def _ripple(wheel: WheelCalibration, order: int) -> str:
+    if wheel.ripple is None:
+        return "not separable"
+    n_slots = wheel.slot_deviation_rad.size
+    amplitude = float(slot_orders.amplitude_rad(wheel.ripple.deviation_rad)[order])
+    u = float(slot_orders.u_amplitude_rad(wheel.ripple.order_variance_rad2, n_slots)[order])
+    return _with_u(amplitude, u) + ("" if ripple_is_clear(wheel.ripple)[order] else " (may be chance)")
+
+
+def _mrad(angle_rad: float) -> str:
+    return f"{1e3 * angle_rad:.4f} mrad"
+
+
+def _with_u(angle_rad: float, u_rad: float) -> str:
+    return f"{in_unit(angle_rad, u_rad, unit_s=1e-6)} ± {significant(1e6 * u_rad)}"
+
+
+def turn_rates(track: WheelTrack) -> tuple[Array, Array]:
+    """Time of the middle of each whole turn, s after the first control slot, and its mean rate, Hz; shapes (n_turn,)."""
+    known = np.isfinite(track.edge_angle_rad)
+    angle = track.edge_angle_rad[known]
+    time_s = (track.edge_ticks[known] - track.edge_ticks[0]) / track.clock_frequency_hz
+    marks = np.arange(angle[0], angle[-1], TURN)
+    passed = np.interp(marks, angle, time_s)
+    return (passed[1:] + passed[:-1]) / 2, 1 / np.diff(passed)
+
+
+def calibration(wheel: WheelCalibration) -> Figure:
+    """Deviation of each control slot from its regular place, and how it spreads over the orders of the wheel."""
+    with sheet.style():
+        drawn = sheet.figure(height_in=5.2)
+        deviations, spectrum = drawn.subplots(2, 1, height_ratios=(1.2, 1))
+        _deviations(deviations, wheel)
+        _orders(spectrum, wheel)
+    return drawn
+
+
+def _deviations(axes: Axes, wheel: WheelCalibration) -> None:
+    deviation, slot = wheel.slot_deviation_rad, np.arange(wheel.slot_deviation_rad.size)
+    u = slot_orders.u_slot_rad(wheel.order_variance_rad2, slot.size)
+    slowest_hz = wheel.speeds[0].rotation_speed_hz
+    sheet.zero_line(axes)
+    axes.vlines(slot, 0, 1e3 * deviation, color=sheet.BLUE, linewidth=2.2, alpha=0.35)
+    axes.errorbar(
+        slot, 1e3 * deviation, yerr=1e3 * u, fmt=".", color=sheet.BLUE, ecolor=sheet.RED, elinewidth=1.2, markersize=4,
+        label="slots with standard uncertainty" if wheel.ripple is not None else "slots and ripple, with standard uncertainty",
+    )  # fmt: skip
+    if wheel.ripple is not None:
+        axes.plot(
+            slot, 1e3 * wheel.ripple.deviation_rad, color=sheet.ORANGE, linewidth=1.3,
+            label=f"what the ripple adds at {wheel.ripple.reference_speed_hz:.3g} Hz, taken off",
+        )  # fmt: skip
+    axes.set_xlim(-1.5, slot.size + 0.5)
+    axes.set_xlabel("control slot, slot 0 in register with edge 0 (1)")
+    axes.set_ylabel("deviation (mrad)")
+    times = axes.twinx()
+    times.set_ylim(*(1e3 * limit / (TURN * slowest_hz) for limit in axes.get_ylim()))
+    times.grid(visible=False)
+    times.spines["right"].set_visible(True)
+    times.set_ylabel(f"at {slowest_hz:.3g} Hz (µs)")
+    axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.17))
+
+
+def _orders(axes: Axes, wheel: WheelCalibration) -> None:
+    n_slots = wheel.slot_deviation_rad.size
+    order = np.arange(1, n_slots // 2 + 1)
+    amplitude = 1e3 * slot_orders.amplitude_rad(wheel.slot_deviation_rad)[1:]
+    u = 1e3 * slot_orders.u_amplitude_rad(wheel.order_variance_rad2, n_slots)[1:]
+    known = [values[values > 0].min() for values in (amplitude, u) if np.any(values > 0)]
+    floor = 0.5 * max(min(known, default=_LEAST_MRAD), _LEAST_MRAD)
+    axes.vlines(order, floor, np.maximum(amplitude, floor), color=sheet.BLUE, linewidth=2.2, alpha=0.35)
+    axes.plot(order, amplitude, ".", color=sheet.BLUE, markersize=4, label="slots")
+    axes.plot(order, u, color=sheet.RED, linewidth=1.1, label="standard uncertainty")
+    if wheel.ripple is not None:
+        ripple = 1e3 * slot_orders.amplitude_rad(wheel.ripple.deviation_rad)[1:]
+        clear = ripple_is_clear(wheel.ripple)[1:]
+        axes.plot(
+            order[~clear], ripple[~clear], "x", color=sheet.ORANGE, alpha=0.35, markersize=4, label="ripple or chance"
+        )
+        axes.plot(order[clear], ripple[clear], "x", color=sheet.ORANGE, markersize=6, label="ripple")
+    axes.set_yscale("log")
+    axes.set_ylim(bottom=floor)
+    axes.set_xlim(0.2, order[-1] + 0.8)
+    axes.set_xlabel("order: waves to a turn (1)")
+    axes.set_ylabel("amplitude (mrad)")
+    axes.legend(loc="upper right", ncols=4, bbox_to_anchor=(1.0, 1.2))
+
+
+def _of_track(track: WheelTrack) -> WheelCalibration:
+    """What a single track stands on."""
+    variance = track.order_variance_rad2
+    if variance is None:
+        n_orders = track.u_slot_deviation_rad.size // 2 + 1
+        variance = np.full(n_orders, float(np.mean(track.u_slot_deviation_rad**2)))
+    alone = SlotsAtSpeed(
+        rotation_speed_hz=track.angular_frequency_rad_per_s / TURN,
+        n_turns=1,
+        deviation_rad=track.slot_deviation_rad,
+        order_variance_rad2=variance,
+    )
+    return WheelCalibration(
+        slot_deviation_rad=alone.deviation_rad,
+        order_variance_rad2=variance,
+        ripple=None,
+        speeds=(alone,),
+        gate_separation_rad=track.gate_separation_rad,
+        u_gate_separation_rad=track.u_gate_separation_rad,
+    )
