@@ -51,7 +51,7 @@ def phase_rad(deviation_rad: Array) -> Array:
 
 
 def u_amplitude_rad(order_variance_rad2: Array, n_slots: int) -> Array:
-    """Standard uncertainty of the amplitude of each order, rad, shape (slots // 2 + 1,); over the amplitude, that of the phase."""
+    """Standard uncertainty of the amplitude of each order, rad, shape (slots // 2 + 1,); over it, that of the phase."""
     return np.sqrt(order_variance_rad2 * degrees_of_freedom(n_slots) / n_slots)
 
 

@@ -158,8 +158,8 @@ async def check(order: SeriesOrder) -> SeriesReady:
         series = found.series
         pending = series.to_make(found.journal)
         ticks = sum(
-            run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
-            for _, _, run in pending
+            run_length_ticks(one.run.scheme, repeats=one.run.repeats, trigger_delay_ticks=one.run.trigger_delay_ticks)
+            for one in pending
         )
         return SeriesReady(
             camera=found.rig.camera.identity,
@@ -251,7 +251,7 @@ async def _keep_made(found: _Prepared, live: LiveAnalysis | None) -> None:
     """What was recorded before is part of every estimate."""
     if live is None:
         return
-    for number, _, _ in found.series.runs:
-        if (made := found.journal.file_of(number)) is not None:
+    for one in found.series.runs:
+        if (made := found.journal.file_of(one.number)) is not None:
             live.keep(made)
     await asyncio.to_thread(live.settled)
