@@ -140,11 +140,6 @@ class _Prepared:
 async def check(order: SeriesOrder) -> SeriesReady:
     """Go through the checklist; nothing moves, heats or is written.
 
-    Parameters
-    ----------
-    order
-        What would be recorded.
-
     Raises
     ------
     RigNotReady
@@ -171,13 +166,6 @@ async def check(order: SeriesOrder) -> SeriesReady:
 
 async def record(order: SeriesOrder, *, attending: Attending) -> SeriesMade:
     """Connect the devices, go through the checklist, and make all runs that are not complete yet.
-
-    Parameters
-    ----------
-    order
-        What to record.
-    attending
-        Gives whoever is at the rig, from the plan and the live analysis.
 
     Returns
     -------
