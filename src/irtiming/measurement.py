@@ -97,8 +97,8 @@ def estimate(
     first = found.recordings[0]
     analysis = Analysis(
         camera_type=first.camera_type, readout_mode=first.readout_mode, rig=rig, choices=choices, recordings=found.recordings,
-        geometry=found.geometry, sectors=found.sectors, fits=found.fits, joint=found.joint_fit, best=found.result, wheel=wheel,
-        two_constants=two_constants.of_result(found.result, choices=choices),
+        geometry=found.geometry, sectors=found.sectors, fits=found.fits, joint=found.found.joint_fit, best=found.found.result,
+        wheel=wheel, two_constants=two_constants.of_result(found.found.result, choices=choices),
     )  # fmt: skip
     return _with_extras(analysis, found, {*extras, choices.method})
 

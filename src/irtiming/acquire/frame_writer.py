@@ -79,7 +79,7 @@ class FrameWriter:
         )
 
     def put_ticks(self, stream: TickStream, ticks: Ticks) -> None:
-        """Queue timestamps."""
+        """Queue timestamps, shape (n_edge,)."""
         self._thread.submit(self._try, lambda: self._recording.append_ticks(stream, ticks))
 
     async def put_rest_of(self, timestamps: Timestamps) -> None:

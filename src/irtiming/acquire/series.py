@@ -29,6 +29,16 @@ _MICROSECONDS = 1e6
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class NumberedRun:
+    """A run by its number in the series, from 1, with the blackbody temperature before which it is made; None: as it is."""
+
+    number: int
+    target_k: float | None
+    run: PlannedRun
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Series:
     """A plan whose triggers are found, and the folder for its recordings. ``numbers`` are the runs to make; None: all."""
 
@@ -38,19 +48,19 @@ class Series:
     numbers: Collection[int] | None = None
 
     @property
-    def runs(self) -> list[tuple[int, float | None, PlannedRun]]:
-        """Number from 1, blackbody temperature in K and plan of every run, in order."""
+    def runs(self) -> list[NumberedRun]:
+        """Every run, in order."""
         wishes = self.plan.blackbody
         temperatures: tuple[float | None, ...] = (None,) if wishes is None else wishes.temperatures_k
         every = [(target_k, run) for target_k in temperatures for run in self.triggers]
-        return [(number, target_k, run) for number, (target_k, run) in enumerate(every, 1)]
+        return [NumberedRun(number=n, target_k=target_k, run=run) for n, (target_k, run) in enumerate(every, 1)]
 
-    def to_make(self, journal: Journal) -> list[tuple[int, float | None, PlannedRun]]:
+    def to_make(self, journal: Journal) -> list[NumberedRun]:
         """Runs that are asked for and not complete yet."""
         wanted = self.numbers
         return [
-            entry for entry in self.runs
-            if (wanted is None or entry[0] in wanted) and journal.file_of(entry[0]) is None
+            one for one in self.runs
+            if (wanted is None or one.number in wanted) and journal.file_of(one.number) is None
         ]  # fmt: skip
 
 
@@ -92,7 +102,7 @@ async def record_series(rig: Rig, series: Series, *, attendant: Attendant, journ
     made = _Made(rig, series, attendant=attendant, journal=journal)
     recovered = recovered_parts(series.folder, journal=journal, attendant=attendant)
     pending = series.to_make(journal)
-    before = tuple(number for number, _, _ in series.runs if journal.file_of(number) is not None)
+    before = tuple(one.number for one in series.runs if journal.file_of(one.number) is not None)
     try:
         ending = await made.make(pending)
     except IrTimingError as error:
@@ -115,19 +125,19 @@ class _Made:
         self._latency_s: float | None = None
         self.outcomes: list[RunOutcome] = []
 
-    async def make(self, pending: list[tuple[int, float | None, PlannedRun]]) -> str:
+    async def make(self, pending: list[NumberedRun]) -> str:
         """References and runs; gives the ending."""
         if pending:
-            self._journal.note(f"begun: runs {', '.join(str(number) for number, _, _ in pending)}")
+            self._journal.note(f"begun: runs {', '.join(str(one.number) for one in pending)}")
             await set_camera(self._rig, self._series.plan)
         reference = await self._references_before(pending)
-        for number, target_k, run in pending:
+        for one in pending:
             if self._attendant.is_leaving():
                 return INTERRUPTED
             if self._attendant.is_enough():
                 ending = ENOUGH
                 break
-            ending = await self._run(number, target_k, run, reference=reference)
+            ending = await self._run(one, reference=reference)
             if ending == ENOUGH:
                 break
             if ending != COMPLETE:
@@ -136,21 +146,19 @@ class _Made:
             ending = COMPLETE
         return await self._references_after(ending)
 
-    async def _run(
-        self, number: int, target_k: float | None, run: PlannedRun, *, reference: NonuniformityReference | None
-    ) -> str:
-        blackbody = await self._stable(target_k)
-        if target_k is not None and blackbody is None:
+    async def _run(self, one: NumberedRun, *, reference: NonuniformityReference | None) -> str:
+        blackbody = await self._stable(one.target_k)
+        if one.target_k is not None and blackbody is None:
             return INTERRUPTED
         correction = self._series.plan.camera.correction
-        if correction and run.is_after_correction:
+        if correction and one.run.is_after_correction:
             self._attendant.says(f"the camera corrects its non-uniformity ({correction})")
             await self._rig.camera.set_feature(correction, value="execute")
         wishes = self._series.plan.blackbody
         order = RunOrder(
-            number=number,
-            path=self._path_of(number, target_k, run),
-            run=run,
+            number=one.number,
+            path=self._path_of(one),
+            run=one.run,
             camera=self._series.plan.camera,
             nonuniformity=reference,
             blackbody_before=blackbody,
@@ -176,9 +184,7 @@ class _Made:
             return await as_it_is(self._rig)
         return await settled(self._rig, target_k, wishes=wishes, attendant=self._attendant)
 
-    async def _references_before(
-        self, pending: list[tuple[int, float | None, PlannedRun]]
-    ) -> NonuniformityReference | None:
+    async def _references_before(self, pending: list[NumberedRun]) -> NonuniformityReference | None:
         """References for the runs to come: recorded earlier, or now; None where they come after the runs."""
         wishes = self._series.plan.references
         if wishes is None or not pending:
@@ -193,7 +199,7 @@ class _Made:
     async def _references_after(self, ending: str) -> str:
         """References of runs that are over, where they are wished for and every run is made."""
         wishes, path = self._series.plan.references, self._series.folder / AFTER
-        files = [self._journal.file_of(number) for number, _, _ in self._series.runs]
+        files = [self._journal.file_of(one.number) for one in self._series.runs]
         is_due = ending == ENOUGH or all(file is not None for file in files)
         if wishes is None or wishes.file or wishes.when == "before" or not is_due:
             return ending
@@ -231,16 +237,16 @@ class _Made:
         self._journal.note(f"references recorded: {path.name}")
         return found
 
-    def _path_of(self, number: int, target_k: float | None, run: PlannedRun) -> Path:
+    def _path_of(self, one: NumberedRun) -> Path:
         """A name that is free; one that is taken gets a number behind it."""
         clock = self._series.triggers.clock_frequency_hz
         name = self._series.plan.file_name.format(
             utc=datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ"),
             camera=re.sub(r"[^A-Za-z0-9-]+", "-", self._rig.camera.identity.model).strip("-") or "camera",
-            speed=f"{clock / run.scheme.turn_period_ticks:.4g}Hz",
-            delay=f"{run.trigger_delay_ticks / clock * 1e3:.6g}ms",
-            run=f"{number:02d}",
-            temperature="as-it-is" if target_k is None else celsius(target_k).replace(" °", ""),
+            speed=f"{clock / one.run.scheme.turn_period_ticks:.4g}Hz",
+            delay=f"{one.run.trigger_delay_ticks / clock * 1e3:.6g}ms",
+            run=f"{one.number:02d}",
+            temperature="as-it-is" if one.target_k is None else celsius(one.target_k).replace(" °", ""),
         )
         return free_path(self._series.folder, name)
 

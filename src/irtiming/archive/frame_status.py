@@ -30,7 +30,8 @@ def leave_out(contents: "Contents") -> tuple["Contents", "Ticks | None", list[Fi
 
     Returns
     -------
-    Contents of the whole frames; their indices in the file, or None if all are whole; what is to be said of the others.
+    Contents of the whole frames; their indices in the file, shape (n_whole,), or None if all are whole; what is to be said of
+    the others.
     """
     shape, status = contents.get(layout.FRAMES), contents.get(layout.FRAME_STATUS)
     findings = list(_lengths(contents))

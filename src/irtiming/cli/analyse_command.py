@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.screen import in_options, temperature_k
+from irtiming.cli.options import filled, in_options
 from irtiming.errors import UnitError
 from irtiming.records.choices import Choices, Method, ReferenceEdge
 
@@ -74,6 +74,7 @@ def analyse(
     Of a snapshot photon camera the trigger delay; of a rolling microbolometer camera trigger delay, time constant and row
     delay. Every choice is made automatically and shown in the report; the options take it over.
     """
+    given = locals()
     from rich.console import Console
 
     from irtiming.cli.progress import shown
@@ -82,26 +83,9 @@ def analyse(
     from irtiming.session.analysis import analyse as analyse_files
 
     low, high = _numbers(slope_limits, 2, "--slope-limits")
-    choices = Choices(
-        method=method,
-        roi=None if roi is None else _region(roi),
-        threshold_dn=threshold_dn,
-        threshold_level=threshold_level,
-        border_px=border_px,
-        plateau_margin=plateau_margin,
-        slope_limits=(low, high),
-        reference_edge=reference_edge,
-        substrate_temperature_k=temperature_k(substrate_temperature),
-        wheel_temperature_k=temperature_k(wheel_temperature),
-    )
-    order = AnalysisOrder(
-        recordings=tuple(recording),
-        rig=rig,
-        choices=choices,
-        wheel_calibration=wheel_calibration,
-        result=json,
-        report=report,
-    )
+    region = None if roi is None else _region(roi)
+    choices = filled(Choices, given, roi=region, slope_limits=(low, high))
+    order = filled(AnalysisOrder, given, recordings=tuple(recording), choices=choices, result=json)
     with shown("frames") as told:
         analysis = analyse_files(order, progress=told)
     print_result(analysis, Console())

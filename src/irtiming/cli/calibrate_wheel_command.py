@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from irtiming.cli.options import filled
 from irtiming.cli.screen import warn
 from irtiming.records.choices import ReferenceEdge
 
@@ -28,15 +29,14 @@ def calibrate_wheel(
     With recordings at two or more speeds, the fastest at least 1.2 times as fast as the slowest, a speed ripple that repeats
     every turn is told from the slots. `irtiming analyse --wheel-calibration` takes the result.
     """
+    given = locals()
     from rich.console import Console
 
     from irtiming.cli.result_table import print_table
     from irtiming.report.sections import wheel as wheel_section
     from irtiming.session.wheel import CalibrationOrder, calibrate
 
-    order = CalibrationOrder(
-        recordings=tuple(recording), rig=rig, calibration=out, picture=picture, reference_edge=reference_edge
-    )
+    order = filled(CalibrationOrder, given, recordings=tuple(recording), calibration=out)
     wheel, screen = calibrate(order), Console()
     for text in wheel.warnings:
         warn(text, screen)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from irtiming.session.demo import DemoOrder
 
 
@@ -37,19 +39,23 @@ def demo(
     The simulated rigs have the imperfections of real ones: an eccentric wheel, irregular slots, a mask beside the axle, a
     camera that drifts and corrects itself, and a rig.toml whose numbers are off by their stated uncertainties.
     """
+    given = locals()
     from irtiming.archive import json_file
     from irtiming.session.demo import USUAL
 
     if json is not None:
         json_file.require_place(json)
-    given = {"rows": rows, "columns": columns, "runs": runs, "seed": seed, "folder": out_dir, "keep": keep}
-    said: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    results = {kind: _demonstrated(replace(usual, **said)) for kind, usual in USUAL.items() if camera in ("both", kind)}
+    said = {name: given[name] for name in ("rows", "columns", "runs", "seed", "keep") if given[name] is not None}
+    results = {
+        kind: _demonstrated(replace(usual, folder=out_dir, **said))
+        for kind, usual in USUAL.items()
+        if camera in ("both", kind)
+    }
     if json is not None:
         json_file.write_json(results if camera == "both" else results[camera], json)
 
 
-def _demonstrated(order: "DemoOrder") -> dict[str, Any]:
+def _demonstrated(order: "DemoOrder") -> "Mapping[str, Any]":
     """One camera, printed; gives its result."""
     from rich.console import Console
 

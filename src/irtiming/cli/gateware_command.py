@@ -9,7 +9,8 @@ import typer
 
 from irtiming.cli.gateware_build_command import build
 from irtiming.cli.gateware_firmware_command import firmware
-from irtiming.cli.screen import in_options, say, time_s
+from irtiming.cli.options import filled, in_options
+from irtiming.cli.screen import say
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
@@ -85,19 +86,14 @@ def record(
 
     The camera must wait for its triggers: start it first. A loss of timestamps is marked in the file and ends with status 2.
     """
+    given = locals()
     from functools import partial
 
     from irtiming.cli.progress import shown
     from irtiming.records.series_plan import WiringWishes
     from irtiming.session import timestamps as session
 
-    wiring = WiringWishes(
-        falling=tuple(falling or ()),
-        glitch_filter_s=seconds(glitch_filter),
-        camera_pulse_s=seconds(camera_pulse),
-        camera_input=camera_input,
-    )
-    order = session.TimestampOrder(port=port, plan=plan, out=out, run=run, wiring=wiring)
+    order = filled(session.TimestampOrder, given, wiring=filled(WiringWishes, given))
     with shown("triggers") as told:
         found = asyncio.run(session.record(order, progress=partial(told, port)))
     say(
@@ -126,18 +122,10 @@ def combine(
     ] = None,
 ) -> None:
     """Put timestamps and frames of one run together into a recording that is ready for analysis."""
+    given = locals()
     from irtiming.session import timestamps as session
 
-    order = session.FramesOrder(
-        timestamps=timestamps,
-        frames=frames,
-        out=out,
-        camera=camera,
-        readout=readout,
-        integration_time_s=time_s(integration_time),
-        bit_depth=bit_depth,
-    )
-    for finding in session.combine(order):
+    for finding in session.combine(filled(session.FramesOrder, given)):
         say(f"warning: {finding.sentence()}")
     say(f"{out}: check it with irtiming verify")
 
@@ -172,7 +160,7 @@ def simulate(
     from irtiming.twin.rig import draw
     from irtiming.twin.scene import paper_scene
 
-    lasts_s = time_s(duration)
+    lasts_s = None if duration is None else seconds(duration)
     wheel = DrivenWheel(draw(paper_scene(), seed=seed).scene, clock_frequency_hz=clock_hz, seed=seed)
     notes = Console(stderr=True, highlight=False)
     with _device(wheel, clock_hz, is_model=model) as device, PseudoTerminal(device, speed=speed) as terminal:

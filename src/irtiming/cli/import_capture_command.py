@@ -5,11 +5,13 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.screen import in_options, say, time_s
+from irtiming.cli.options import filled, in_options
+from irtiming.cli.screen import say
 from irtiming.errors import ArchiveError, UnitError
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
+_FACTS = ("camera", "readout", "wheel_hz", "integration_time", "trigger_delay_set", "bit_depth")
 _SLOWEST_HZ, _FASTEST_HZ = 10**3, 10**12
 
 
@@ -76,34 +78,24 @@ def import_capture(
     The capture must hold the camera trigger and both light gates, since an analyser has its own clock. The file of the frames
     is left as it is. A capture in which data were lost is refused with the time of the loss.
     """
+    given = locals()
     from irtiming.archive.captures.timed_recording import CameraFacts
     from irtiming.session.capture import CaptureOrder
     from irtiming.session.capture import import_capture as take_timestamps
 
-    given = (camera, readout, wheel_hz, integration_time, trigger_delay_set, bit_depth)
     facts = None
-    if any(value is not None for value in given):
+    if any(given[name] is not None for name in _FACTS):
         if camera is None or wheel_hz is None:
             raise ArchiveError("--camera and --wheel-hz belong together; give both for frames in .npy or .npz")
-        facts = CameraFacts(
+        facts = filled(
+            CameraFacts,
+            given,
             camera_type=camera,
             readout_mode=readout,
             rotation_speed_hz=wheel_hz,
-            integration_time_s=time_s(integration_time),
             trigger_delay_time_set_s=seconds(trigger_delay_set or "0 s"),
-            bit_depth=bit_depth or 16,
         )
-    order = CaptureOrder(
-        capture=capture,
-        lines=line_map,
-        frames=frames,
-        out=out,
-        json=json,
-        facts=facts,
-        clock_hz=_clock(clock),
-        shortest_s=seconds(shortest),
-        is_delayed=delayed_trigger,
-    )
+    order = filled(CaptureOrder, given, lines=line_map, facts=facts, clock_hz=_clock(clock), is_delayed=delayed_trigger)
     found = take_timestamps(order)
     ticks = found.ticks
     counts = ", ".join(f"{values.size} of {field.name}" for field, values in ticks.streams.items())

@@ -3,7 +3,7 @@
 import asyncio
 import shlex
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Thread
@@ -12,14 +12,15 @@ from typing import Literal, final
 from rich.console import Console
 
 from irtiming.acquire.run import INTERRUPTED, RunOutcome
-from irtiming.cli.progress import Told
+from irtiming.cli.progress import Told, shown
 from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
 from irtiming.report.rounding import time_text
 from irtiming.session.live import LiveAnalysis, LiveEstimate
-from irtiming.session.series import LiveAttendant
+from irtiming.session.series import Attending, LiveAttendant, SeriesMade, SeriesReady
+from irtiming.units import readable_time
 
 _STANDARD_ERROR = 2  # standard output is for names of files
 _MANY, _GROWS = 8, 2
@@ -134,14 +135,60 @@ class Person(LiveAttendant):
             )
 
 
-def so_far(found: LiveEstimate) -> str:
-    """What is known, in one line: every number with its standard uncertainty.
+def at_the_terminal(notes: Console, *, is_silent: bool) -> Attending:
+    """Whoever sits there while a series is recorded, with a bar for the triggers of each run."""
 
-    Parameters
-    ----------
-    found
-        Of the live analysis.
+    @contextmanager
+    def attending(plan: SeriesPlan, live: LiveAnalysis | None) -> Iterator[Person]:
+        with shown("triggers", notes) as told:
+            person = Person(plan, live, told=told, notes=notes, is_silent=is_silent)
+            with person.listening():
+                yield person
+
+    return attending
+
+
+def refused(complaints: Sequence[str], notes: Console) -> InstrumentError:
+    """The end with all complaints: one is the line itself, several stand above it."""
+    if len(complaints) == 1:
+        return InstrumentError(f"{complaints[0]} (nothing was moved)")
+    for text in complaints:
+        say(f"not ready: {' '.join(text.split())}", notes)
+    return InstrumentError(f"{len(complaints)} complaints, see above; nothing was moved")
+
+
+def show_ready(ready: SeriesReady, notes: Console) -> None:
+    """What would be made, in one line."""
+    camera = ready.camera
+    say(
+        f"ready: {camera.vendor} {camera.model} {camera.serial_number}; {ready.n_pending} of {ready.n_runs} runs to make, "
+        f"{readable_time(ready.duration_s)} of triggers",
+        notes,
+    )
+
+
+def show_made(made: SeriesMade, notes: Console, *, folder: Path) -> None:
+    """What is known and what was made; the names of the files go to standard output.
+
+    Raises
+    ------
+    InstrumentError
+        If it is not all: it says how to go on.
     """
+    outcome = made.outcome
+    if made.estimate is not None:
+        say(f"of the whole series: {so_far(made.estimate)}", notes)
+    if outcome.made_before:
+        say(f"made before: runs {', '.join(map(str, outcome.made_before))}", notes)
+    for each in outcome.outcomes:
+        print(each.path)  # noqa: T201 - for a program that reads it
+    if not outcome.is_good:
+        ending = "interrupted" if outcome.ending == INTERRUPTED else outcome.ending
+        raise InstrumentError(f"{ending}; say the same command again to go on in {folder}")
+
+
+def so_far(found: LiveEstimate) -> str:
+    """What is known, in one line: every number with its standard uncertainty."""
     if found.finding is not None:
         return f"not sure yet ({found.finding.what})"
     numbers = [

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from irtiming.cli.screen import in_options, time_s
+from irtiming.cli.options import filled, in_options
 
 
 @in_options
@@ -66,38 +66,22 @@ def plan(
     With --for: the shortest measurements that should reach an uncertainty, whatever wheel speeds and runs that takes. Clock,
     frame rate and samples are then those of the paper if not given, and the wheel may turn at 2 to 50 Hz.
     """
+    given = locals()
     from irtiming.cli.plan_tables import show
     from irtiming.records.series_plan import TriggerWishes
     from irtiming.session.camera import Described
     from irtiming.session.plan import PlanOrder
     from irtiming.session.plan import plan as make_plan
 
-    wishes = TriggerWishes(
-        clock_hz=clock_hz,
+    wishes = filled(
+        TriggerWishes,
+        given,
         wheel_hz=tuple(wheel_hz or ()),
         frame_hz=frame_hz or "",
         samples=samples or "",
-        frame_hz_exact=frame_hz_exact,
         frame_hz_limits=(frame_hz_min, frame_hz_max),
         samples_limits=(samples_min, samples_max),
-        tolerance=tolerance,
-        wheel_tolerance=wheel_tolerance,
-        control_slots=control_slots,
-        between_corrections=between_corrections,
         delays=tuple(delay or ()),
-        repeats=repeats,
     )
-    described = Described(
-        camera=camera,
-        noise=noise,
-        contrast=contrast,
-        opening_pixels=opening_pixels,
-        integration_time_s=time_s(integration_time),
-        known_integration_time=known_integration_time,
-        time_constant_s=time_s(time_constant),
-        like=like,
-    )
-    order = PlanOrder(
-        wishes=wishes, wanted=tuple(wanted or ()), camera=described, rig=rig, most=most, json=json, picture=picture
-    )
+    order = filled(PlanOrder, given, wishes=wishes, camera=filled(Described, given))
     show(make_plan(order), most=most)

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from irtiming.cli.screen import say, time_s
+from irtiming.cli.options import filled
+from irtiming.cli.screen import say
 from irtiming.errors import PlanError
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
@@ -60,6 +61,7 @@ def rig(
     Every device speaks its own protocol, so the drivers cannot tell it from a real one. --out writes the files that
     irtiming record and irtiming analyse want.
     """
+    given = locals()
     from irtiming.session.served_rig import ServedOrder, served
     from irtiming.twin.devices.bench import Workplace
     from irtiming.twin.devices.console import WORDS
@@ -72,19 +74,9 @@ def rig(
         raise PlanError(
             "nothing was asked for; say --simulate to serve a simulated rig, or --tell WORDS to one that is served"
         )
-    lasts_s = time_s(duration)
-    place = Workplace(
-        camera_address=camera_address,
-        blackbody_port=blackbody_port,
-        clock_frequency_hz=clock_hz,
-        speed=speed,
-        run_up_s=seconds(run_up),
-        settling_s=seconds(settling),
-        seed=seed,
-    )
-    order = ServedOrder(
-        camera=camera, readout=readout, rows=rows, columns=columns, place=place, console=console, folder=out
-    )
+    lasts_s = None if duration is None else seconds(duration)
+    place = filled(Workplace, given, clock_frequency_hz=clock_hz)
+    order = filled(ServedOrder, given, place=place, folder=out)
     say(f"a {camera} camera of {columns} x {rows} pixels is being set up")
     with served(order) as found:
         for name, address in (*found.bench.addresses.items(), ("console", found.console)):

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.screen import in_options, say, temperature_k, time_s
+from irtiming.cli.options import filled, in_options
+from irtiming.cli.screen import say
 from irtiming.records.recording import CameraType, ReadoutMode
-from irtiming.units import kelvin, seconds
 
 OutDir = Annotated[Path, typer.Argument(help="Folder for the recordings; made if it is not there.")]
 Camera = Annotated[
@@ -115,41 +115,19 @@ def simulate(
     Wheel, beams, mask and optics get random imperfections; rig.toml tells them as a person would have measured
     them, truth.json as they are.
     """
+    given = locals()
     from irtiming.archive.json_file import write_json
     from irtiming.cli.progress import shown
     from irtiming.session.simulation import CameraOrder, SimulationOrder
     from irtiming.session.simulation import simulate as make_recordings
 
-    asked = CameraOrder(
-        camera=camera,
-        readout=readout,
-        rows=rows,
-        columns=columns,
-        integration_time_s=time_s(integration_time),
-        reference_frames=reference_frames,
-        trigger_delay_s=time_s(trigger_delay),
-        time_constant_s=time_s(time_constant),
-        scene_time_constant_s=time_s(scene_time_constant),
-        substrate_temperature_k=temperature_k(substrate_temperature),
-        blackbody_temperature_k=tuple(kelvin(text) for text in blackbody_temperature or ()),
-        row_delay_s=time_s(row_delay),
-        nuc_at_s=tuple(seconds(text) for text in nuc_at or ()),
-        drift_dn_per_s=drift_dn_per_s,
-    )
-    order = SimulationOrder(
+    order = filled(
+        SimulationOrder,
+        given,
         folder=out_dir,
-        camera=asked,
-        delays_s=tuple(seconds(text) for text in delay or ["0 ms"]),
-        wheel_rates_hz=tuple(wheel_hz or [3.0]),
-        frame_hz=frame_hz,
-        frames=frames,
-        runs=runs,
-        seed=seed,
-        blur_px=blur_px,
+        camera=filled(CameraOrder, given),
         rotation="counterclockwise" if counterclockwise else "clockwise",
-        distortion=distortion,
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
-        lost_frames=lost_frames,
     )
     with shown("frames") as told:
         made = make_recordings(order, progress=told)

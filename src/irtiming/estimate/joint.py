@@ -36,19 +36,27 @@ class LocalModel:
     names: tuple[str, ...]
     at: Model
 
+    def widened(self, factor: float) -> "LocalModel":
+        """The same with variances that many times larger."""
+        spread = float(np.sqrt(factor))
 
-def parabola(estimate: Estimate, *, factor: float = 1.0) -> LocalModel:
+        def at(numbers: Mapping[str, float]) -> Linearised:
+            there = self.at(numbers)
+            return Linearised(residual=there.residual / spread, jacobian=there.jacobian / spread)
+
+        return LocalModel(names=self.names, at=at)
+
+
+def parabola(estimate: Estimate) -> LocalModel:
     """A recording that is told by the estimate of its local numbers: residuals are how far numbers are from it.
 
     Parameters
     ----------
     estimate
         Local numbers with their covariance.
-    factor
-        On the covariance.
     """
-    scale = np.sqrt(np.diag(estimate.covariance) * factor)
-    root = np.linalg.cholesky(inverse(estimate.covariance * factor) * np.outer(scale, scale)).T / scale
+    scale = np.sqrt(np.diag(estimate.covariance))
+    root = np.linalg.cholesky(inverse(estimate.covariance) * np.outer(scale, scale)).T / scale
 
     def at(numbers: Mapping[str, float]) -> Linearised:
         values = np.array([numbers[name] for name in estimate.names])

@@ -28,12 +28,12 @@ def profiles(timing: Timing) -> tuple[Profile, ...]:
     -----
     A delay of falling slopes alone is profiled in the likelihood that rising slopes say nothing in.
     """
-    exact = replace(timing.joint, models=timing.exact)
+    exact = replace(timing.found.joint, models=timing.exact)
     found, made = {}, []
-    for one in timing.profiled:
+    for one in timing.found.profiled:
         if one.forgotten not in found:
             found[one.forgotten] = _minimum(exact, one.forgotten)
-        u = timing.result.estimate.u(one.name)
+        u = timing.found.result.estimate.u(one.name)
         made.append(_profile(one, found[one.forgotten], u=u))
     return tuple(made)
 

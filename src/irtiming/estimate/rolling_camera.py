@@ -97,7 +97,7 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _View:
-    """What the recordings before one blackbody (``members``) show: the sector, seen with ``timing``, and the light of the rows."""
+    """What the recordings before one blackbody (``members``) show: sector, seen with ``timing``, and light of the rows."""
 
     members: list[int]
     sector: SectorFit

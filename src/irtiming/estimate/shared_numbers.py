@@ -81,7 +81,7 @@ def same(
 
 
 def rig_errors(
-    fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float, residuals_rad2: Array
+    fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float, residuals_rad2: Array | None = None
 ) -> list[SharedNumber]:
     """Errors of the wheel's angles: of every edge alike by source, of each cutout edge, and what the residuals share.
 
@@ -94,12 +94,12 @@ def rig_errors(
     u_edge_rad
         Standard uncertainty of one cutout edge.
     residuals_rad2
-        Shape (4, 4); covariance of the edges' angles that the residuals' structure stands for.
+        Shape (4, 4); covariance of the edges' angles that the residuals' structure stands for; None where it was not looked at.
     """
     kind: EvaluationType = "A" if geometry.u_edge_rad is None else "B"
     errors = [
         _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
-        for k, column in enumerate(_root(residuals_rad2).T)
+        for k, column in enumerate([] if residuals_rad2 is None else _root(residuals_rad2).T)
     ]
     errors += [
         _turned(f"cutout edge {k}", fits, column, source=EDGES, kind=kind)

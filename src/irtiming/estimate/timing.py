@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
@@ -29,15 +29,14 @@ from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
+from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
+from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.result import EffectiveTimeConstants, JointFit, RelativeDelay, Result
+from irtiming.records.result import EffectiveTimeConstants, JointFit, Method, RelativeDelay, Result
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
-
-if TYPE_CHECKING:
-    from irtiming.records.arrays import Array
 
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
 _CORNER_RAD = 4.5e-3  # what rounds the corners besides the window and is not in the model, as simulated rigs showed
@@ -48,22 +47,31 @@ _LEAST_U_LEAN_RAD = 1e-5
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Timing:
-    """Result, and what led to it: recordings (which now know the axle), geometry, sectors, fits, and the joint fit.
+class Combination:
+    """What fits of single recordings say together: the joint fit, what is told of it, the result, and parameters of the latter that
+    are one sum of shared numbers.
+    """
 
-    ``exact`` are models of the recordings where ``joint`` takes parabolas; the same where it takes none. ``profiled`` are the
-    parameters of the result that are one sum of shared numbers.
+    joint: Joint
+    joint_fit: JointFit
+    result: Result
+    profiled: tuple[Measurand, ...]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Timing:
+    """The combination, and what led to it: recordings (which now know the axle), geometry, sectors and fits.
+
+    ``exact`` are models of the recordings where the joint fit takes parabolas; the same where it takes none.
     """
 
     recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
     sectors: tuple[SectorFit, ...]
     fits: Fits
-    joint: Joint
     exact: tuple[LocalModel, ...]
-    profiled: tuple[Measurand, ...]
-    joint_fit: JointFit
-    result: Result
+    found: Combination
 
 
 def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
@@ -87,50 +95,97 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 
 
 def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
+    stated_s = common_integration_time(recordings)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
-    residual = shared_residual.split(fits)
-    groups = scatter.alike(fits, [range(len(fits))])
-    factor = residual.own_share * scatter.run_to_run(fits, groups)
-    models = tuple(
-        _model(one, fit, geometry, factor=float(scale))
-        for one, fit, scale in zip(recordings, fits, factor, strict=True)
-    )
-    u_edge = scatter.edge_uncertainty(fits, geometry)
-    shared = [
-        *_opening_and_window(recordings, fits, geometry),
-        *shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge, residuals_rad2=residual.shared_rad2),
-    ]
-    found = joint.fit(models, shared)
-    fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
-    alone = found.estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
-    unknown_s = _CORNER_RAD**2 / (2 * max(abs(alone.value(WINDOW)), alone.u(WINDOW)) * fastest**2)
-    window = Window(
-        stated_s=common_integration_time(recordings),
-        u_beside_s=float(np.hypot(unknown_s, _WINDOW_SHARE * alone.value(WINDOW))),
-        is_told=fastest > _SPEED_RATIO * slowest,
-    )
-    freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - pixel_sums.N_OWN for fit in fits))
-    reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
-    record = _record(
-        found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits],
-        n_residuals=sum(fit.residual.size - 1 - pixel_sums.N_OWN for fit in fits), u_edge_rad=u_edge,
+    models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
+    own = _opening_and_window(recordings, fits, geometry)
+    return Timing(
+        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=weighed(fits, models),
+        found=_by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings),
     )  # fmt: skip
-    result = _result(found, fits, reported=reported, recordings=recordings)
+
+
+def _by_file(found: Combination, recordings: Sequence[ReducedRecording]) -> Combination:
+    """The same with each recording's file beside its relative delay."""
+    delays = [
+        replace(delay, file=one.source or one.name)
+        for delay, one in zip(found.result.relative_delays, recordings, strict=True)
+    ]
+    return replace(found, result=replace(found.result, relative_delays=tuple(delays)))
+
+
+def of_pixel_fits(
+    fits: Sequence[EdgeDelayFit], geometry: WheelGeometry, *, models: Sequence[LocalModel], own: Sequence[SharedNumber],
+    stated_s: float | None,
+) -> Combination:  # fmt: skip
+    """Timing of a snapshot photon camera from fits of its pixel sums.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    geometry
+        The wheel model that the fits used, and the uncertainties of its angles.
+    models
+        What each recording says of its local numbers, with the noise of its own fit.
+    own
+        Numbers of opening and window that all recordings share; beside them are the delay and the rig's errors.
+    stated_s
+        Integration time as the recordings state it; None where they do not.
+    """
+    shared_part = shared_residual.split(fits)
+    groups, u_edge = scatter.alike(fits, [range(len(fits))]), scatter.edge_uncertainty(fits, geometry)
+    middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
+    errors = shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge, residuals_rad2=shared_part.shared_rad2)
+    found = joint.fit(weighed(fits, models), [shared_numbers.delay(fits, start=middle_s), *own, *errors])
+    freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - pixel_sums.N_OWN for fit in fits))
+    reported = measurands.of_window(found, _window(found, fits, stated_s=stated_s), degrees_of_freedom=freedom)
+    record = _record(
+        found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
+        n_residuals=sum(fit.residual.size - 1 - pixel_sums.N_OWN for fit in fits),
+    )  # fmt: skip
     findings = (
-        *geometry.findings, *doubts.of_window(result.estimate), *doubts.of_edges(u_edge), *reported.findings,
+        *geometry.findings, *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_joint(record),
     )  # fmt: skip
-    return Timing(
-        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, joint=found, exact=models,
-        profiled=reported.profiled, joint_fit=record,
-        result=replace(result, findings=findings),
+    return Combination(
+        joint=found, joint_fit=record, profiled=reported.profiled,
+        result=_result(found, fits, reported=reported, method="pixel-sum", findings=findings),
     )  # fmt: skip
 
 
-def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *, factor: float) -> LocalModel:
-    """Frames that the recording's own fit kept, with its noise, widened for all that makes frames less than independent."""
-    noise = fit.noise * float(np.sqrt(fit.widening * factor)) * abs(fit.step)
+def weighed(fits: Sequence[EdgeDelayFit], models: Sequence[LocalModel]) -> tuple[LocalModel, ...]:
+    """The models with the noise that is the recordings' own: less where residuals are common to all, more where runs scatter.
+
+    Parameters
+    ----------
+    fits, models
+        As for `of_pixel_fits`.
+    """
+    factor = shared_residual.split(fits).own_share
+    factor = factor * scatter.run_to_run(fits, scatter.alike(fits, [range(len(fits))]))
+    return tuple(model.widened(float(scale)) for model, scale in zip(models, factor, strict=True))
+
+
+def _window(found: Joint, fits: Sequence[EdgeDelayFit], *, stated_s: float | None) -> Window:
+    """What else rounds the corners of the sums as a window does, and whether several wheel speeds tell it from that."""
+    fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
+    if WINDOW not in found.names:
+        return Window(stated_s=stated_s, u_beside_s=0.0, is_told=False)
+    alone = found.estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
+    length_s = abs(alone.value(WINDOW))
+    unknown_s = _CORNER_RAD**2 / (2 * max(length_s, alone.u(WINDOW)) * fastest**2)
+    return Window(
+        stated_s=stated_s,
+        u_beside_s=float(np.hypot(unknown_s, _WINDOW_SHARE * length_s)),
+        is_told=fastest > _SPEED_RATIO * slowest,
+    )
+
+
+def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) -> LocalModel:
+    """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
+    noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
     return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at)
 
@@ -138,7 +193,7 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *,
 def _opening_and_window(
     recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], geometry: WheelGeometry
 ) -> list[SharedNumber]:
-    """Delay, opening, window and leans, beginning at the earliest recording, rig.toml, one sample, and the images."""
+    """Opening, window and leans, beginning at rig.toml, one sample, and the images."""
     clockwise = geometry.rotation == "clockwise"
     seen = [pixel_sums.leans_in_image(one, turns_clockwise=clockwise) for one in recordings]
     leans = np.mean([lean for lean, _ in seen], axis=0)
@@ -146,9 +201,7 @@ def _opening_and_window(
     sample_s = min(
         TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
     )
-    middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     return [
-        shared_numbers.delay(fits, start=middle_s),
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
         shared_numbers.same(WINDOW, fits, start=sample_s, prior=(sample_s, _UNKNOWN_WINDOW_S)),
         *(
@@ -159,57 +212,91 @@ def _opening_and_window(
 
 
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
+    stated_s = common_integration_time(recordings)
     rows = rolling_camera.rows(recordings, rig)
-    fits, blackbodies = rows.fits, _blackbodies(rows.recordings)
-    groups = scatter.alike(fits, blackbodies)
-    factor = scatter.run_to_run(fits, groups)
-    u_edge = scatter.edge_uncertainty(fits, rows.geometry)
+    names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
+    found = of_row_fits(
+        rows.fits, rows.geometry, sectors=rows.sectors, stated_s=stated_s, n_rows=recordings[0].opening.mask.shape[0]
+    )
+    factor = _run_to_run(rows.fits)
+    return Timing(
+        recordings=rows.recordings,
+        geometry=rows.geometry,
+        sectors=rows.sectors,
+        fits=rows.fits,
+        exact=tuple(
+            _exact(fit, model, names=names).widened(float(scale) * fit.widening)
+            for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
+        ),
+        found=_by_file(found, recordings),
+    )
+
+
+def of_row_fits(
+    fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sectors: Sequence[SectorFit], n_rows: int,
+    stated_s: float | None = None,
+) -> Combination:  # fmt: skip
+    """Timing of any camera whose rows are summed, from fits of its rows; each is taken for a parabola.
+
+    Parameters
+    ----------
+    fits, sectors
+        In the same order, one per recording; the uncertainty of a sector is common to all fits that used it.
+    geometry
+        The wheel model that the fits used, and the uncertainties of its angles.
+    n_rows
+        Rows of the image.
+    stated_s
+        Integration time as the recordings state it; None where they do not, or where there is no window.
+    """
+    blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
+    own = _of_camera(fits, first, blackbodies=blackbodies)
     shared = [
         shared_numbers.delay(fits, start=float(np.mean(first.edge_delay_s))),
-        *_of_camera(fits, first, blackbodies=blackbodies),
-        *shared_numbers.rig_errors(fits, rows.geometry, u_edge_rad=u_edge, residuals_rad2=np.zeros((4, 4))),
-        *shared_numbers.image_errors(fits, rows.sectors),
+        *own,
+        *shared_numbers.image_errors(fits, sectors),
+        *shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge),
     ]
-    models = tuple(joint.parabola(fit.estimate, factor=float(scale)) for fit, scale in zip(fits, factor, strict=True))
-    names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
-    exact = tuple(
-        _exact(fit, model, names=names, factor=float(scale) * fit.widening)
-        for fit, model, scale in zip(fits, rows.likelihoods, factor, strict=True)
+    factor, groups = _run_to_run(fits), scatter.alike(fits, blackbodies)
+    found = joint.fit(
+        [joint.parabola(fit.estimate).widened(float(f)) for fit, f in zip(fits, factor, strict=True)], shared
     )
-    found = joint.fit(models, shared)
     freedom = float(sum(fit.wheel_angle_rad.size - len(fit.estimate.names) for fit in fits))
-    constants = [one.name for one in shared if one.name.startswith(LAG)]
+    constants = [one.name for one in own if one.name.startswith(LAG)]
     if constants:
         reported = measurands.of_lag(found, constants, degrees_of_freedom=freedom)
     else:
-        window = Window(stated_s=common_integration_time(recordings), u_beside_s=0.0, is_told=True)
+        window = Window(stated_s=stated_s, u_beside_s=0.0, is_told=True)
         reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[_whiteness(fit) for fit in fits],
         n_residuals=sum(len(fit.estimate.names) for fit in fits), u_edge_rad=u_edge,
     )  # fmt: skip
-    result = _result(found, fits, reported=reported, recordings=recordings)
     effective = _effective(found, fits, blackbodies=blackbodies, constants=constants)
     findings = (
-        *rows.geometry.findings, *reported.findings,
-        *doubts.of_reading(result.estimate, n_rows=recordings[0].opening.mask.shape[0]), *doubts.of_edges(u_edge),
-        *doubts.of_row_fits(fits, rows.sectors[0]), *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective),
+        *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
+        *doubts.of_row_fits(fits, sectors[0]), *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective),
         *doubts.of_joint(record),
     )  # fmt: skip
-    return Timing(
-        recordings=rows.recordings, geometry=rows.geometry, sectors=rows.sectors, fits=fits, joint=found, exact=exact,
-        profiled=reported.profiled, joint_fit=record, result=replace(result, findings=findings, effective=effective),
-    )  # fmt: skip
+    result = _result(found, fits, reported=reported, method="row-sum", findings=findings)
+    return Combination(
+        joint=found, joint_fit=record, result=replace(result, effective=effective), profiled=reported.profiled
+    )
 
 
-def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...], factor: float) -> LocalModel:
-    """The rows' own likelihood over the numbers that were fitted, its variances that much larger than white residuals have."""
-    columns, spread = [names.index(name) for name in fit.estimate.names], float(np.sqrt(factor))
+def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:
+    """Factor on the variances of each fit, shape (n_fit,), where runs that should agree scatter more than their noise."""
+    return scatter.run_to_run(fits, scatter.alike(fits, _blackbodies(fits)))
+
+
+def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...]) -> LocalModel:
+    """The rows' own likelihood over the numbers that were fitted, were residuals white; ``names`` are the model's."""
+    columns = [names.index(name) for name in fit.estimate.names]
 
     def at(numbers: Mapping[str, float]) -> Linearised:
         there = model({name: numbers.get(name, fit.timing[name]) for name in names})
-        return Linearised(residual=there.residual / spread, jacobian=there.jacobian[:, columns] / spread)
+        return Linearised(residual=there.residual, jacobian=there.jacobian[:, columns])
 
     return LocalModel(names=fit.estimate.names, at=at)
 
@@ -258,22 +345,24 @@ def _record(
     )
 
 
-def _result(found: Joint, fits: Fits, *, reported: Reported, recordings: Sequence[ReducedRecording]) -> Result:
+def _result(
+    found: Joint, fits: Sequence[EdgeDelayFit] | Sequence[RowTimingFit], *, reported: Reported, method: Method,
+    findings: tuple[Finding, ...],
+) -> Result:  # fmt: skip
     noise = np.sqrt(np.mean([np.diag(fit.estimate.covariance)[:4] for fit in fits], axis=0) / len(fits))
     return Result(
-        method="row-sum" if recordings[0].pixels is None else "pixel-sum",
+        method=method,
         estimate=reported.estimate,
-        relative_delays=_relative_delays(found, fits, recordings=recordings),
+        relative_delays=_relative_delays(found, fits),
         budget=reported.budget,
         edge_delay_s=np.mean([fit.edge_delay_s for fit in fits], axis=0),
         u_edge_delay_s=noise,
         bounds=reported.bounds,
+        findings=findings,
     )
 
 
-def _relative_delays(
-    found: Joint, fits: Sequence[RecordingFit], *, recordings: Sequence[ReducedRecording]
-) -> tuple[RelativeDelay, ...]:
+def _relative_delays(found: Joint, fits: Sequence[RecordingFit]) -> tuple[RelativeDelay, ...]:
     """Delay of each recording minus the mean of those with the smallest set delay, including what was set."""
     nominal = np.array([fit.trigger_delay_time_set_s for fit in fits])
     _, setting = np.unique(np.round(nominal, 9), return_inverse=True)
@@ -283,12 +372,12 @@ def _relative_delays(
     value, u = difference @ (each + nominal), np.sqrt(np.maximum(np.diag(difference @ covariance @ difference.T), 0))
     return tuple(
         RelativeDelay(
-            file=one.source or one.name,
+            file=fit.name,
             nominal_s=float(nominal[k] - nominal.min()),
             value_s=float(value[k]),
             standard_uncertainty_s=float(u[k]),
         )
-        for k, one in enumerate(recordings)
+        for k, fit in enumerate(fits)
     )
 
 
@@ -312,10 +401,9 @@ def _effective(
     )
 
 
-def _blackbodies(recordings: Sequence[ReducedRecording]) -> list[list[int]]:
+def _blackbodies(fits: Sequence[RowTimingFit]) -> list[list[int]]:
     return by_blackbody.groups(
-        [one.blackbody_temperature_k for one in recordings],
-        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+        [fit.blackbody_temperature_k for fit in fits], is_colder=[bool(np.median(fit.gain_dn) < 0) for fit in fits]
     )
 
 

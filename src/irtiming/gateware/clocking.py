@@ -46,7 +46,13 @@ class Clocking(Elaboratable):
         self._crystal = crystal
 
     def elaborate(self, platform: object) -> Module:
-        """What Amaranth asks for."""
+        """What Amaranth asks for.
+
+        Raises
+        ------
+        GatewareError
+            If nothing on the chip makes that clock of that crystal.
+        """
         if self._ratio not in _LOOPS:
             family, crystal_hz, clock_hz = self._ratio
             raise GatewareError(f"no settings make {clock_hz} Hz from {crystal_hz} Hz on a chip of the family {family}")

@@ -174,7 +174,7 @@ def _depth_px(shape: SectorShape, down: Array, across: Array) -> Array:
 
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
-    """Polar angle from the bisector (rad) and distance from the axle (flat px) of pixel centres, (roi rows, roi columns)."""
+    """Polar angle from the bisector (rad) and distance from the axle (flat px) of pixels, shape (roi rows, roi columns)."""
     down, across = _to_axle(shape, *_pixels(roi))
     angle = np.arctan2(down + 0.0 * across, across + 0.0 * down) - shape.bisector_rad
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi, np.hypot(down, across)

@@ -14,7 +14,10 @@ from irtiming.records.arrays import Array
 
 
 def spectrum(deviation_rad: Array) -> Any:
-    """Complex component of each order, rad, on waves of unit length; its mean square, where it is chance, is the variance."""
+    """Complex component of each order of a table, shape (..., slots), rad, on waves of unit length, shape (..., slots // 2 + 1).
+
+    Its mean square, where it is chance, is the variance.
+    """
     return np.fft.rfft(deviation_rad, axis=-1) / np.sqrt(np.shape(deviation_rad)[-1])
 
 
@@ -25,7 +28,7 @@ def from_spectrum(components_rad: Any, n_slots: int) -> Array:
 
 
 def degrees_of_freedom(n_slots: int) -> Array:
-    """Waves of each order: cosine and sine; the last order of an even ring has one, order 0 counts for none."""
+    """Waves of each order, shape (slots // 2 + 1,): cosine and sine; an even ring's last order has one, order 0 none."""
     waves = np.full(n_slots // 2 + 1, 2.0)
     waves[0] = 0.0
     if n_slots % 2 == 0:
@@ -34,23 +37,26 @@ def degrees_of_freedom(n_slots: int) -> Array:
 
 
 def amplitude_rad(deviation_rad: Array) -> Array:
-    """Amplitude of each order, rad: deviation of slot j = sum over k of amplitude[k] cos(2 pi j k / slots + phase[k])."""
+    """Amplitude of each order, rad, shape (slots // 2 + 1,), of a table of shape (slots,).
+
+    Deviation of slot j = sum over k of amplitude[k] cos(2 pi j k / slots + phase[k]).
+    """
     n_slots = deviation_rad.size
     return np.asarray(np.abs(spectrum(deviation_rad)) * degrees_of_freedom(n_slots) / np.sqrt(n_slots))
 
 
 def phase_rad(deviation_rad: Array) -> Array:
-    """Phase of each order, rad."""
+    """Phase of each order, rad, shape (slots // 2 + 1,), of a table of shape (slots,)."""
     return np.asarray(np.angle(spectrum(deviation_rad)))
 
 
 def u_amplitude_rad(order_variance_rad2: Array, n_slots: int) -> Array:
-    """Standard uncertainty of the amplitude of each order, rad; divided by the amplitude, that of the phase."""
+    """Standard uncertainty of the amplitude of each order, rad, shape (slots // 2 + 1,); over it, that of the phase."""
     return np.sqrt(order_variance_rad2 * degrees_of_freedom(n_slots) / n_slots)
 
 
 def u_slot_rad(order_variance_rad2: Array, n_slots: int) -> float:
-    """Standard uncertainty of a single slot, the same for all, rad."""
+    """Standard uncertainty of a single slot, the same for all, rad, from the variances per order, shape (slots // 2 + 1,)."""
     return float(np.sqrt(order_variance_rad2 @ degrees_of_freedom(n_slots) / n_slots))
 
 
@@ -62,11 +68,14 @@ def covariance_rad2(order_variance_rad2: Array, n_slots: int) -> Array:
 
 
 def chi_square(difference_rad: Array, order_variance_rad2: Array) -> Array:
-    """Square of a difference of two tables over its variance, per order; chance makes `degrees_of_freedom` of it."""
+    """Square of a difference of two tables, shape (slots,), over its variance, per order, shape (slots // 2 + 1,).
+
+    Chance makes `degrees_of_freedom` of it.
+    """
     power = np.abs(spectrum(difference_rad)) ** 2 * degrees_of_freedom(difference_rad.size)
     return np.asarray(power / np.maximum(order_variance_rad2, np.finfo(float).tiny))
 
 
 def chance(chi_square_sum: Array | float, freedom: Array | float) -> Any:
-    """Probability that chance alone makes so large a chi-square of so many degrees of freedom, or a larger one."""
+    """Probability that chance alone makes a chi-square of so many degrees of freedom so large, or larger; any shape."""
     return gammaincc(np.maximum(freedom, 1e-9) / 2, np.asarray(chi_square_sum) / 2)

@@ -22,7 +22,7 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 
 
 def read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """View of the same memory that cannot be written through."""
+    """View of the same memory, any shape, that cannot be written through."""
     view = array.view()
     view.flags.writeable = False
     return view

@@ -41,7 +41,7 @@ def find(live: Pixels, contrast: Array, *, mask: Mask, summed: Mask) -> Mask:
 
 
 def mended(contrast: Array) -> Array:
-    """Contrast with the pixels that stand out from all their neighbours replaced by the neighbours' median."""
+    """Contrast, shape (row, column), with the pixels that stand out from all neighbours replaced by their median."""
     return np.where(_stands_out(contrast), ndimage.median_filter(contrast, footprint=_RING), contrast)
 
 

@@ -26,7 +26,7 @@ def largest_part(mask: Mask) -> Mask:
 
 
 def is_in_place(mask: Mask, before: Mask) -> bool:
-    """Whether two masks of one image size differ by no more than single pixels of their border."""
+    """Whether two masks, shape (row, column), differ by no more than single pixels of their border."""
     if mask.shape != before.shape:
         return False
     union = mask | before
@@ -60,7 +60,7 @@ def border_px(contrast: Array, mask: Mask, *, plate: float = 0.0) -> int:
 
 
 def box(mask: Mask, *, margin: int, name: str) -> Region:
-    """The box around a mask with a margin, as far as the image has room.
+    """The box around a mask, shape (row, column), with a margin, as far as the image has room.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def box(mask: Mask, *, margin: int, name: str) -> Region:
 
 
 def check_roi(roi: Region, mask: Mask, *, name: str) -> None:
-    """Refuse a region of interest outside the image, or one that leaves out part of the mask.
+    """Refuse a region of interest outside the image, or one that leaves out part of the mask, shape (row, column).
 
     Raises
     ------

@@ -68,7 +68,7 @@ def correction(recording: Recording) -> Correction:
 
 
 def corrected(raw: Pixels, correct: Correction) -> npt.NDArray[np.float32]:
-    """Corrected frames, DN; only for the few frames that people look at."""
+    """Corrected frames, DN, shape (..., row, column); only for the few frames that people look at."""
     values: npt.NDArray[Any] = raw * correct.gain.astype(np.float32) + correct.offset_dn.astype(np.float32)
     return values.astype(np.float32, copy=False)
 

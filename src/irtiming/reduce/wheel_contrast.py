@@ -96,8 +96,8 @@ def outline(scouts: Scouts, good: Mask, *, threshold_level: float, name: str) ->
 def noise_between_neighbours(image: ComplexArray, area: Mask) -> float:
     """Noise of the real and of the imaginary part of a pixel in the area, from how it strays from its two neighbours' mean.
 
-    The larger of those along rows and along columns: noise that a row has in common shows along columns only. Nan where the
-    area has fewer than 50 such threes.
+    Shapes (row, column). The larger of those along rows and along columns: noise that a row has in common shows along columns
+    only. Nan where the area has fewer than 50 such threes.
     """
     found = []
     for picture, taken in ((image, area), (image.T, area.T)):

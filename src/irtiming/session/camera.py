@@ -37,11 +37,6 @@ class Described:
 def camera(described: Described) -> Camera:
     """The camera that is described; the paper's where nothing is said.
 
-    Parameters
-    ----------
-    described
-        By a person.
-
     Raises
     ------
     PlanError
@@ -61,11 +56,12 @@ def _kind(found: Camera) -> Literal["photon", "microbolometer"]:
 
 
 def _refuse_foreign(described: Described, kind: str) -> None:
+    usual = Described()
     wrong = [
         name
         for other, names in _OWN.items()
         for name in names
-        if other != kind and getattr(described, name) not in (None, False)
+        if other != kind and getattr(described, name) != getattr(usual, name)
     ]
     if wrong:
         raise PlanError(f"{listed(wrong)} with a {kind} camera, which has no such thing; leave it out", *wrong)

@@ -63,11 +63,6 @@ class Imported:
 def import_capture(order: CaptureOrder) -> Imported:
     """Take timestamps from a capture, and put them and the frames into a recording.
 
-    Parameters
-    ----------
-    order
-        What to read, and what to write.
-
     Raises
     ------
     IrTimingError

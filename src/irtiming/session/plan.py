@@ -140,11 +140,6 @@ class Proposed:
 def plan(order: PlanOrder) -> Planned | Proposed:
     """Trigger schemes that meet the wishes, or the shortest measurements that should reach what is wanted.
 
-    Parameters
-    ----------
-    order
-        What is wished or wanted, and the files to write.
-
     Raises
     ------
     IrTimingError

@@ -6,53 +6,47 @@ from irtiming.plan import sampling
 from irtiming.plan.schedule import plan_duration_s, run_length_ticks
 from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.prediction import PredictedUncertainty
-from irtiming.records.trigger_plan import TriggerPlan, TriggerScheme
+from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
+
+_COUNTS = (
+    "turn_period_ticks", "control_slot_period_ticks", "camera_period_ticks", "sampling_interval_ticks", "samples_per_turn",
+    "samples_per_frame", "control_slots",
+)  # fmt: skip
 
 
 def plan_as_json(plan: TriggerPlan) -> dict[str, Any]:
     """Runs of a plan in order, its duration, and which sample of the turn each trigger takes."""
-    clock = plan.clock_frequency_hz
-    runs = [
-        {
-            "turn_period_ticks": run.scheme.turn_period_ticks,
-            "camera_period_ticks": run.scheme.camera_period_ticks,
-            "control_slots": run.scheme.control_slots,
-            "trigger_delay_ticks": run.trigger_delay_ticks,
-            "trigger_delay_s": run.trigger_delay_ticks / clock,
-            "repeats": run.repeats,
-            "is_after_correction": run.is_after_correction,
-            "duration_s": run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
-            / clock,
-        }
-        for run in plan
-    ]
     return {
-        "runs": runs,
+        "runs": [_run(run, plan.clock_frequency_hz) for run in plan],
         "duration_s": float(plan_duration_s(plan)),
         "sampling_orders": [sampling.sampling_order(scheme).tolist() for scheme in plan.schemes],
     }
 
 
+def _run(run: PlannedRun, clock_hz: int) -> dict[str, Any]:
+    length = run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
+    return {
+        **vars(run.scheme),
+        "trigger_delay_ticks": run.trigger_delay_ticks,
+        "trigger_delay_s": run.trigger_delay_ticks / clock_hz,
+        "repeats": run.repeats,
+        "is_after_correction": run.is_after_correction,
+        "duration_s": length / clock_hz,
+    }
+
+
 def scheme_as_json(scheme: TriggerScheme, clock_frequency_hz: int) -> dict[str, Any]:
     """Numbers of one scheme: ticks exactly, rates and duration as float and as fraction."""
-    wheel = sampling.wheel_rate_hz(scheme, clock_frequency_hz)
-    camera = sampling.frame_rate_hz(scheme, clock_frequency_hz)
-    duration = sampling.run_duration_s(scheme, clock_frequency_hz)
+    exact = {
+        "wheel_rate_hz": sampling.wheel_rate_hz(scheme, clock_frequency_hz),
+        "frame_rate_hz": sampling.frame_rate_hz(scheme, clock_frequency_hz),
+        "run_duration_s": sampling.run_duration_s(scheme, clock_frequency_hz),
+    }
     return {
-        "turn_period_ticks": scheme.turn_period_ticks,
-        "control_slot_period_ticks": scheme.control_slot_period_ticks,
-        "camera_period_ticks": scheme.camera_period_ticks,
-        "sampling_interval_ticks": scheme.sampling_interval_ticks,
-        "samples_per_turn": scheme.samples_per_turn,
-        "samples_per_frame": scheme.samples_per_frame,
-        "control_slots": scheme.control_slots,
+        **{name: getattr(scheme, name) for name in _COUNTS},
         "triggers_to_neighbour": sampling.triggers_to_neighbour(scheme),
-        "wheel_rate_hz": float(wheel),
-        "wheel_rate_hz_exact": str(wheel),
-        "frame_rate_hz": float(camera),
-        "frame_rate_hz_exact": str(camera),
-        "run_duration_s": float(duration),
-        "run_duration_s_exact": str(duration),
+        **{name: float(value) for name, value in exact.items()},
+        **{f"{name}_exact": str(value) for name, value in exact.items()},
     }
 
 

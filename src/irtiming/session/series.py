@@ -140,11 +140,6 @@ class _Prepared:
 async def check(order: SeriesOrder) -> SeriesReady:
     """Go through the checklist; nothing moves, heats or is written.
 
-    Parameters
-    ----------
-    order
-        What would be recorded.
-
     Raises
     ------
     RigNotReady
@@ -158,8 +153,8 @@ async def check(order: SeriesOrder) -> SeriesReady:
         series = found.series
         pending = series.to_make(found.journal)
         ticks = sum(
-            run_length_ticks(run.scheme, repeats=run.repeats, trigger_delay_ticks=run.trigger_delay_ticks)
-            for _, _, run in pending
+            run_length_ticks(one.run.scheme, repeats=one.run.repeats, trigger_delay_ticks=one.run.trigger_delay_ticks)
+            for one in pending
         )
         return SeriesReady(
             camera=found.rig.camera.identity,
@@ -171,13 +166,6 @@ async def check(order: SeriesOrder) -> SeriesReady:
 
 async def record(order: SeriesOrder, *, attending: Attending) -> SeriesMade:
     """Connect the devices, go through the checklist, and make all runs that are not complete yet.
-
-    Parameters
-    ----------
-    order
-        What to record.
-    attending
-        Gives whoever is at the rig, from the plan and the live analysis.
 
     Returns
     -------
@@ -251,7 +239,7 @@ async def _keep_made(found: _Prepared, live: LiveAnalysis | None) -> None:
     """What was recorded before is part of every estimate."""
     if live is None:
         return
-    for number, _, _ in found.series.runs:
-        if (made := found.journal.file_of(number)) is not None:
+    for one in found.series.runs:
+        if (made := found.journal.file_of(one.number)) is not None:
             live.keep(made)
     await asyncio.to_thread(live.settled)

@@ -44,11 +44,6 @@ class ServedRig:
 def served(order: ServedOrder) -> Iterator[ServedRig]:
     """The rig while the ``with`` block runs; its files are in the folder before the block begins.
 
-    Parameters
-    ----------
-    order
-        What to serve, and where.
-
     Raises
     ------
     IrTimingError

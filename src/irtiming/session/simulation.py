@@ -100,8 +100,8 @@ class SimulationOrder:
 
     folder: Path
     camera: CameraOrder
-    delays_s: tuple[float, ...] = (0.0,)
-    wheel_rates_hz: tuple[float, ...] = (3.0,)
+    delay_s: tuple[float, ...] = (0.0,)
+    wheel_hz: tuple[float, ...] = (3.0,)
     frame_hz: float = 30.303
     frames: int = 1000
     runs: int = 1
@@ -121,8 +121,8 @@ class SimulationOrder:
     @property
     def all_frames(self) -> int:
         """Frames in all recordings."""
-        speeds, blackbodies = len(self.wheel_rates_hz), max(1, len(self.camera.blackbody_temperature_k))
-        return (self.frames - self.lost_frames) * self.runs * len(self.delays_s) * speeds * blackbodies
+        speeds, blackbodies = len(self.wheel_hz), max(1, len(self.camera.blackbody_temperature_k))
+        return (self.frames - self.lost_frames) * self.runs * len(self.delay_s) * speeds * blackbodies
 
 
 @final
@@ -137,13 +137,6 @@ class Simulated:
 
 def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Simulated:
     """Simulate a measurement, and write its recordings, rig.toml and truth.json.
-
-    Parameters
-    ----------
-    order
-        What to simulate.
-    progress
-        Called as frames are written, with the folder's name.
 
     Raises
     ------
@@ -214,7 +207,7 @@ def _scenes(scene: Scene, order: SimulationOrder) -> list[Scene]:
             with_wheel_speed(scene, rate_hz, frame_hz=order.frame_hz, samples=order.frames),
             radiance=replace(scene.radiance, blackbody_k=blackbody_k),
         )
-        for rate_hz in order.wheel_rates_hz
+        for rate_hz in order.wheel_hz
         for blackbody_k in order.camera.blackbody_temperature_k or [scene.radiance.blackbody_k]
     ]
 
@@ -245,6 +238,6 @@ def _share(order: SimulationOrder, n_before: int, progress: Progress | None) -> 
 def _recordings(scenes: list[Scene], order: SimulationOrder) -> Iterator[Recording]:
     """Every run, speed by speed."""
     for index, scene in enumerate(scenes):
-        for run in series(scene, order.delays_s, repeats=order.runs, seed=order.seed + 1_000_003 * index):
+        for run in series(scene, order.delay_s, repeats=order.runs, seed=order.seed + 1_000_003 * index):
             blackbody = f"-{scene.radiance.blackbody_k:g}K" if len(order.camera.blackbody_temperature_k) > 1 else ""
             yield replace(run, name=f"{run.name}{blackbody}")

@@ -70,11 +70,6 @@ class Registers:
 async def identify(port: str) -> Registers:
     """Ask the trigger generator at a port.
 
-    Parameters
-    ----------
-    port
-        Serial port.
-
     Raises
     ------
     InstrumentError
@@ -87,13 +82,6 @@ async def identify(port: str) -> Registers:
 
 async def record(order: TimestampOrder, *, progress: Callable[[int, int], None] | None = None) -> Timestamps:
     """Load one run of a plan, wait for the wheel, trigger the camera and write the timestamps.
-
-    Parameters
-    ----------
-    order
-        What to record.
-    progress
-        Called with triggers made and all triggers.
 
     Raises
     ------
@@ -142,11 +130,6 @@ def _lost(found: Timestamps, out: Path) -> str:
 
 def combine(order: FramesOrder) -> list[Finding]:
     """Put timestamps and frames of one run together into a recording.
-
-    Parameters
-    ----------
-    order
-        What to read, and the recording to make.
 
     Returns
     -------

@@ -36,14 +36,7 @@ def triggers_of(plan: SeriesPlan, *, clock_frequency_hz: int) -> TriggerPlan:
 
 
 def exact(asked: TriggerWishes, *, clock_frequency_hz: int) -> Wishes:
-    """Wishes in exact numbers.
-
-    Parameters
-    ----------
-    asked
-        In text.
-    clock_frequency_hz
-        For wishes without a clock of their own.
+    """Wishes in exact numbers; those without a clock of their own are for this one.
 
     Raises
     ------

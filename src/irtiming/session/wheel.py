@@ -37,11 +37,6 @@ class CalibrationOrder:
 def calibrate(order: CalibrationOrder) -> WheelCalibration:
     """Angles of the control slots and application edges from the timestamps alone; frames are not looked at.
 
-    Parameters
-    ----------
-    order
-        What to read, and what to write.
-
     Raises
     ------
     IrTimingError

@@ -66,7 +66,7 @@ def picture(scene: Scene) -> Picture:
 
 
 def solid_wheel(scene: Scene) -> Values:
-    """Signal of the solid wheel, DN: its radiation less the cold detector's mirror image in the middle."""
+    """Signal of the solid wheel, DN, shape (row, column): its radiation less the cold detector's mirror image in the middle."""
     rows, columns = scene.detector.rows, scene.detector.columns
     row = (np.arange(rows) - (rows - 1) / 2)[:, None]
     column = np.arange(columns) - (columns - 1) / 2

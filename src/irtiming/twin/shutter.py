@@ -38,7 +38,7 @@ class Shutter:
     closures: tuple[Closure, ...] = ()
 
     def cover(self, row_time_s: Array, *, signal_dn: Values) -> None:
-        """Put the shutter, or what the pixels still remember of it, over a frame (row, column)."""
+        """Put the shutter, or what the pixels still remember of it, over a frame, shape (row, column)."""
         for index, closure in enumerate(self.closures):
             later = self.closures[index + 1].begin_s if index + 1 < len(self.closures) else np.inf
             closed = (row_time_s >= closure.begin_s) & (row_time_s < closure.end_s)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from irtiming.archive import layout
-from irtiming.archive.consistency import check_temperatures
 from irtiming.archive.tick_checks import check_ticks
 
 SLOTS = 1000 + 100 * np.arange(1000, dtype=np.int64)
@@ -107,12 +106,3 @@ def test_a_turn_with_another_number_of_slots_is_told():
 def test_lost_frames_are_told_where_they_begin(numbers, says):
     """Oracle: by hand; lost in the middle, before the first and after the last frame."""
     assert [what for _, _, what in _told(FRAME_NUMBER=numbers)] == [says]
-
-
-@pytest.mark.parametrize(
-    ("low_k", "high_k", "n_told"), [(290.0, 300.0, 0), (300.0, 300.0, 1), (300.1, 300.0, 1), (None, 300.0, 0), (300.0, None, 0)]
-)  # fmt: skip
-def test_the_low_reference_is_the_colder_one(low_k, high_k, n_told):
-    """Oracle: by hand; two references at one temperature tell no gain, so they are refused like swapped ones."""
-    found = check_temperatures({layout.REFERENCE_LOW: low_k, layout.REFERENCE_HIGH: high_k})
-    assert [one.severity for one in found] == ["error"] * n_told

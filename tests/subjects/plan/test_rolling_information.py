@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.physics import wheel_harmonics
+from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
@@ -75,6 +75,34 @@ def test_information_on_six_numbers_is_that_of_all_frames(run):
     scale = np.sqrt(np.diag(normal))
     np.testing.assert_allclose(found / np.outer(scale, scale), normal / np.outer(scale, scale), atol=1e-5)
     np.testing.assert_allclose(effect, np.linalg.solve(normal, pull), rtol=1e-3, atol=1e-9)
+
+
+def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, image):
+    """Oracle: all light points of a sector, not its border alone, and differences over ten times the step; else by hand."""
+    roi = rolling_information._around(sector)
+
+    def seen(shape):
+        points = blurred_sector.light_points(shape)
+        value = np.exp(-2j * (points.angle_rad + shape.bisector_rad))
+        return blurred_sector.image(points, value, blur_px=shape.blur_px, roi=roi)
+
+    angle, _ = blurred_sector.pixel_places(sector, roi=roi)
+    phase = np.exp(-2j * (angle + sector.bisector_rad))
+    light = seen(sector)
+    np.testing.assert_allclose(image.light, np.clip(np.abs(light), 0, 1).ravel(), atol=2e-3)
+    names = ("axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
+             "bisector_rad", "opening_angle_rad", "blur_px")  # fmt: skip
+    for name, column in zip(names, image.columns, strict=False):
+        step = 1e-3 if name.endswith("rad") else 1e-2
+        ahead, behind = (seen(replace(sector, **{name: getattr(sector, name) + sign * step})) for sign in (1, -1))
+        expected = ((ahead - behind) / (2 * step) * phase.conj()).ravel()
+        assert np.linalg.norm(column - expected) < 0.02 * np.linalg.norm(expected), name
+    rows = np.linspace(-1, 1, roi[1] - roi[0])[:, None]
+    turned = light * phase.conj()
+    for column, expected in zip(
+        image.columns[9:13], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
+    ):
+        np.testing.assert_allclose(column, expected.ravel(), atol=3e-3)
 
 
 def test_the_images_errors_are_those_of_least_squares(run, image):

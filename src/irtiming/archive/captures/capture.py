@@ -113,7 +113,7 @@ def goes_back(path: Path, time_s: Fraction | float) -> ArchiveError:
 
 
 def as_counts(path: Path, values: Sequence[int]) -> Ticks:
-    """Counts as an array of 64 bits.
+    """Counts as an array of 64 bits, shape (n,).
 
     Raises
     ------

@@ -26,7 +26,7 @@ def conclude(file: h5py.File, *, ending: str, frame_number: Ticks | None = None)
     ending
         `layout.COMPLETE`, or why it ended early.
     frame_number
-        Index of the trigger of each frame, (n_frame,), where it is not what the file says.
+        Index of the trigger of each frame, shape (n_frame,), where it is not what the file says.
 
     Raises
     ------

@@ -208,7 +208,7 @@ class LiveRecording:
         ended
             `COMPLETE`, or why the run ended early, such as ``"stopped by Ctrl-C"``.
         frame_number
-            Index of the trigger of each frame in the file, (n_frames,), where it has turned out to be another.
+            Index of the trigger of each frame in the file, shape (n_frame,), where it has turned out to be another.
 
         Returns
         -------

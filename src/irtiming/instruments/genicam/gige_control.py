@@ -173,6 +173,11 @@ class GigeControl:
             Of the first byte.
         data
             A multiple of 4 bytes.
+
+        Raises
+        ------
+        InstrumentError
+            If they are no fours, or the camera does not take them.
         """
         if len(data) % 4:
             raise InstrumentRefused(f"{self.name}: {len(data)} bytes cannot be written at {address:#x}, only fours")

@@ -1,0 +1,81 @@
+"""What a person orders checks itself: contradictions are refused before any work."""
+
+from pathlib import Path
+
+import pytest
+
+from irtiming.errors import ArchiveError, PlanError
+from irtiming.records.series_plan import TriggerWishes
+from irtiming.session.camera import Described, camera
+from irtiming.session.capture import CaptureOrder
+from irtiming.session.plan import PlanOrder
+from irtiming.session.simulation import CameraOrder, SimulationOrder
+from irtiming.session.timestamps import FramesOrder
+from irtiming.session.wheel import CalibrationOrder
+
+HERE = Path("here")
+WISHES = TriggerWishes(wheel_hz=("3",), frame_hz="30", samples="1000", clock_hz="48000000")
+BARE = TriggerWishes(wheel_hz=(), frame_hz="30", samples="")
+
+
+@pytest.mark.parametrize(
+    ("order", "wrong", "says"),
+    [
+        (CameraOrder, {"row_delay_s": 1e-6}, "row_delay_s with camera photon readout snapshot"),
+        (CameraOrder, {"time_constant_s": 5e-3}, "leave out time_constant_s, or take camera microbolometer"),
+        (
+            CameraOrder,
+            {"camera": "microbolometer", "reference_frames": 0},
+            "reference_frames with camera microbolometer",
+        ),
+        (CameraOrder, {"integration_time_s": 1.5}, "an integration time of '1.5 s' was asked for"),
+        (CameraOrder, {"trigger_delay_s": float("nan")}, "a trigger delay of"),
+        (
+            SimulationOrder,
+            {"folder": HERE, "camera": CameraOrder(), "frames": 3, "lost_frames": 3},
+            "at least one must",
+        ),
+        (PlanOrder, {"wishes": BARE}, "clock_hz, wheel_hz, samples must be given; only with wanted"),
+        (PlanOrder, {"wishes": WISHES, "rig": HERE}, "nothing is asked of them; add wanted"),
+        (PlanOrder, {"wishes": WISHES, "camera": Described(noise=1.0)}, "nothing is asked of them"),
+        (Described, {"contrast": 0.0}, "contrast is 0, but must be greater than 0"),
+    ],
+)
+def test_contradictions_are_refused_by_the_fields_names(order, wrong, says):
+    """Oracle: by hand, one contradiction at a time."""
+    with pytest.raises(PlanError) as refused:
+        order(**wrong)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("order", "wrong", "says"),
+    [
+        (CaptureOrder, {"capture": HERE, "lines": "", "frames": HERE}, "frames and out belong together"),
+        (CaptureOrder, {"capture": HERE, "lines": ""}, "nothing to write"),
+        (FramesOrder, {"timestamps": HERE, "frames": HERE, "out": HERE, "readout": "rolling"}, "go with camera"),
+        (CalibrationOrder, {"recordings": (HERE,), "rig": HERE, "calibration": HERE, "picture": HERE}, "ends in .svg"),
+    ],
+)
+def test_files_that_contradict_are_refused(order, wrong, says):
+    """Oracle: by hand."""
+    with pytest.raises(ArchiveError) as refused:
+        order(**wrong)
+    assert says in str(refused.value)
+
+
+def test_rolling_photon_cameras_have_a_row_delay_and_snapshots_with_lag_have_none():
+    """Oracle: the four kinds of cameras."""
+    assert CameraOrder(readout="rolling", row_delay_s=-20e-6).row_delay_s == -20e-6
+    assert CameraOrder(camera="microbolometer", readout="snapshot", time_constant_s=5e-3).time_constant_s == 5e-3
+    with pytest.raises(PlanError, match="take readout rolling"):
+        CameraOrder(camera="microbolometer", readout="snapshot", row_delay_s=20e-6)
+
+
+def test_a_described_camera_is_the_papers_but_for_what_is_said():
+    """Oracle: by hand; noise and contrast count as their ratio, a time constant of 0 s is said too."""
+    usual = camera(Described())
+    assert camera(Described(contrast=4.5)).noise_to_contrast == pytest.approx(2 * usual.noise_to_contrast)
+    assert camera(Described(opening_pixels=5.0)).opening_pixels == 5.0
+    with pytest.raises(PlanError, match="time_constant_s with a photon camera"):
+        camera(Described(time_constant_s=0.0))
