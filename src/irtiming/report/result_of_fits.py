@@ -113,26 +113,21 @@ def starts(analysis: Analysis) -> list[tuple[float, float]]:
 def fit(one: EdgeDelayFit | RowTimingFit, analysis: Analysis) -> dict[str, Any]:
     """One recording's own fit; delays of rows through a window count to its middle."""
     beside = [name for name in (*OF_CAMERA, "opening_angle") if name in one.estimate]
-    to_middle = isinstance(one, RowTimingFit) and not has_lag(analysis)
+    rows = one if isinstance(one, RowTimingFit) else None
+    to_middle = rows is not None and not has_lag(analysis)
+    started = (
+        [one.start_delay_s] if isinstance(one, EdgeDelayFit) else [one.start[k] for k in ("edge_delay_0", *beside)]
+    )
     return {
         "recording": one.name,
         "exposure_midpoint_delay" if to_middle else delay_name(analysis.best): float(np.mean(one.edge_delay_s)),
         **{name: one.estimate.value(name) for name in beside},
-        **_search(one, beside),
+        "search_started_at": started,
+        "steps": None if rows is None else rows.n_steps,
+        "rows": None if rows is None else [int(rows.row_px[0]), int(rows.row_px[-1])],
         "median_noise": float(np.median(one.noise)),
         "widening": one.widening,
         "unit": "s",
-    }
-
-
-def _search(one: EdgeDelayFit | RowTimingFit, beside: list[str]) -> dict[str, Any]:
-    """Where the search began; of rows also its steps, and which rows."""
-    if isinstance(one, EdgeDelayFit):
-        return {"search_started_at": [one.start_delay_s], "steps": None, "rows": None}
-    return {
-        "search_started_at": [one.start[name] for name in ("edge_delay_0", *beside)],
-        "steps": one.n_steps,
-        "rows": [int(one.row_px[0]), int(one.row_px[-1])],
     }
 
 

@@ -179,7 +179,8 @@ def _published_fit(delay_s: float, names: list[str], model: WheelModel, rng: np.
             )
         )  # fmt: skip
     data = ExposedFraction(
-        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA, names=tuple(names), wheel_angle_rad=angle,
+        trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA,
+        names=tuple(names), wheel_angle_rad=angle,
         fraction=fraction, u_wheel_angle_rad=np.full(400, 1e-5), u_fraction=np.full(400, 7e-4),
         plateaus=((0.4, 0.6, 0), (2.0, 2.2, 1), (3.5, 3.7, 0), (5.1, 5.3, 1)),
     )  # fmt: skip

@@ -5,32 +5,37 @@ from math import inf, isclose, sqrt
 
 import numpy as np
 import pytest
-from irtiming.records.rolling_result import RollingContribution
 from scipy import stats
 
-from irtiming.records.estimate import Contribution, DelayResult, Estimate
-from irtiming.report import budget, result, rolling_result, tables
+from irtiming.records.estimate import Estimate
+from irtiming.records.result import Contribution, Result
+from irtiming.report import budget, result
+from irtiming.report.sections import parameters
 
 ALL_EDGES = ("trigger_delay", "trigger_delay_falling", "trigger_delay_rising")
 
 
-def _part(source: str, u_s: float, freedom: float = inf) -> Contribution:
-    kind = "B" if freedom == inf else "A"
-    return Contribution(source=source, kind=kind, standard_uncertainty_s=u_s, degrees_of_freedom=freedom)
+def _line(source: str, u: float, freedom: float = inf) -> budget.Line:
+    return budget.Line(source=source, kind="A", standard_uncertainty=u, degrees_of_freedom=freedom)
 
 
-def _at_one_speed(edges_s: float, common_s: float) -> DelayResult:
+def _at_one_speed(edges_s: float, common_s: float) -> Result:
     """Four edges with independent errors that give the delay ``edges_s``, and an error in common."""
     weights = np.array([[0.25] * 4, [0.5, 0, 0.5, 0], [0, 0.5, 0, 0.5]])
     covariance = weights @ (4 * edges_s**2 * np.eye(4) + common_s**2) @ weights.T
-    return DelayResult(
+    edges = dict(zip(ALL_EDGES, (edges_s, sqrt(2) * edges_s, sqrt(2) * edges_s), strict=True))
+    return Result(
         method="pixel-sum",
         estimate=Estimate(names=ALL_EDGES, units=("s",) * len(ALL_EDGES), values=np.zeros(3), covariance=covariance),
         relative_delays=(),
-        budget=(_part("mask centre angle phi_M", common_s), _part("cutout edges", edges_s, 3.0)),
+        budget=(
+            Contribution(
+                source="mask centre angle phi_M", kind="B", standard_uncertainty=dict.fromkeys(ALL_EDGES, common_s)
+            ),
+            Contribution(source="cutout edges", kind="A", standard_uncertainty=edges, degrees_of_freedom=3.0),
+        ),
         edge_delay_s=np.zeros(4),
         u_edge_delay_s=np.zeros(4),
-        warnings=(),
     )
 
 
@@ -53,23 +58,23 @@ def test_coverage_factors_follow_students_t():
 
 def test_the_sum_is_the_root_of_the_sum_of_squares():
     """Oracle: numbers by hand; 3, 4 and 12 us make 13 us; GUM (G.2b) for the degrees of freedom."""
-    found = budget.add([_part("a", 3e-6, 3.0), _part("b", 4e-6), _part("c", 12e-6, 50.0), _part("none", 0.0, 5.0)])
-    assert found.standard_uncertainty_s == pytest.approx(13e-6, rel=1e-12)
+    found = budget.add([_line("a", 3e-6, 3.0), _line("b", 4e-6), _line("c", 12e-6, 50.0), _line("none", 0.0, 5.0)])
+    assert found.standard_uncertainty == pytest.approx(13e-6, rel=1e-12)
     assert found.degrees_of_freedom == pytest.approx(13**4 / (3**4 / 3 + 12**4 / 50), rel=1e-9)
-    assert [line.part.source for line in found.lines] == ["c", "b", "a", "none"]
+    assert [line.source for line in found.lines] == ["c", "b", "a", "none"]
     assert [line.share for line in found.lines] == pytest.approx([144 / 169, 16 / 169, 9 / 169, 0])
 
 
 def test_a_single_contribution_keeps_its_degrees_of_freedom():
     """Oracle: Welch and Satterthwaite with one term; nothing known has no uncertainty and no share."""
-    assert budget.add([_part("edges", 1e-6, 3.0)]).degrees_of_freedom == pytest.approx(3)
+    assert budget.add([_line("edges", 1e-6, 3.0)]).degrees_of_freedom == pytest.approx(3)
     nothing = budget.add([])
-    assert (nothing.standard_uncertainty_s, nothing.lines) == (0.0, ())
+    assert (nothing.standard_uncertainty, nothing.lines) == (0.0, ())
 
 
 def test_the_budget_meets_the_covariance_of_the_estimate(analysis):
     """Oracle: the covariance, which the estimation makes without a budget."""
-    assert budget.of_delay(analysis.best).standard_uncertainty_s == pytest.approx(
+    assert budget.of(analysis.best, "trigger_delay").standard_uncertainty == pytest.approx(
         float(analysis.best.estimate.standard_uncertainties[0]), rel=1e-9
     )
 
@@ -78,9 +83,9 @@ def test_half_of_the_edges_double_what_edges_give_to_the_variance():
     """Oracle: by hand: the delay has 2 and 4 us, one half sqrt(2) 2 and 4 us; the split 4 us from the edges alone."""
     told = _at_one_speed(edges_s=2e-6, common_s=4e-6)
     whole, half = 20**2 / (2**4 / 3), 24**2 / (8**2 / 3)
-    assert budget.degrees_of_freedom(told, "trigger_delay") == pytest.approx(whole)
-    assert budget.degrees_of_freedom(told, "trigger_delay_falling") == pytest.approx(half)
-    assert budget.degrees_of_freedom(told, "integration_time") == inf
+    assert budget.of(told, "trigger_delay").degrees_of_freedom == pytest.approx(whole)
+    assert budget.of(told, "trigger_delay_falling").degrees_of_freedom == pytest.approx(half)
+    assert budget.of(told, "integration_time").degrees_of_freedom == inf
     split = budget.falling_minus_rising(told)
     assert split.standard_uncertainty_s == pytest.approx(4e-6)
     assert split.degrees_of_freedom == pytest.approx(3)
@@ -89,14 +94,16 @@ def test_half_of_the_edges_double_what_edges_give_to_the_variance():
 def test_what_a_delay_does_not_hold_gives_it_no_degrees_of_freedom():
     """Oracle: by hand: the length of the window is in the budget of the start, and not in the variance of the middle."""
     told = _at_one_speed(edges_s=2e-6, common_s=0.0)
-    longer = replace(told, budget=(*told.budget, _part("length of the window", 9e-6)))
-    assert budget.degrees_of_freedom(longer, "trigger_delay") == pytest.approx(3)
+    window = Contribution(source="length of the window", kind="A", standard_uncertainty={"trigger_delay": 9e-6})
+    longer = replace(told, budget=(*told.budget, window))
+    assert budget.of(longer, "trigger_delay_falling").degrees_of_freedom == pytest.approx(3)
+    assert budget.of(longer, "trigger_delay").degrees_of_freedom == pytest.approx((2**2 + 9**2) ** 2 / (2**4 / 3))
 
 
 def test_few_degrees_of_freedom_widen_the_interval():
     """Oracle: k = 3.31 for edges alone; a factor of 2 would have been too small by a third."""
     told = _at_one_speed(edges_s=1e-6, common_s=0.0)
-    assert budget.expanded_text(1e-6, budget.degrees_of_freedom(told, "trigger_delay")) == ("3.3 µs", "3.31")
+    assert budget.expanded_text(1e-6, budget.of(told, "trigger_delay").degrees_of_freedom) == ("3.3 µs", "3.31")
 
 
 def test_the_result_carries_k_and_degrees_of_freedom(analysis):
@@ -122,17 +129,16 @@ def test_lines_of_the_result_say_how_well_they_are_known(analysis):
 
 def test_each_parameter_of_a_rolling_camera_has_its_own_k(rolling):
     """Oracle: edges touch the trigger delay alone: 3 degrees of freedom there, infinite elsewhere."""
-    edges = RollingContribution(
-        source="cutout edges", kind="A", trigger_delay_s=30e-6, time_constant_s=0.0, row_delay_s=0.0,
-        degrees_of_freedom=3.0,
+    edges = Contribution(
+        source="cutout edges", kind="A", standard_uncertainty={"trigger_delay": 30e-6}, degrees_of_freedom=3.0
     )  # fmt: skip
-    noise = replace(rolling.best.budget[1], trigger_delay_s=0.0)
+    noise = replace(rolling.best.budget[1], standard_uncertainty={"time_constant": 4e-6, "row_delay": 0.2e-6})
     told = replace(rolling, best=replace(rolling.best, budget=(edges, noise)))
-    parameters = rolling_result.result(told)["parameters"]
-    assert round(parameters["trigger_delay"]["coverage_factor"], 2) == 3.31
-    assert parameters["trigger_delay"]["effective_degrees_of_freedom"] == pytest.approx(3)
-    assert parameters["time_constant"]["effective_degrees_of_freedom"] is None
-    lines = rolling_result.result(told)["budget"]
+    found = result.result(told)["parameters"]
+    assert round(found["trigger_delay"]["coverage_factor"], 2) == 3.31
+    assert found["trigger_delay"]["effective_degrees_of_freedom"] == pytest.approx(3)
+    assert found["time_constant"]["effective_degrees_of_freedom"] is None
+    lines = result.result(told)["budget"]
     assert lines[0]["share_percent"] == pytest.approx({"trigger_delay": 100, "time_constant": 0, "row_delay": 0})
 
 
@@ -150,7 +156,7 @@ def test_a_length_has_no_sign(analysis):
     assert found["reference_event"] == "length of the integration window"
     assert found["sign"] is None
     assert isclose(found["expanded_uncertainty"], 20e-6, rel_tol=1e-5)
-    assert tables.parameters(told).rows[4] == (
+    assert parameters.parameters(told).rows[4] == (
         "integration_time", "250 ± 10 µs", "20 µs", "2.00", "length of the integration window",
     )  # fmt: skip
     assert sqrt(longer.covariance[4, 4]) == found["standard_uncertainty"]

@@ -13,6 +13,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
 from irtiming.report import certificate
 from irtiming.report import result as result_of
+from irtiming.report.verdict import verdict as verdict_of
 
 _VOID = {"meta", "br", "hr", "img", "link", "input"}
 
@@ -79,7 +80,7 @@ def test_a_warning_cannot_smuggle_markup(page):
 
 def test_the_verdict_says_event_sign_method_and_k(analysis):
     """Oracle: the sentence by hand."""
-    assert certificate.verdict(analysis).sentence == (
+    assert verdict_of(analysis).sentence == (
         "The start of integration comes 400 ± 30 µs after the trigger edge that the camera accepts (standard uncertainty, "
         "k = 1; expanded uncertainty U = 60 µs, k = 2.00), by pixel sums from 10 recordings."
     )
@@ -94,7 +95,7 @@ def test_a_negative_delay_comes_before_the_edge(analysis):
         values=-estimate.values,
         covariance=estimate.covariance,
     )
-    verdict = certificate.verdict(replace(analysis, best=replace(analysis.best, estimate=early)))
+    verdict = verdict_of(replace(analysis, best=replace(analysis.best, estimate=early)))
     assert "comes 400 ± 30 µs before the trigger edge" in verdict.sentence
     assert verdict.number == "trigger delay = −400 ± 30 µs"
 
@@ -109,7 +110,7 @@ def test_without_an_integration_time_the_verdict_tells_the_middle(analysis):
         covariance=np.array([[30e-6**2]]),
     )
     part = replace(analysis, best=replace(analysis.best, estimate=middle))
-    assert certificate.verdict(part).sentence.startswith("The middle of integration comes 525 ± 30 µs after")
+    assert verdict_of(part).sentence.startswith("The middle of integration comes 525 ± 30 µs after")
     assert certificate.page(part)
 
 
@@ -117,7 +118,7 @@ def test_the_result_has_the_form_that_others_read(analysis):
     """Oracle: recording-format.md, "The result"."""
     result = json.loads(json.dumps(result_of.result(analysis), allow_nan=False))
     assert (result["method"], result["camera"]) == ("pixel-sum", "photon")
-    assert result["warnings"] == list(analysis.warnings)
+    assert result["warnings"] == [one.sentence() for one in analysis.findings]
     delay = result["parameters"]["trigger_delay"]
     assert math.isclose(delay["value"], 400e-6)
     assert math.isclose(delay["standard_uncertainty"], 30e-6)
@@ -147,12 +148,10 @@ def test_one_recording_alone_makes_a_page(analysis):
     one = replace(
         analysis,
         recordings=analysis.recordings[:1],
-        edge_fits=analysis.edge_fits[:1],
-        published_fits=analysis.published_fits[:1],
+        fits=analysis.fits[:1],
         joint=replace(analysis.joint, whiteness=analysis.joint.whiteness[:1]),
-        best=replace(analysis.best, relative_delays=analysis.best.relative_delays[:1]),
-        as_published=replace(analysis.as_published, relative_delays=analysis.as_published.relative_delays[:1]),
-        warnings=(),
+        best=replace(analysis.best, relative_delays=analysis.best.relative_delays[:1], findings=()),
+        published=None,
     )
     page = certificate.page(one)
     assert "No warnings." in page

@@ -5,21 +5,22 @@ import re
 import numpy as np
 import pytest
 
-from irtiming.report import delay_figures, fraction_figures, image_figures, likelihood_figures, sheet, wheel_figures
+from irtiming.report import sheet
+from irtiming.report.sections import image, joint_fit, pixel_sums, relative_delays, rig, uncertainty, wheel
 
 FIGURES = [
-    fraction_figures.model,
-    fraction_figures.averaged,
-    fraction_figures.fitted,
-    image_figures.mean_frames,
-    image_figures.histogram,
-    wheel_figures.speed,
-    wheel_figures.slots,
-    delay_figures.by_edge,
-    delay_figures.budget,
-    delay_figures.relative,
-    lambda analysis: likelihood_figures.draw_profiles(analysis.joint.profiles),
-    lambda analysis: likelihood_figures.draw_whiteness(analysis.joint.whiteness),
+    lambda analysis: rig.model(analysis.geometry.model),
+    pixel_sums.averaged,
+    pixel_sums.fitted,
+    image.mean_frames,
+    lambda analysis: image.histogram(analysis.recordings[0].opening.histogram),
+    wheel.speed,
+    wheel.slots,
+    uncertainty.by_edge,
+    uncertainty.draw_budget,
+    relative_delays.figure,
+    lambda analysis: joint_fit.draw_profiles(analysis.profiles),
+    lambda analysis: joint_fit.draw_whiteness(analysis.joint.whiteness),
 ]
 
 
@@ -36,7 +37,7 @@ def test_every_figure_has_units_on_its_axes(analysis, make):
 
 def test_residuals_stand_under_both_fits(analysis):
     """Oracle: one residual panel under the lines; one per nominal delay under the pixel sums, same abscissa."""
-    averaged, fitted = fraction_figures.averaged(analysis), fraction_figures.fitted(analysis)
+    averaged, fitted = pixel_sums.averaged(analysis), pixel_sums.fitted(analysis)
     assert [axes.get_ylabel()[:6] for axes in averaged.axes] == ["expose", "points"]
     panels = [axes for axes in fitted.axes if axes.get_ylabel().startswith("sums − model")]
     assert len(panels) == 5
@@ -45,14 +46,14 @@ def test_residuals_stand_under_both_fits(analysis):
 
 def test_residuals_are_drawn_in_thousandths_of_the_step(analysis):
     """Oracle: noise of 0.2e-3 was put in, so the points scatter by 0.2."""
-    panel = next(a for a in fraction_figures.fitted(analysis).axes if a.get_ylabel().startswith("sums"))
+    panel = next(a for a in pixel_sums.fitted(analysis).axes if a.get_ylabel().startswith("sums"))
     points = max((line.get_ydata() for line in panel.get_lines()), key=len)
     assert np.std(points) == pytest.approx(0.2, rel=0.1)
 
 
 def test_the_curves_of_all_nominal_delays_are_named(analysis):
     """Oracle: five delays of two runs each and the model."""
-    drawn = fraction_figures.averaged(analysis)
+    drawn = pixel_sums.averaged(analysis)
     texts = [text.get_text() for text in drawn.legends[0].get_texts()]
     assert texts[0] == "model, no delay"
     assert texts[1:] == [f"{delay} ms set, 2 runs" for delay in (0, 25, 50, 75, 100)]
@@ -60,7 +61,7 @@ def test_the_curves_of_all_nominal_delays_are_named(analysis):
 
 def test_no_legend_crowds_out_the_axes(analysis):
     """Oracle: with five delays the axes still take at least three quarters of the width."""
-    drawn = fraction_figures.averaged(analysis)
+    drawn = pixel_sums.averaged(analysis)
     drawn.draw_without_rendering()
     assert all(axes.get_position().width > 0.75 for axes in drawn.axes)
 
@@ -74,15 +75,15 @@ def test_measurements_at_several_speeds_are_told_apart():
 def test_the_speed_of_a_uniform_wheel_is_its_nominal_one(analysis):
     """Oracle: 40 turns of 1/3 s; a broken track loses no turn to the gap."""
     track = analysis.recordings[0].track
-    middle_s, rate_hz = wheel_figures.turn_rates(track)
+    middle_s, rate_hz = wheel.turn_rates(track)
     np.testing.assert_allclose(rate_hz, 3.0, rtol=1e-6)
     assert middle_s[0] == pytest.approx(1 / 6, abs=1e-6)
 
 
 def test_an_svg_stands_alone(analysis):
     """Oracle: no style for the whole page, no link, no fixed size; names differ from figure to figure."""
-    first = sheet.svg(fraction_figures.model(analysis), title="one & <two>")
-    second = sheet.svg(fraction_figures.model(analysis), title="another")
+    first = sheet.svg(rig.model(analysis.geometry.model), title="one & <two>")
+    second = sheet.svg(rig.model(analysis.geometry.model), title="another")
     assert first.startswith('<svg role="img" aria-label="one &amp; &lt;two>"')
     assert "<style" not in first
     assert "http" not in first.replace('xmlns="http://www.w3.org/2000/svg"', "").replace(

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.report import certificate, joint_result, joint_tables, likelihood_figures, result
+from irtiming.report import certificate, result, result_of_fits
+from irtiming.report.sections import joint_fit
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +19,7 @@ def two_speeds(analysis):
 
 def test_shared_numbers_stand_in_their_units(analysis):
     """Oracle: the hand-made fit: 0.4 mrad with u 0.1, prior 0.5 mrad; 75.01 degrees; 240 us."""
-    rows = {row[0]: row[1:] for row in joint_tables.numbers(analysis).rows}
+    rows = {row[0]: row[1:] for row in joint_fit.numbers(analysis).rows}
     assert len(rows) == 9
     assert rows["middle of the integration window after the trigger edge (µs)"] == ("465", "525", "30", "–", "–")
     assert rows["wheel edge 0: angle by which it comes earlier than rig.toml says (mrad)"] == (
@@ -33,9 +34,9 @@ def test_shared_numbers_stand_in_their_units(analysis):
 
 def test_the_search_tells_how_far_it_went(analysis):
     """Oracle: 525 us - 465 us = 60 us are two of its 30 us; one of ten recordings is not white."""
-    rows = {row[0]: row[1] for row in joint_tables.search(analysis).rows}
-    assert rows["steps taken"] == "4"
-    assert rows["distance of the window's middle from its start"] == "60.0 µs = 2.00 u"
+    rows = {row[0]: row[1] for row in joint_fit.search(analysis).rows}
+    assert rows["evaluations of the likelihood"] == "4"
+    assert rows["distance of the delay from its start"] == "60.0 µs = 2.00 u"
     assert rows["reduced chi-square of the frames"] == "0.98"
     assert rows["Birge ratio of the recordings' delays"] == "1.23"
     assert rows["recordings below that"] == "1 of 10"
@@ -44,17 +45,18 @@ def test_the_search_tells_how_far_it_went(analysis):
 @pytest.mark.usefixtures("sketched")
 def test_only_several_speeds_tell_of_rig_toml(analysis, two_speeds):
     """Oracle: at one speed an angle is a delay; the common angle by hand: 0.4 mrad, u 0.1, of 0.5 mrad allowed."""
-    assert [block.title for block in joint_tables.blocks(analysis)] == ["What all recordings share", "How the fit went"]
+    titles = [block.title for block in joint_fit.section(analysis).blocks]
+    assert titles[:3] == ["What all recordings share", "How the fit went", "Fits, recording by recording"]
     assert "What the wheel speeds say of rig.toml" not in certificate.page(analysis)
     assert "What the wheel speeds say of rig.toml" in certificate.page(two_speeds)
-    common, first, *_ = joint_tables.by_speeds(two_speeds).rows
+    common, first, *_ = joint_fit.by_speeds(two_speeds).rows
     assert common[1:] == ("0.40 ± 0.10", "0.50", "0.80", "[mask] centre_angle_deg, [beams]")
     assert first[0] == "edge 0, beyond what all have in common"
 
 
 def test_an_edge_alone_is_free_of_what_all_share(two_speeds):
     """Oracle: independent parts of 1e-6 rad: sqrt(3/4) of it is left after the mean of four is taken off."""
-    alone = joint_tables.angles(two_speeds)[1]
+    alone = joint_fit.angles(two_speeds)[1]
     assert alone.value == pytest.approx(0, abs=1e-18)
     assert alone.standard_uncertainty == pytest.approx(np.sqrt(0.75) * 1e-6, rel=1e-6)
 
@@ -63,10 +65,10 @@ def test_the_result_gives_back_the_joint_fit(analysis):
     """Oracle: the record itself, after a way through JSON without not-a-number."""
     told = json.loads(json.dumps(result.result(analysis), allow_nan=False))["joint_fit"]
     joint = analysis.joint
-    assert [one["value"] for one in told["shared"].values()] == joint.shared.tolist()
-    assert [one["start"] for one in told["shared"].values()] == joint.start.tolist()
+    assert [one["value"] for one in told["shared"].values()] == joint.parameters.values.tolist()
+    assert [one["start"] for one in told["shared"].values()] == list(joint.start.values())
     assert [one["standard_uncertainty"] for one in told["shared"].values()] == np.sqrt(
-        np.diag(joint.covariance)
+        np.diag(joint.parameters.covariance)
     ).tolist()
     assert told["shared"]["edge_angle_2"]["value_over_prior"] == pytest.approx(0.8, rel=1e-5)
     assert told["shared"]["opening_angle"]["prior_standard_uncertainty"] is None
@@ -84,15 +86,15 @@ def test_the_result_gives_back_the_joint_fit(analysis):
 
 def test_an_open_end_of_a_profile_is_null(analysis):
     """Oracle: a window cannot be shorter than nothing: the deviation never reaches 1 there."""
-    open_below = replace(analysis.joint.profiles[0], lower=None)
-    told = joint_result.result(replace(analysis, joint=replace(analysis.joint, profiles=(open_below,))))
+    open_below = replace(analysis.profiles[0], lower=None)
+    told = result_of_fits.joint_fit(replace(analysis, profiles=(open_below,)))
     assert json.loads(json.dumps(told))["profiles"]["trigger_delay"]["lower"] is None
-    likelihood_figures.draw_profiles((open_below,)).draw_without_rendering()
+    joint_fit.draw_profiles((open_below,)).draw_without_rendering()
 
 
 def test_profiles_are_drawn_over_their_parabola(analysis):
     """Oracle: points that are a parabola lie on the grey line, x squared; marks at -1 and +1."""
-    drawn = likelihood_figures.draw_profiles(analysis.joint.profiles)
+    drawn = joint_fit.draw_profiles(analysis.profiles)
     assert len(drawn.axes) == 2
     lines = drawn.axes[0].get_lines()
     expected, between, points = (line.get_xydata() for line in lines[:3])
@@ -104,7 +106,7 @@ def test_profiles_are_drawn_over_their_parabola(analysis):
 
 def test_recordings_that_are_not_white_are_red(analysis):
     """Oracle: nine probabilities above the limit, one of 1e-5 below."""
-    lines = likelihood_figures.draw_whiteness(analysis.joint.whiteness).axes[0].get_lines()
+    lines = joint_fit.draw_whiteness(analysis.joint.whiteness).axes[0].get_lines()
     assert [len(line.get_xdata()) for line in lines[:3]] == [9, 1, 0]
     assert lines[3].get_ydata()[0] == 1e-4
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from irtiming.records.prediction import PredictedPart, PredictedRelativeDelay, PredictedUncertainty, Prediction
-from irtiming.report import prediction_result, prediction_tables, result
+from irtiming.report import result
+from irtiming.report.sections import uncertainty
 
 
 @pytest.fixture
@@ -30,7 +31,7 @@ def foretold(analysis):
 
 def test_the_table_divides_what_is_stated_by_what_was_predicted(foretold):
     """Oracle: 30 us over 20 us; a run's 0.3 us over the root of 2 runs, and as much again of the reference, over 0.3 us."""
-    (table,) = prediction_tables.compared(foretold)
+    table = uncertainty.compared(foretold)
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["trigger_delay"] == ("20 µs", "30 µs", "1.50", "mask centre angle phi_M")
     assert rows["integration_time"][1:3] == ("–", "–")
@@ -41,7 +42,8 @@ def test_the_result_holds_the_same_numbers(foretold):
     """Oracle: the table."""
     found = result.result(foretold)["prediction"]
     assert found["camera"] == {
-        "camera": "photon", "noise_to_contrast": 0.004, "opening_pixels": 1200.0, "integration_time": 250e-6, "unit": "s",
+        "camera": "photon", "readout_mode": "snapshot", "noise_to_contrast": 0.004, "opening_pixels": 1200.0,
+        "integration_time": 250e-6, "unit": "s",
     }  # fmt: skip
     assert found["parameters"]["trigger_delay"]["ratio"] == pytest.approx(1.5)
     assert found["parameters"]["integration_time"]["ratio"] is None
@@ -50,5 +52,5 @@ def test_the_result_holds_the_same_numbers(foretold):
 
 def test_nothing_is_shown_where_nothing_was_predicted(analysis):
     """Oracle: the analysis without a prediction."""
-    assert prediction_tables.compared(analysis) == ()
-    assert prediction_result.predicted(analysis, kind="photon") is None
+    assert "Prediction and outcome" not in [block.title for block in uncertainty.section(analysis).blocks]
+    assert result.result(analysis)["prediction"] is None

@@ -6,11 +6,14 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from irtiming.records.rolling_result import Bound
 
 from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
-from irtiming.report import certificate, rolling_result, rolling_tables
+from irtiming.records.result import Bound
+from irtiming.report import certificate
+from irtiming.report import result as result_of
+from irtiming.report.sections import joint_fit, lag, level, parameters, relative_delays, uncertainty
+from irtiming.report.verdict import verdict as verdict_of
 
 
 class _Texts(HTMLParser):
@@ -57,8 +60,8 @@ def undetermined(rolling):
         covariance=np.array([[0.04e-12]]),
     )
     bounds = (
-        Bound(name="time_constant", lower_s=0.0, upper_s=3e-3),
-        Bound(name="trigger_delay", lower_s=None, upper_s=5e-3),
+        Bound(name="time_constant", lower=0.0, upper=3e-3),
+        Bound(name="trigger_delay", lower=None, upper=5e-3),
     )
     return replace(rolling, best=replace(rolling.best, estimate=row, bounds=bounds))
 
@@ -89,7 +92,7 @@ def test_three_numbers_and_warnings_come_before_every_table(page):
 
 def test_the_verdict_says_event_sign_method_and_what_limits_each(rolling):
     """Oracle: the sentences by hand; last of 60 rows at 4 ms + 59 x 40 us, its u from 30 us and 59 x 0.2 us."""
-    verdict = certificate.verdict(rolling)
+    verdict = verdict_of(rolling)
     assert verdict.sentence == (
         "Image row 0 is read 4.000 ± 0.030 ms after the trigger edge that the camera accepts, each row below it later by 40.00 ± "
         "0.20 µs; a pixel needs 5.0000 ± 0.0040 ms for 63 % of its response to a step of the scene, by row sums from 2 "
@@ -105,7 +108,7 @@ def test_the_verdict_says_event_sign_method_and_what_limits_each(rolling):
 
 def test_a_readout_from_the_bottom_up_is_said_to_be_one(upward):
     """Oracle: row 59 is read at 4 ms - 2.36 ms, before row 0."""
-    verdict = certificate.verdict(upward)
+    verdict = verdict_of(upward)
     assert "each row below it earlier by 40.00 ± 0.20 µs" in verdict.sentence
     assert verdict.remarks[3].startswith("Rows are read from the bottom up: row 59 first, 1.640 ± 0.032 ms after the")
     assert verdict.further[1] == "row delay = −40.00 ± 0.20 µs"
@@ -114,7 +117,7 @@ def test_a_readout_from_the_bottom_up_is_said_to_be_one(upward):
 @pytest.mark.usefixtures("sketched")
 def test_an_undetermined_parameter_is_a_bound_and_no_number(undetermined):
     """Oracle: the bounds put in; absent from the parameters of the result, and the page is still made."""
-    verdict = certificate.verdict(undetermined)
+    verdict = verdict_of(undetermined)
     assert verdict.number == "trigger delay: below 5 ms"
     assert verdict.further == ("time constant: 0 µs … 3 ms", "row delay = 40.00 ± 0.20 µs")
     found = certificate.report(undetermined)
@@ -127,9 +130,9 @@ def test_an_undetermined_parameter_is_a_bound_and_no_number(undetermined):
 
 def test_the_result_has_the_form_that_others_read(rolling):
     """Oracle: recording-format.md, "The result"."""
-    result = json.loads(json.dumps(rolling_result.result(rolling), allow_nan=False))
+    result = json.loads(json.dumps(result_of.result(rolling), allow_nan=False))
     assert (result["method"], result["camera"]) == ("row-sum", "microbolometer")
-    assert result["warnings"] == list(rolling.warnings)
+    assert result["warnings"] == [one.sentence() for one in rolling.findings]
     parameters = result["parameters"]
     assert list(parameters) == result["correlation"]["names"] == ["trigger_delay", "time_constant", "row_delay"]
     assert parameters["trigger_delay"]["value"] == pytest.approx(4e-3)
@@ -153,28 +156,28 @@ def test_the_result_has_the_form_that_others_read(rolling):
 
 def test_noise_correlates_delay_and_lag_and_tells_their_difference(rolling):
     """Oracle: by hand, per recording: variances 24 + 4 / 4 and 24 + 1, both 25 us^2, common 24; two recordings halve them."""
-    noise = rolling_result.result(rolling)["noise_correlation"]
+    noise = result_of.result(rolling)["noise_correlation"]
     assert noise["matrix"][0][1] == pytest.approx(24 / 25)
     assert noise["standard_uncertainty"][0] == pytest.approx(5e-6 / np.sqrt(2))
     difference = noise["trigger_delay_minus_time_constant"]["standard_uncertainty"]
     assert difference == pytest.approx(np.sqrt((25 + 25 - 48) / 2) * 1e-6)
     total = noise["trigger_delay_plus_time_constant"]["standard_uncertainty"]
     assert total == pytest.approx(np.sqrt((25 + 25 + 48) / 2) * 1e-6)
-    assert "So their difference is known to 1.0 µs" in rolling_tables.noise_sentence(rolling)
+    assert "So their difference is known to 1.0 µs" in lag.noise_sentence(rolling)
 
 
 def test_the_result_follows_the_chosen_method(rolling):
     """Oracle: the other method stands beside it; a budget of one part has no largest."""
     chosen = replace(rolling, choices=Choices(method="published"))
-    result = rolling_result.result(chosen)
+    result = result_of.result(chosen)
     assert (result["method"], result["other_method"]["method"]) == ("published", "row-sum")
     assert result["parameters"]["time_constant"]["value"] == pytest.approx(5.1e-3)
-    assert "a single part of uncertainty is known" in certificate.verdict(chosen).remarks[0]
+    assert "a single part of uncertainty is known" in verdict_of(chosen).remarks[0]
 
 
 def test_both_methods_stand_side_by_side(rolling):
     """Oracle: the hand-made results: 100 us, 100 us and 1 us apart, rounded to their joint uncertainty."""
-    rows = rolling_tables.both_methods(rolling).rows
+    rows = parameters.both_methods(rolling).rows
     assert rows[0] == ("trigger_delay", "4.000 ± 0.030 ms", "4.100 ± 0.040 ms", "+100 µs")
     assert rows[1][3] == "+100.0 µs"
     assert rows[2][3] == "+1.0 µs"
@@ -182,7 +185,7 @@ def test_both_methods_stand_side_by_side(rolling):
 
 def test_the_budget_has_a_column_for_each_parameter(rolling):
     """Oracle: 24 and 18 us make 30 us, shares 64 and 36 %; the rig's angle does not touch the others; nothing is known by few."""
-    rows = rolling_tables.budget(rolling).rows
+    rows = uncertainty.budget(rolling).rows
     assert rows[0] == ("mask centre angle phi_M", "B", "∞", "24 (64%)", "0", "0")
     assert rows[1] == ("noise of the frames", "A", "∞", "18 (36%)", "4.0 (100%)", "0.20 (100%)")
     assert rows[2][3:] == ("30", "4.0", "0.20")
@@ -195,34 +198,33 @@ def test_a_single_set_delay_has_no_table_of_relative_delays(rolling):
     one = replace(
         rolling,
         recordings=rolling.recordings[:1],
-        row_fits=rolling.row_fits[:1],
-        published_fits=rolling.published_fits[:1],
-        best=replace(rolling.best, relative_delays=rolling.best.relative_delays[:1]),
-        as_published=replace(rolling.as_published, relative_delays=rolling.as_published.relative_delays[:1]),
-        warnings=(),
+        fits=rolling.fits[:1],
+        joint=replace(rolling.joint, whiteness=rolling.joint.whiteness[:1]),
+        best=replace(rolling.best, relative_delays=rolling.best.relative_delays[:1], findings=()),
+        published=None,
     )
-    assert rolling_tables.relative_delays(one).rows == ()
+    assert relative_delays.by_file(one).rows == ()
     page = certificate.page(one)
     assert "No warnings." in page
     assert "no relative delay to check" in page
-    assert rolling_tables.relative_delays(rolling).rows[1][:4] == ("bolo-10ms", "10", "+1.0", "2.0")
+    assert relative_delays.by_file(rolling).rows[1][:4] == ("bolo-10ms", "10", "+1.0", "2.0")
 
 
 def test_fits_tell_where_they_began_and_how_well_they_ended(rolling):
     """Oracle: the hand-made fits: noise 1e-3, widened variance 2.25, start 3 ms, end 5 ms."""
-    fit = rolling_tables.fits(rolling).rows[1]
+    fit = joint_fit.fits(rolling).rows[1]
     assert fit[:3] == ("bolo-10ms", "380 of 400", "26 (7 … 32)")
     assert float(fit[4]) == pytest.approx(1.0, rel=0.05)
     assert fit[5] == "1.50"
-    search = rolling_tables.searches(rolling).rows
+    search = joint_fit.searches(rolling).rows
     assert search[0][2] == "3 ms → 5 ms"
-    assert search[2][4] == "4 steps"  # one likelihood
+    assert search[2][4] == "4 evaluations"  # one likelihood
     assert search[3][4] == "92 simulations"
 
 
 def test_the_likelihood_of_all_recordings_is_told(rolling, page):
     """Oracle: the fixture; parabolas reach 1 at one standard uncertainty, and each profile says what it is counted from."""
-    found = rolling_result.result(rolling)["likelihood"]
+    found = result_of.result(rolling)["likelihood"]
     assert found["steps"] == 4
     assert found["profiles"]["time_constant"]["lower"] == pytest.approx(5e-3 - 4e-6, rel=1e-6)
     assert "row" in found["profiles"]["row_delay"]["reference_event"]
@@ -233,7 +235,7 @@ def test_the_likelihood_of_all_recordings_is_told(rolling, page):
 
 def test_shutter_events_are_told_with_their_time(rolling):
     """Oracle: frames 100 to 119 at 30.303 Hz: 3.3 s after the first, for 0.66 s."""
-    assert rolling_tables.shutter_events(rolling).rows[0] == (
+    assert level.shutter_events(rolling).rows[0] == (
         "bolo-0ms", "shutter closed", "100 … 119", "3.30", "0.66",
     )  # fmt: skip
 
@@ -241,7 +243,7 @@ def test_shutter_events_are_told_with_their_time(rolling):
 def test_the_truth_of_a_simulation_stands_beside_both_methods(rolling):
     """Oracle: by hand: true delay 4.06 ms is 2 u of 30 us above the estimate, and 1 u of 40 us below the published one."""
     truth = {"trigger_delay": 4.06e-3, "time_constant": 5e-3, "row_delay": 40e-6}
-    row = rolling_tables.beside_the_truth(rolling, truth).rows[0]
+    row = parameters.beside_the_truth(rolling, truth).rows[0]
     assert row == ("t_delay", "4.06 ms", "4.000 ± 0.030 ms", "−2.0", "4.100 ± 0.040 ms", "+1.0")
 
 
@@ -250,12 +252,15 @@ def test_the_page_stands_without_the_published_procedure(rolling):
     """Oracle: the row sums do not need it; its numbers are dashes and the reason is told."""
     alone = replace(
         rolling,
-        published_fits=(),
-        as_published=replace(
-            rolling.as_published,
-            estimate=Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
-            relative_delays=(),
-            budget=(),
+        published=replace(
+            rolling.published,
+            fits=(),
+            result=replace(
+                rolling.published.result,
+                estimate=Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))),
+                relative_delays=(),
+                budget=(),
+            ),
         ),
     )
     found = certificate.report(alone)

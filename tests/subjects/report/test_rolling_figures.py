@@ -5,28 +5,21 @@ import re
 import numpy as np
 import pytest
 
-from irtiming.report import (
-    bent_edge,
-    drift_figures,
-    figures,
-    lag_figures,
-    rolling_budget,
-    rolling_images,
-    row_curves,
-    row_figures,
-)
+from irtiming.report import bent_edge, row_curves
+from irtiming.report.sections import image, lag, level, relative_delays, rig, row_sums, uncertainty, wheel
 
 FIGURES = [
-    row_figures.figure_6,
-    row_figures.residual_map,
-    row_figures.row_delays,
-    lag_figures.scan,
-    lag_figures.ellipse,
-    drift_figures.drift,
-    rolling_images.opening,
-    rolling_budget.budget,
-    rolling_budget.by_edge,
-    rolling_budget.relative,
+    row_sums.figure_6,
+    row_sums.residual_map,
+    row_sums.row_delays,
+    lag.scan,
+    lag.ellipse,
+    level.drift,
+    image.mean_frames,
+    lambda rolling: image.contrasts(rolling.sectors[0]),
+    uncertainty.draw_budget,
+    uncertainty.by_edge,
+    relative_delays.figure,
 ]
 
 
@@ -41,15 +34,15 @@ def test_every_figure_has_units_on_its_axes(rolling, make):
     assert all(re.search(r"\([^()]+\)\Z", label) for label in written), written
 
 
-@pytest.mark.parametrize("make", [figures.wheel, figures.model, figures.speed, figures.slots])
-def test_figures_of_the_wheel_serve_both_cameras(rolling, make):
+@pytest.mark.parametrize("section", [rig.section, wheel.section])
+def test_figures_of_the_wheel_serve_every_camera(any_camera, section):
     """Oracle: they ask for nothing but wheel, gates and timestamps."""
-    assert make(rolling).svg.startswith("<svg")
+    assert all(panel.svg.startswith("<svg") for panel in section(any_camera).blocks)
 
 
 def test_figure_6_has_residuals_under_every_curve(rolling):
     """Oracle: the letters of the paper's figure; whole opening and four rows, each with its residuals; the frame has none."""
-    drawn = row_figures.figure_6(rolling)
+    drawn = row_sums.figure_6(rolling)
     titles = [axes.get_title(loc="left")[:3] for axes in drawn.axes]
     assert [title for title in titles if title] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)"]
     assert sum(axes.get_ylabel().startswith("data − model") for axes in drawn.axes) == 5
@@ -57,7 +50,7 @@ def test_figure_6_has_residuals_under_every_curve(rolling):
 
 def test_the_whole_opening_weighs_rows_by_their_light(rolling):
     """Oracle: rows alike give their own curve back: mean 1/2, whatever the sign of the gain."""
-    curve = row_curves.whole(rolling.row_fits[0])
+    curve = row_curves.whole(rolling.fits[0])
     assert np.mean(curve.fraction) == pytest.approx(0.5, abs=1e-3)
     assert np.mean(curve.model[:-1]) == pytest.approx(0.5, abs=1e-9)
     assert np.std(curve.residual) < 1e-3
@@ -65,7 +58,7 @@ def test_the_whole_opening_weighs_rows_by_their_light(rolling):
 
 def test_a_late_row_is_found_where_it_is(rolling):
     """Oracle: the fifth row was put 100 us beside the line, noise of 1e-3 of the step scatters the others by 5 us or so."""
-    found = row_curves.row_delays(rolling.row_fits[0])
+    found = row_curves.row_delays(rolling.fits[0])
     apart = 1e6 * (found.delay_s - found.line_s)
     assert apart[4] == pytest.approx(100.0, abs=4 * 1e6 * found.u_delay_s[4])
     others = np.delete(apart, 4) / (1e6 * np.delete(found.u_delay_s, 4))
@@ -75,8 +68,8 @@ def test_a_late_row_is_found_where_it_is(rolling):
 
 def test_an_edge_bends_as_the_rows_are_read(rolling):
     """Oracle: without rolling the edge is a ray from the axle; with it, it turns by omega t_row per row about that ray."""
-    straight = bent_edge.edges(rolling, 1.2, rolling=False)
-    bent = bent_edge.edges(rolling, 1.2, rolling=True)
+    straight = bent_edge.edges(rolling, rolling.fits[0], wheel_angle_rad=1.2, rolling=False)
+    bent = bent_edge.edges(rolling, rolling.fits[0], wheel_angle_rad=1.2, rolling=True)
     assert len(straight) == len(bent) == 1
     turns = []
     for row, column in (straight[0], bent[0]):
@@ -88,5 +81,5 @@ def test_an_edge_bends_as_the_rows_are_read(rolling):
 
 def test_times_of_frames_bridge_what_was_left_out(rolling):
     """Oracle: frame k at k / 30.303 Hz, also within the shutter event and beyond the last kept frame."""
-    times = drift_figures.frame_time_s(rolling.recordings[0], np.array([0, 110, 399, 450]))
+    times = level.frame_time_s(rolling.recordings[0], np.array([0.0, 110, 399, 450]))
     np.testing.assert_allclose(times, np.array([0, 110, 399, 450]) * 0.033, rtol=1e-9)

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from irtiming.records.choices import Choices
-from irtiming.report import tables
+from irtiming.report.blocks import Table
 from irtiming.report.combination import PAPER_TABLE_1, combined
-from irtiming.report.tables import Table
+from irtiming.report.sections import inputs, joint_fit, parameters, relative_delays, uncertainty
 
 
 def test_each_delay_stands_with_its_event_and_expanded_uncertainty(analysis):
     """Oracle: the hand-made analysis: 400 us, u 30 us, so U = 60 us; sign and method said in the note."""
-    table = tables.parameters(analysis)
+    table = parameters.parameters(analysis)
     assert table.rows[0] == ("trigger_delay", "400 ± 30 µs", "60 µs", "2.00", "start of integration")
     assert table.rows[1][4] == "middle of integration"
     assert "positive: after the trigger edge" in table.note
@@ -22,12 +22,12 @@ def test_each_delay_stands_with_its_event_and_expanded_uncertainty(analysis):
 
 def test_the_split_of_falling_and_rising_uses_their_covariance(analysis):
     """Oracle: the common 30 us cancel; 4 and 3 us remain and add to 5 us."""
-    assert tables.parameters(analysis).rows[-1][:3] == ("falling − rising", "2.0 ± 5.0 µs", "10 µs")
+    assert parameters.parameters(analysis).rows[-1][:3] == ("falling − rising", "2.0 ± 5.0 µs", "10 µs")
 
 
 def test_table_1_stands_beside_the_papers_numbers(analysis):
     """Oracle: Table 1 as printed; ours by hand: noise 0.3 us a run, two against two: sqrt(0.3^2 / 2 + 0.3^2 / 2)."""
-    table = tables.relative_delays(analysis)
+    table = relative_delays.combined_delays(analysis)
     assert table.rows[0] == ("25", "2", "25.00100", "0.30", "+1.00", "0.14", "24.998", "1.123", "−1.745")
     assert table.rows[2][6:] == ("75.003", "1.083", "3.000")
     assert [row[0] for row in table.rows] == ["25", "50", "75", "100"]
@@ -38,10 +38,10 @@ def test_a_nominal_delay_of_the_paper_that_was_not_measured_has_dashes(analysis)
     part = replace(
         analysis,
         recordings=analysis.recordings[:4],
-        edge_fits=analysis.edge_fits[:4],
+        fits=analysis.fits[:4],
         best=replace(analysis.best, relative_delays=analysis.best.relative_delays[:4]),
     )
-    row = tables.relative_delays(part).rows[1]
+    row = relative_delays.combined_delays(part).rows[1]
     assert row == ("50", "–", "–", "–", "–", "–", "49.999", "1.277", "−0.652")
 
 
@@ -67,7 +67,7 @@ def test_a_single_run_keeps_its_uncertainty(analysis):
         part = replace(
             analysis,
             recordings=tuple(analysis.recordings[k] for k in indices),
-            edge_fits=tuple(analysis.edge_fits[k] for k in indices),
+            fits=tuple(analysis.fits[k] for k in indices),
         )
         row = combined(part, replace(analysis.best, relative_delays=delays))[0]
         assert row.standard_uncertainty_s == pytest.approx(u)
@@ -76,7 +76,7 @@ def test_a_single_run_keeps_its_uncertainty(analysis):
 
 def test_published_values_are_already_means_over_runs(analysis):
     """Oracle: the stated 1 us stays, however many runs share it."""
-    row = combined(analysis, analysis.as_published)[0]
+    row = combined(analysis, analysis.published.result)[0]
     assert (row.n_runs, row.standard_uncertainty_s) == (2, 1e-6)
 
 
@@ -88,24 +88,24 @@ def test_the_papers_deviations_are_its_measured_minus_nominal():
 
 def test_the_budget_adds_in_quadrature(analysis):
     """Oracle: 24 and 18 us make 30 us; shares 64 and 36 %; Welch and Satterthwaite: 30^4 / (18^4 / 400)."""
-    rows = tables.budget(analysis).rows
-    assert rows[0][1:] == ("B", "24", "∞", "64%")
-    assert rows[1][1:] == ("A", "18", "400", "36%")
-    assert rows[2][2:] == ("30", f"{30**4 / (18**4 / 400):.0f}", "100%")
+    rows = uncertainty.budget(analysis).rows
+    assert rows[0][1:] == ("B", "∞", "24 (64%)")
+    assert rows[1][1:] == ("A", "400", "18 (36%)")
+    assert (rows[2][3], rows[3][3]) == ("30", f"{30**4 / (18**4 / 400):.0f}")
 
 
 def test_choices_say_who_made_them(analysis):
     """Oracle: a person took the region, the rest is automatic."""
     mine = replace(analysis, choices=Choices(roi=(2, 40, 5, 75)))
-    made = {row[0]: row for row in tables.choices(mine).rows}
+    made = {row[0]: row for row in inputs.choices(mine).rows}
     assert made["region of interest"] == ("region of interest", "rows 2–39, columns 5–74", "by you")
     assert made["threshold"][2] == "automatic"
-    assert made["largest distance of any fit from its start"][1] == "400 µs"
+    assert joint_fit.searches(mine).rows[0][:2] == ("pixel sums, camera-0ms-r0", "0 µs → 400 µs")
 
 
 def test_inputs_carry_whole_checksums(analysis):
     """Oracle: SHA-256 has 64 hexadecimal digits; one line per recording and one for rig.toml."""
-    rows = tables.inputs(analysis).rows
+    rows = inputs.inputs(analysis).rows
     assert len(rows) == 11
     assert all(len(row[-1]) == 64 for row in rows)
     assert rows[-1][0] == "rig.toml"
@@ -113,7 +113,7 @@ def test_inputs_carry_whole_checksums(analysis):
 
 def test_software_names_this_package():
     """Oracle: the installed metadata."""
-    assert "irtiming" in tables.versions()
+    assert "irtiming" in inputs.versions()
 
 
 def test_a_table_with_a_short_row_is_refused():

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from irtiming.records.rolling_result import Bound, EffectiveTimeConstants
 
 from irtiming.records.estimate import Estimate
+from irtiming.records.result import Bound, EffectiveTimeConstants
 from irtiming.records.two_constants import PixelSurroundings, TwoConstantsResult
-from irtiming.report import rolling_certificate, two_constant_figures, two_constant_tables
+from irtiming.report import result_of_fits
+from irtiming.report.sections import two_constants
 
 NAMES = ("substrate_time_constant", "scene_time_constant")
 
@@ -46,7 +47,7 @@ def told():
         change_per_k_s=np.array([[23e-6, 4e-6], [9e-6, 9e-6]]),
         bend_s=np.array([0.03e-6, 0.02e-6, 0.25e-6]),
         bounds=(),
-        warnings=(),
+        findings=(),
     )
 
 
@@ -55,15 +56,15 @@ def bounded(told):
     """Nothing determined."""
     nothing = Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
     bounds = (
-        Bound(name=NAMES[0], lower_s=5.3e-3, upper_s=6e-3),
-        Bound(name=NAMES[1], lower_s=40e-3, upper_s=None),
+        Bound(name=NAMES[0], lower=5.3e-3, upper=6e-3),
+        Bound(name=NAMES[1], lower=40e-3, upper=None),
     )
     return replace(told, estimate=nothing, bounds=bounds, change_per_k_s=np.full((2, 2), np.nan))
 
 
 def test_table_states_value_temperature_and_what_moves_it(told):
     """Oracle: the record, rounded by hand."""
-    table = two_constant_tables.constants(told)
+    table = two_constants.constants(told)
     assert table.rows[0][:5] == ("substrate_time_constant", "8.00 ± 0.10 ms", "200 µs", "+23.0", "+4.0")
     assert table.rows[1][1] == "16.00 ± 0.40 ms"
     assert "300 K" in table.rows[1][5]
@@ -74,27 +75,27 @@ def test_table_states_value_temperature_and_what_moves_it(told):
 
 def test_table_states_bounds_where_there_is_no_number(bounded):
     """Oracle: the bounds; a correlation of nothing is not told."""
-    table = two_constant_tables.constants(bounded)
+    table = two_constants.constants(bounded)
     assert [row[1] for row in table.rows] == ["5.3 ms … 6 ms", "above 40 ms"]
     assert "Correlation" not in table.note
-    assert two_constant_tables.parameters(bounded) == {}
-    assert json.loads(json.dumps(two_constant_tables.result(bounded), allow_nan=False))["bounds"][NAMES[1]] == {
+    assert result_of_fits.two_constant_parameters(bounded) == {}
+    assert json.loads(json.dumps(result_of_fits.two_constants(bounded), allow_nan=False))["bounds"][NAMES[1]] == {
         "lower": 0.04, "upper": None, "unit": "s",
     }  # fmt: skip
-    assert "not told apart" in two_constant_figures.panel(bounded).caption
+    assert "not determined apart" in two_constants.panel(bounded).caption
 
 
 def test_differences_from_the_model_stand_in_the_table(told):
     """Oracle: fitted minus model, by hand."""
-    table = two_constant_tables.effective(told)
+    table = two_constants.effective(told)
     assert [row[0] for row in table.rows] == ["288.15", "303.15", "318.15"]
     assert [row[4] for row in table.rows] == ["−1.0", "+1.0", "−1.0"]
 
 
 def test_page_has_the_section_only_where_it_was_asked_for(told):
     """Oracle: the number of blocks: two tables and a figure, or nothing."""
-    assert rolling_certificate.wide_range(None) == ()
-    (section,) = rolling_certificate.wide_range(told)
+    assert two_constants.section(None) is None
+    section = two_constants.section(told)
     assert section.title == "Wide temperature range"
     assert [block.title for block in section.blocks] == [
         "Separate time constants",

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from irtiming.records.wheel_calibration import SlotsAtSpeed, SpeedRipple, WheelCalibration
-from irtiming.report import certificate, figures, wheel_figures, wheel_result, wheel_tables
+from irtiming.report import certificate, result_of_wheel
+from irtiming.report.sections import wheel as section
 
 PLACE = 2 * np.pi * np.arange(100) / 100
 
@@ -33,7 +34,7 @@ def _calibration(*, ripple: bool) -> WheelCalibration:
 
 def test_orders_are_told_with_their_ripple():
     """Oracle: by hand; amplitudes of 400 and 50 urad, u of an amplitude 10 urad times the root of 2/100."""
-    rows = {row[0]: row[1:] for row in wheel_tables.orders(_calibration(ripple=True)).rows}
+    rows = {row[0]: row[1:] for row in section.orders(_calibration(ripple=True)).rows}
     assert rows["1"] == ("400.0 ± 1.4", "29°", "30.0 ± 1.4")
     assert rows["7"][0] == "50.0 ± 1.4"
     assert rows["7"][2].endswith("(may be chance)")
@@ -42,31 +43,31 @@ def test_orders_are_told_with_their_ripple():
 def test_one_speed_separates_nothing():
     """Oracle: by hand; every order says so, the note says why, and the result too."""
     wheel = _calibration(ripple=False)
-    assert {row[3] for row in wheel_tables.orders(wheel).rows} == {"not separable"}
-    assert "cannot be told from the slots" in wheel_tables.speeds(wheel).note
-    assert wheel_tables.speeds(_calibration(ripple=True)).note == ""
-    found = wheel_result.result(wheel)
+    assert {row[3] for row in section.orders(wheel).rows} == {"not separable"}
+    assert "cannot be told apart from the slots" in section.speeds(wheel).note
+    assert section.speeds(_calibration(ripple=True)).note == ""
+    found = result_of_wheel.calibration(wheel)
     assert found["ripple"] == "not separable at one speed"
     assert [entry["separable_from_ripple"] for entry in found["orders"]] == [False] * 50
-    assert "no order can be told from such a ripple" in figures.slots_caption(wheel)
+    assert "no order can be told apart from such a ripple" in section.slots_caption(wheel)
 
 
 def test_result_holds_amplitudes_in_radians():
     """Oracle: the calibration itself."""
-    found = wheel_result.result(_calibration(ripple=True))
+    found = result_of_wheel.calibration(_calibration(ripple=True))
     assert found["slots_from"] == ["a", "b"]
     assert found["orders"][0]["amplitude"] == pytest.approx(4e-4)
     assert found["orders"][6]["amplitude"] == pytest.approx(5e-5)
     assert found["standard_uncertainty"] == pytest.approx(1e-5 * np.sqrt(0.99))
     assert found["ripple"]["amplitude_by_order"][0] == pytest.approx(3e-5)
     assert found["application_edges"]["value"] == [0.0, 1.571, 3.142, 4.713]
-    assert wheel_result.result(None) is None
+    assert result_of_wheel.calibration(None) is None
 
 
 @pytest.mark.parametrize("ripple", [True, False])
 def test_picture_shows_slots_with_bars_and_orders(ripple):
     """Oracle: the axes themselves: deviation in mrad and us, amplitude by order, the ripple only where it is told."""
-    drawn = wheel_figures.calibration(_calibration(ripple=ripple))
+    drawn = section.calibration(_calibration(ripple=ripple))
     slots, orders, times = drawn.axes
     assert (slots.get_ylabel(), times.get_ylabel()) == ("deviation (mrad)", "at 3 Hz (µs)")
     assert (orders.get_xlabel(), orders.get_ylabel()) == ("order: waves to a turn (1)", "amplitude (mrad)")
@@ -83,7 +84,7 @@ def test_certificate_tells_of_the_wheel(analysis):
     """Oracle: the page and the result of an analysis with a calibrated wheel, and of one without."""
     found = certificate.report(replace(analysis, wheel=_calibration(ripple=True)))
     assert "Deviations by order" in found.page
-    assert "told from the slots by its fall with the square of the speed" in found.page
+    assert "known apart from the slots by its fall with the square of the speed" in found.page
     assert found.result["wheel"]["gate_separation"]["value"] == 0.57
     without = certificate.report(analysis)
     assert "Deviations by order" not in without.page

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.report import sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table, several
@@ -226,7 +226,7 @@ def fits(analysis: Analysis) -> Table:
                 significant(1e3 * float(np.sqrt(np.mean(residual**2)))),
                 significant(1e3 * noise),
                 f"{fit.widening**0.5:.2f}",
-                *(_local(fit.estimate.value(name), fit.estimate.u(name), name) if name in fit.estimate else "–" for name in names),
+                *(_local(fit.estimate, name) for name in names),
             )
         )  # fmt: skip
     return Table(
@@ -249,9 +249,11 @@ def _local_unit(name: str) -> tuple[float, str]:
     return (MRAD, "mrad") if name.startswith("lean") else (MS, "ms") if name == "time_constant" else (US, "µs")
 
 
-def _local(value: float, u: float, name: str) -> str:
+def _local(found: Estimate, name: str) -> str:
+    if name not in found:
+        return "–"
     scale = _local_unit(name)[0]
-    return f"{in_unit(value, u, unit_s=scale)} ± {significant(u / scale)}"
+    return f"{in_unit(found.value(name), found.u(name), unit_s=scale)} ± {significant(found.u(name) / scale)}"
 
 
 def searches(analysis: Analysis) -> Table:

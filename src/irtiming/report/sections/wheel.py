@@ -34,14 +34,13 @@ def section(analysis: Analysis) -> Section:
         "interpolated between the slots, so that slow wander does no harm.",
         svg=sheet.svg(speed(analysis), title="Speed of the wheel over time"),
     )
-    shown = wheel or _of_track(analysis.recordings[0].track)
-    slots = Panel(
+    irregular = Panel(
         title="Irregularity of the control slots",
         caption=slots_caption(wheel),
-        svg=sheet.svg(calibration(shown), title="Deviation of the control slots, and its orders"),
+        svg=sheet.svg(slots(analysis), title="Deviation of the control slots, and its orders"),
     )
     tables = () if wheel is None else (speeds(wheel), orders(wheel))
-    return Section(title="What the wheel did", blocks=(rate, slots, *tables))
+    return Section(title="What the wheel did", blocks=(rate, irregular, *tables))
 
 
 def slots_caption(wheel: WheelCalibration | None) -> str:
@@ -191,6 +190,11 @@ def turn_rates(track: WheelTrack) -> tuple[Array, Array]:
     marks = np.arange(angle[0], angle[-1], TURN)
     passed = np.interp(marks, angle, time_s)
     return (passed[1:] + passed[:-1]) / 2, 1 / np.diff(passed)
+
+
+def slots(analysis: Analysis) -> Figure:
+    """Slots of all recordings together; those of the first one where nothing was learned."""
+    return calibration(analysis.wheel or _of_track(analysis.recordings[0].track))
 
 
 def calibration(wheel: WheelCalibration) -> Figure:
