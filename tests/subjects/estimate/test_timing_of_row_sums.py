@@ -5,20 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from irtiming.estimate.rolling_timing import NAMES
 
-from irtiming.estimate import rolling_timing
+from irtiming.estimate import timing
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import timing_names
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import Estimate
+from irtiming.records.finding import Finding
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
 SIX_NAMES = timing_names(camera("microbolometer", "rolling"))
+NAMES = ("trigger_delay", "time_constant", "row_delay")
+KNOWN = Finding(code="known", severity="warning", what="told by the geometry")
 SIX = np.array([2.3e-3] * 4 + [6e-3, 60e-6])
 IS_EDGE = np.array([1.0, 1, 1, 1, 0, 0])
 U = np.array([5e-6] * 4 + [4e-6, 1e-7])
@@ -57,7 +59,7 @@ def fits():
                     fraction=np.zeros((4, 3)),
                     model=np.zeros((4, 3)),
                     residual=np.zeros((4, 3)),
-                    noise=np.zeros(3),
+                    noise=np.ones(3),
                     harmonics=np.zeros((3, 2), complex),
                     gain_dn=np.ones(3),
                     widening=widening,
@@ -83,7 +85,7 @@ def geometry():
             u_edge_rad=u_edge,
             edges_from="rig.toml",
             camera_roll_rad=None,
-            warnings=("told by the geometry",),
+            findings=(KNOWN,),
         )
 
     return make
@@ -96,7 +98,11 @@ def sector(sector_of, brute_bolometer):
 
 
 def _estimate(fits, geometry, sector, **options):
-    return rolling_timing.estimate(fits, geometry, sectors=[sector] * len(fits), **({"n_rows": 36} | options))
+    return timing.of_row_fits(fits, geometry, sectors=[sector] * len(fits), **({"n_rows": 36} | options)).result
+
+
+def _texts(result):
+    return [one.sentence() for one in result.findings]
 
 
 def _covariance(fits, geometry, sector):
@@ -136,11 +142,11 @@ def test_estimate_is_that_of_the_textbook(fits, geometry, sector, omegas):
     y = np.concatenate([fit.estimate.values for fit in made])
     values, covariance = _textbook(y, _covariance(made, rig, sector), np.tile(DESIGN, (len(made), 1)))
     assert result.method == "row-sum"
-    assert result.estimate.names == NAMES == ("trigger_delay", "time_constant", "row_delay")
+    assert result.estimate.names == NAMES
     np.testing.assert_allclose(result.estimate.values, values, rtol=1e-6)
     np.testing.assert_allclose(result.estimate.covariance, covariance, rtol=1e-5)
     assert result.bounds == ()
-    assert result.warnings == ("told by the geometry",)
+    assert result.findings == (KNOWN,)
     np.testing.assert_allclose(result.edge_delay_s, np.mean([fit.edge_delay_s for fit in made], axis=0))
     noise = [np.diag(fit.estimate.covariance)[:4] for fit in made]
     np.testing.assert_allclose(result.u_edge_delay_s, np.sqrt(np.sum(noise, axis=0)) / len(made))
@@ -151,7 +157,7 @@ def test_budget_adds_up(fits, geometry, sector, omegas):
     """Oracle: the squares of the lines add up to the squares of the three uncertainties, line by line non-negative."""
     result = _estimate(fits([SIX] * len(omegas), omegas=omegas), geometry(), sector)
     for name, u in zip(NAMES, result.estimate.standard_uncertainties, strict=True):
-        lines = [getattr(line, f"{name}_s") for line in result.budget]
+        lines = [line.standard_uncertainty[name] for line in result.budget]
         assert np.sqrt(np.sum(np.square(lines))) == pytest.approx(u, rel=1e-9)
     sources = [(line.source, line.kind) for line in result.budget]
     assert sources == [
@@ -243,7 +249,7 @@ def test_edges_that_nobody_measured_are_judged_by_their_scatter(fits, geometry, 
     edge = np.sqrt(3 * np.var(off, ddof=1))
     line = next(line for line in result.budget if line.source == "cutout edges")
     assert line.kind == "A"
-    assert line.trigger_delay_s == pytest.approx(edge / 2, rel=1e-3)  # the mean of four
+    assert line.standard_uncertainty["trigger_delay"] == pytest.approx(edge / 2, rel=1e-3)  # the mean of four
     assert result.estimate.values[0] == pytest.approx(SIX[0], abs=1e-8)
 
 
@@ -255,11 +261,11 @@ def test_an_undetermined_time_constant_is_no_number(fits, geometry, sector):
     assert result.estimate.values == pytest.approx([60e-6], rel=1e-2)
     tau, delay = result.bounds
     assert (tau.name, delay.name) == ("time_constant", "trigger_delay")
-    assert tau.lower_s == pytest.approx(0, abs=1e-12)
-    assert tau.upper_s == pytest.approx(12e-3, rel=0.05)
-    assert delay.lower_s < 2.3e-3 < delay.upper_s
-    assert (delay.lower_s + delay.upper_s) / 2 == pytest.approx(2.3e-3, rel=0.01)
-    assert any("the time constant is not determined (u = 3 ms, k = 1)" in text for text in result.warnings)
+    assert tau.lower == pytest.approx(0, abs=1e-12)
+    assert tau.upper == pytest.approx(12e-3, rel=0.05)
+    assert delay.lower < 2.3e-3 < delay.upper
+    assert (delay.lower + delay.upper) / 2 == pytest.approx(2.3e-3, rel=0.01)
+    assert any("the time constant is not determined (u = 3 ms, k = 1)" in text for text in _texts(result))
     assert len(result.budget) == 5
 
 
@@ -283,16 +289,19 @@ def test_recordings_that_scatter_widen_each_other(fits, geometry, sector):
             for fit in fits([SIX + size * d for d in drawn], effect=0)
         ]
         results.append(_estimate(made, geometry(common=(), u_edge=1e-9), sector))
-    ratio = results[1].budget[0].time_constant_s / results[0].budget[0].time_constant_s
+    ratio = (
+        results[1].budget[0].standard_uncertainty["time_constant"]
+        / results[0].budget[0].standard_uncertainty["time_constant"]
+    )
     assert 2.4 < ratio < 3.3
-    assert not any("Birge" in text for text in results[0].warnings)
-    assert any("12 recordings at 3 Hz scatter" in text and "(Birge ratio)" in text for text in results[1].warnings)
+    assert not any("Birge" in text for text in _texts(results[0]))
+    assert any("12 recordings at 3 Hz scatter" in text and "(Birge ratio)" in text for text in _texts(results[1]))
 
 
 def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
     """Oracle: ten uncertainties between two recordings; too few to widen, enough to say so."""
     result = _estimate(fits([SIX, SIX + 10 * U * np.array([0, 0, 0, 0, 1, 0])]), geometry(), sector)
-    assert any(text.startswith("2 recordings at 3 Hz scatter") for text in result.warnings)
+    assert any(text.startswith("2 recordings at 3 Hz scatter") for text in _texts(result))
 
 
 @pytest.mark.parametrize(
@@ -315,7 +324,7 @@ def test_doubts_are_told(fits, geometry, sector, change, says):
     made = fits([change.get("six", SIX)], widening=change.get("widening", 1.0))
     image = replace(sector, row_delay_s=change.get("row_delay", 60e-6))
     options = {"u_edge": change["u_edge"]} if "u_edge" in change else {}
-    warnings = _estimate(made, geometry(**options), image, n_rows=36).warnings
+    warnings = _texts(_estimate(made, geometry(**options), image, n_rows=36))
     assert len(warnings) == 2
     assert re.search(says if ".*" in says else re.escape(says.replace("\\", "")), warnings[1])
 
@@ -325,7 +334,7 @@ def test_a_camera_that_reads_its_last_row_first_is_not_doubted(fits, geometry, s
     for delay, t_row in ((2.3e-3, -60e-6), (-1e-3, 60e-6)):
         six = np.array([delay] * 4 + [6e-3, t_row])
         image = replace(sector, row_delay_s=t_row)
-        assert _estimate(fits([six]), geometry(), image).warnings == ("told by the geometry",)
+        assert _estimate(fits([six]), geometry(), image).findings == (KNOWN,)
 
 
 def test_each_blackbody_has_a_time_constant_of_its_own(fits, geometry, sector):
@@ -343,10 +352,10 @@ def test_each_blackbody_has_a_time_constant_of_its_own(fits, geometry, sector):
     assert values["trigger_delay"] == pytest.approx(SIX[0], abs=1e-9)
     assert values["row_delay"] == pytest.approx(SIX[5], abs=1e-11)
     assert warmer[4] < values["time_constant"] < SIX[4]
-    assert any("is an effective one" in text for text in found.warnings)
+    assert any("is an effective one" in text for text in _texts(found))
     same = _estimate([replace(fit, blackbody_temperature_k=300.0) for fit in fits([SIX, SIX])], geometry(), sector)
     assert same.effective.time_constant_s.size == 1
-    assert not any("is an effective one" in text for text in same.warnings)
+    assert not any("is an effective one" in text for text in _texts(same))
 
 
 def test_edges_that_part_with_the_blackbody_do_not_move_the_time_constant(fits, geometry, sector):

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from irtiming.estimate.whiteness import probability
 from scipy import stats
 
-from irtiming.estimate.shared_residual import widening
+from irtiming.inference.correlated_noise import ljung_box_p_value, variance_inflation
 
 
 def _autoregressive(random, phi, n):
@@ -25,29 +24,29 @@ def test_probability_is_that_of_ljung_and_box():
     for lag in range(1, 21):
         above = sum((residual[t] - mean) * (residual[t - lag] - mean) for t in range(lag, n))
         total += (above / below) ** 2 / (n - lag)
-    assert probability(residual) == pytest.approx(stats.chi2.sf(n * (n + 2) * total, 20), rel=1e-9)
+    assert ljung_box_p_value(residual) == pytest.approx(stats.chi2.sf(n * (n + 2) * total, 20), rel=1e-9)
 
 
 def test_probabilities_of_white_residuals_are_even():
     """Oracle: the even distribution (Kolmogorov and Smirnov) over 1000 draws."""
     random = np.random.default_rng(2)
-    chances = [probability(random.normal(size=400)) for _ in range(1000)]
+    chances = [ljung_box_p_value(random.normal(size=400)) for _ in range(1000)]
     assert stats.kstest(chances, "uniform").pvalue > 1e-3
 
 
 def test_correlated_residuals_are_not_white_and_few_say_nothing():
     """Oracle: by hand; a correlation of 0.3 from one to the next, 40 residuals for 20 lags, and none that scatter."""
-    assert probability(_autoregressive(np.random.default_rng(3), 0.3, 1000)) < 1e-6
-    assert probability(_autoregressive(np.random.default_rng(3), 0.9, 40)) == 1.0
-    assert probability(_autoregressive(np.random.default_rng(3), 0.9, 41)) < 1e-3
-    assert probability(np.full(100, 0.5)) == 1.0
+    assert ljung_box_p_value(_autoregressive(np.random.default_rng(3), 0.3, 1000)) < 1e-6
+    assert ljung_box_p_value(_autoregressive(np.random.default_rng(3), 0.9, 40)) == 1.0
+    assert ljung_box_p_value(_autoregressive(np.random.default_rng(3), 0.9, 41)) < 1e-3
+    assert ljung_box_p_value(np.full(100, 0.5)) == 1.0
 
 
 @pytest.mark.parametrize(("phi", "factor"), [(0.0, 1.0), (0.5, 3.0), (0.8, 9.0)])
 def test_widening_is_the_variance_of_a_mean_over_that_of_white_residuals(phi, factor):
     """Oracle: (1 + phi) / (1 - phi) for noise that keeps phi of itself from one value to the next; mean of 40 series."""
     random = np.random.default_rng(4)
-    found = [widening(_autoregressive(random, phi, 4000)) for _ in range(40)]
+    found = [variance_inflation(_autoregressive(random, phi, 4000)) for _ in range(40)]
     assert np.mean(found) == pytest.approx(factor, rel=0.08)
 
 
@@ -60,5 +59,5 @@ def test_widening_is_the_scatter_of_means():
         series[:, k] = 0.5 * series[:, k - 1] + noise[:, k]
     series = series[:, 200:]
     seen = series.mean(axis=1).var() / (series.var() / 500)
-    assert np.mean([widening(one) for one in series[:200]]) == pytest.approx(seen, rel=0.1)
-    assert widening(np.zeros(100)) == 1.0
+    assert np.mean([variance_inflation(one) for one in series[:200]]) == pytest.approx(seen, rel=0.1)
+    assert variance_inflation(np.zeros(100)) == 1.0

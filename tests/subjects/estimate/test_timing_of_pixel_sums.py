@@ -5,15 +5,25 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from irtiming.estimate.joint_delays import Told
 
-from irtiming.estimate import trigger_delay
+from irtiming.estimate import joint, shared_numbers, timing
 from irtiming.physics.wheel import wheel_model
-from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
+from irtiming.records.finding import Finding
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
+
+
+KNOWN = Finding(code="known", severity="warning", what="told by the geometry")
+
+
+def _with_opening(delays_s2):
+    """Covariance of four delays and an opening angle that has no part in them."""
+    whole = np.zeros((5, 5))
+    whole[:4, :4], whole[4, 4] = delays_s2, 1e-8
+    return whole
 
 
 @pytest.fixture
@@ -34,18 +44,22 @@ def fits():
                     name=f"run {k}",
                     trigger_delay_time_set_s=0.0 if nominal is None else nominal[k],
                     angular_frequency_rad_per_s=OMEGA if omegas is None else omegas[k],
+                    estimate=Estimate(
+                        names=(*EDGE_DELAYS, "opening_angle"),
+                        units=("s",) * 4 + ("rad",),
+                        values=np.append(np.broadcast_to(np.asarray(delay, float), 4), 1.3),
+                        covariance=_with_opening((u_s * (1 + 0.3 * k)) ** 2 * correlations),
+                    ),
                     edge_delay_s=np.broadcast_to(np.asarray(delay, float), 4).copy(),
-                    covariance_s2=(u_s * (1 + 0.3 * k)) ** 2 * correlations,
                     start_delay_s=0.0,
                     wheel_angle_rad=TURN * (np.arange(600) + 0.5) / 600,
                     fraction=np.zeros(600),
                     residual=base * part[k],
-                    opening_angle_rad=1.3,
+                    step=1.0,
                     noise=1e-3,
                     widening=1.0,
                     n_dropped=0,
                     kept=np.ones(600, bool),
-                    values=np.zeros(14),
                 )
             )
         return made
@@ -68,32 +82,28 @@ def geometry():
             u_edge_rad=u_edge,
             edges_from="ideal",
             camera_roll_rad=None,
-            warnings=("told by the geometry",),
+            findings=(KNOWN,),
         )
 
     return make
 
 
-def _combined(fits, geometry, *, integration_time_s, u_window_s=1.0, is_window_told=True):
-    """The result of recordings that say nothing but their four edge delays, d_i = t + a_i / omega."""
-    angles, factor = trigger_delay.angle_parts(fits, geometry)
+def _combined(fits, geometry, *, integration_time_s, u_window_s=None):
+    """The result of recordings that say nothing but their four edge delays, d_i = t + a_i / omega, to the middle of the window."""
     half_s = (integration_time_s or 0.0) / 2
-    shared = np.array([fits[0].edge_delay_s.mean() + half_s, 0, 0, 0, 0, 1.3, 2 * half_s, 0, 0])
-    information, pull = [], []
-    for fit, f in zip(fits, factor, strict=True):
-        slopes = np.zeros((4, 9))
-        slopes[:, 0], slopes[:, 1:5] = 1.0, np.eye(4) / fit.angular_frequency_rad_per_s
-        weighed = slopes.T @ np.linalg.inv(fit.covariance_s2 * f)
-        information.append(weighed @ slopes)
-        pull.append(weighed @ (fit.edge_delay_s + half_s - shared[0]))
-    image = np.diag([0.0] * 5 + [1e6, u_window_s**-2, 1e6, 1e6])
-    told = Told(
-        shared=shared, information=np.array(information), pull=np.array(pull), image=image, image_pull=np.zeros(9),
-        angles=angles, angular_frequency_rad_per_s=np.array([fit.angular_frequency_rad_per_s for fit in fits]),
-    )  # fmt: skip
-    return trigger_delay.combine(
-        fits, geometry, told=told, integration_time_s=integration_time_s, is_window_told=is_window_told
-    )
+    later = np.array([half_s] * 4 + [0.0])
+    middles = [replace(fit.estimate, values=fit.estimate.values + later) for fit in fits]
+    fits = [replace(fit, estimate=middle) for fit, middle in zip(fits, middles, strict=True)]
+    own = [shared_numbers.same("opening_angle", fits, unit="rad", start=1.3)]
+    if u_window_s is not None:
+        own.append(shared_numbers.same("integration_time", fits, start=2 * half_s, prior=(2 * half_s, u_window_s)))
+    return timing.of_pixel_fits(
+        fits, geometry, models=[joint.parabola(middle) for middle in middles], own=own, stated_s=integration_time_s
+    ).result
+
+
+def _texts(result):
+    return [one.sentence() for one in result.findings]
 
 
 def _covariance(fits, geometry):
@@ -105,7 +115,7 @@ def _covariance(fits, geometry):
             f, g = fits[a // 4], fits[b // 4]
             per_rad2 = 1 / (f.angular_frequency_rad_per_s * g.angular_frequency_rad_per_s)
             if a // 4 == b // 4:
-                total[a, b] += f.covariance_s2[a % 4, b % 4]
+                total[a, b] += f.estimate.covariance[a % 4, b % 4]
             if a % 4 == b % 4:
                 total[a, b] += geometry.u_edge_rad**2 * per_rad2
             total[a, b] += sum(u**2 for _, _, u in geometry.angle_budget) * per_rad2
@@ -174,8 +184,9 @@ def test_unknown_integration_time_reports_the_middle_only(fits, geometry):
 def test_a_window_that_was_held_is_not_reported(fits, geometry):
     """Oracle: a number that the fit did not move says nothing; at two speeds a window found to 10 us is told."""
     made = fits([4e-4] * 2, omegas=(OMEGA, 3 * OMEGA))
-    given = {"integration_time_s": 250e-6, "u_window_s": 10e-6}
-    told, held = (_combined(made, geometry(), **given, is_window_told=flag).estimate.names for flag in (True, False))
+    told, held = (
+        _combined(made, geometry(), integration_time_s=250e-6, u_window_s=u).estimate.names for u in (10e-6, None)
+    )
     assert told == (*held, "integration_time")
 
 
@@ -183,7 +194,7 @@ def test_budget_adds_in_quadrature(fits, geometry):
     """Oracle: the law of propagation; independent contributions add in quadrature to the stated uncertainty."""
     made = fits([4e-4, 4.1e-4, 4e-4], omegas=(OMEGA, OMEGA, 2 * OMEGA))
     result = _combined(made, geometry(), integration_time_s=250e-6)
-    parts = [c.standard_uncertainty_s for c in result.budget]
+    parts = [c.standard_uncertainty["trigger_delay"] for c in result.budget]
     assert np.sqrt(np.sum(np.square(parts))) == pytest.approx(result.estimate.standard_uncertainties[0])
     sources = [c.source for c in result.budget]
     assert len(set(sources)) == len(sources)
@@ -247,7 +258,14 @@ def test_structure_that_all_recordings_share_widens_the_absolute_delay_only(fits
     """Oracle: by hand; equal residuals are no noise: they cancel in relative delays and stay in the absolute one."""
     own = fits([4e-4] * 4, nominal=[0.0, 0.025, 0.05, 0.075], correlation=0.0)
     structure = np.random.default_rng(9).normal(0, 1e-3, 600)
-    shared = [replace(fit, residual=structure + 0.01 * fit.residual, covariance_s2=own[0].covariance_s2) for fit in own]
+    shared = [
+        replace(
+            fit,
+            residual=structure + 0.01 * fit.residual,
+            estimate=replace(fit.estimate, covariance=own[0].estimate.covariance),
+        )
+        for fit in own
+    ]
     rig = geometry(common=(), u_edge=0.0)
     alone, together = (_combined(f, rig, integration_time_s=0.0) for f in (own, shared))
     assert together.estimate.standard_uncertainties[0] == pytest.approx(0.5e-6, rel=0.01)
@@ -268,15 +286,15 @@ def test_few_frames_split_without_complaint(fits, geometry):
 def test_recordings_that_disagree_are_told(fits, geometry):
     """Oracle: by hand; two delays 100 times their noise apart have a Birge ratio of about 70, three that agree none."""
     apart = _combined(fits([4e-4, 4.5e-4]), geometry(), integration_time_s=250e-6)
-    assert any("Birge ratio" in text and "at 3 Hz" in text for text in apart.warnings)
+    assert any("Birge ratio" in text and "at 3 Hz" in text for text in _texts(apart))
     agreed = _combined(fits([4e-4, 4.002e-4, 3.999e-4]), geometry(), integration_time_s=250e-6)
-    assert agreed.warnings == ("told by the geometry",)
+    assert agreed.findings == (KNOWN,)
 
 
 def test_outliers_and_correlation_are_told(fits, geometry):
     """Oracle: the numbers that the fits hold."""
     fit = replace(fits([4e-4])[0], n_dropped=7, widening=9.0)
-    texts = _combined([fit], geometry(), integration_time_s=250e-6).warnings
+    texts = _texts(_combined([fit], geometry(), integration_time_s=250e-6))
     assert any("run 0: 7 frames left out" in text for text in texts)
     assert any("widened by up to 3.0" in text for text in texts)
 
@@ -284,9 +302,9 @@ def test_outliers_and_correlation_are_told(fits, geometry):
 def test_impossible_results_are_doubted(fits, geometry):
     """Oracle: by hand; a window before its trigger, and edges that scatter by 0.3 ms, 5.6 mrad at 3 Hz."""
     early = _combined(fits([-4e-4]), geometry(), integration_time_s=250e-6)
-    assert any("the trigger delay is negative (-0.400 ms)" in text for text in early.warnings)
+    assert any("the trigger delay is negative (-0.400 ms)" in text for text in _texts(early))
     rough = _combined(fits([4e-4 + 3e-4 * np.array([1, -1, 1, -1])]), geometry(u_edge=None), integration_time_s=250e-6)
-    assert any("the four wheel edges disagree by" in text for text in rough.warnings)
+    assert any("the four wheel edges disagree by" in text for text in _texts(rough))
 
 
 def test_more_recordings_never_hurt(fits, geometry):
