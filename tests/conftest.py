@@ -113,6 +113,7 @@ def lagging_rows() -> Callable[..., ExposedRows]:
             rotation_speed_hz=options["rate_hz"],
             angular_frequency_rad_per_s=omega,
             names=("closed form",),
+            files=(),
             wheel_angle_rad=angle,
             fraction=_between_plateaus(pixels @ curves / pixels.sum(), pixels @ exact / pixels.sum()),
             u_fraction=None,

@@ -22,6 +22,7 @@ def _averaged(angle, fraction, set_delay_s, *, rate_hz=3.0):
         trigger_delay_time_set_s=set_delay_s,
         rotation_speed_hz=rate_hz,
         names=(f"{1e3 * set_delay_s:.0f} ms",),
+        files=(),
         wheel_angle_rad=angle,
         fraction=fraction,
         u_wheel_angle_rad=None,

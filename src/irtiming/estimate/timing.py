@@ -109,8 +109,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 def _by_file(found: Combination, recordings: Sequence[ReducedRecording]) -> Combination:
     """The same with each recording's file beside its relative delay."""
     delays = [
-        replace(delay, file=one.source or one.name)
-        for delay, one in zip(found.result.relative_delays, recordings, strict=True)
+        replace(delay, file=one.file) for delay, one in zip(found.result.relative_delays, recordings, strict=True)
     ]
     return replace(found, result=replace(found.result, relative_delays=tuple(delays)))
 

@@ -245,6 +245,11 @@ class ReducedRecording:
     findings: tuple[Finding, ...] = ()
 
     @property
+    def file(self) -> str:
+        """Where it was read, or its name."""
+        return self.source or self.name
+
+    @property
     def pixel_sums(self) -> PixelSums:
         """The sums over the whole opening.
 

@@ -45,6 +45,7 @@ def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> Ex
         rotation_speed_hz=runs[0].rotation_speed_hz,
         angular_frequency_rad_per_s=float(np.mean([run.equal_track.angular_frequency_rad_per_s for run in runs])),
         names=names,
+        files=tuple(run.file for run in runs),
         wheel_angle_rad=visits.wheel_angle_rad,
         fraction=fraction,
         u_wheel_angle_rad=visits.u_wheel_angle_rad,

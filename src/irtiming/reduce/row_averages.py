@@ -71,6 +71,7 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
         rotation_speed_hz=first.rotation_speed_hz,
         angular_frequency_rad_per_s=float(np.mean([run.equal_track.angular_frequency_rad_per_s for run in runs])),
         names=names,
+        files=tuple(run.file for run in runs),
         wheel_angle_rad=visits.wheel_angle_rad,
         fraction=means[0],
         u_fraction=us[0],

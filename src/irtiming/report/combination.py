@@ -56,7 +56,7 @@ def combined(analysis: Analysis, result: Result) -> list[CombinedDelay]:
     """
     noise, speed_hz = {}, {}
     for recording, fit in zip(analysis.recordings, analysis.fits, strict=True):
-        file = recording.source or recording.name
+        file = recording.file
         noise[file] = float(fit.estimate.pick(*EDGE_DELAYS).covariance.mean())
         speed_hz[file] = recording.rotation_speed_hz
     groups: dict[tuple[float, float], list[RelativeDelay]] = {}

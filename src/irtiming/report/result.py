@@ -262,7 +262,7 @@ def _choices(analysis: Analysis) -> dict[str, Any]:
 def _input(recording: ReducedRecording) -> dict[str, Any]:
     opening, view = recording.opening, recording.axle
     return {
-        "file": recording.source or recording.name,
+        "file": recording.file,
         "sha256": recording.sha256,
         "frames": recording.n_frames,
         "frames_used": int(recording.frame_index.size),

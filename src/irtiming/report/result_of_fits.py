@@ -80,7 +80,7 @@ def _profile(one: Profile, analysis: Analysis) -> dict[str, Any]:
 
 def _whiteness(analysis: Analysis) -> list[dict[str, Any]]:
     return [
-        {"file": recording.source or recording.name, "probability": float(one)}
+        {"file": recording.file, "probability": float(one)}
         for recording, one in zip(analysis.recordings, analysis.joint.whiteness, strict=True)
     ]
 

@@ -21,6 +21,7 @@ def fit():
             rotation_speed_hz=rate_hz,
             angular_frequency_rad_per_s=2 * np.pi * rate_hz,
             names=names,
+            files=names,
             wheel_angle_rad=nothing,
             fraction=nothing,
             u_fraction=None,

@@ -118,6 +118,7 @@ def measured():
             trigger_delay_time_set_s=set_delay_s,
             rotation_speed_hz=3.0,
             names=("a",),
+            files=("a",),
             wheel_angle_rad=angle,
             fraction=fraction,
             u_wheel_angle_rad=None,

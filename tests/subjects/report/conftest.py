@@ -180,7 +180,7 @@ def _published_fit(delay_s: float, names: list[str], model: WheelModel, rng: np.
         )  # fmt: skip
     data = ExposedFraction(
         trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA,
-        names=tuple(names), wheel_angle_rad=angle,
+        names=tuple(names), files=tuple(names), wheel_angle_rad=angle,
         fraction=fraction, u_wheel_angle_rad=np.full(400, 1e-5), u_fraction=np.full(400, 7e-4),
         plateaus=((0.4, 0.6, 0), (2.0, 2.2, 1), (3.5, 3.7, 0), (5.1, 5.3, 1)),
     )  # fmt: skip
@@ -408,7 +408,8 @@ def _published_lag(name: str, delay_s: float, rng: np.random.Generator) -> Publi
     timing = LagTiming(trigger_delay_s=4.1e-3, row_delay_s=41e-6, time_constant_s=5.1e-3)
     return PublishedLagFit(
         data=ExposedRows(
-            trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA, names=(name,),
+            trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0, angular_frequency_rad_per_s=OMEGA,
+            names=(name,), files=(name,),
             wheel_angle_rad=angle, fraction=rows[0], u_fraction=None, row_px=ROW_PX, row_fraction=rows,
             u_row_fraction=None, mask=np.ones((60, 80), bool),
         ),

@@ -64,11 +64,11 @@ def _relative(fits: Sequence[PublishedLagFit]) -> tuple[RelativeDelay, ...]:
         u = float(np.hypot(fit.u_timing.trigger_delay_s, reference.u_timing.trigger_delay_s))
         entries += [
             RelativeDelay(
-                file=name,
+                file=file,
                 nominal_s=nominal,
                 value_s=nominal + apart,
                 standard_uncertainty_s=0.0 if fit is reference else u,
             )
-            for name in fit.data.names
+            for file in fit.data.files
         ]
     return tuple(entries)

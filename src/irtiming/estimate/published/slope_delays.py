@@ -36,12 +36,12 @@ def relative_delays(fits: list[PublishedFit]) -> tuple[RelativeDelay, ...]:
         u = np.sqrt(np.sum(_u_centres(fit) ** 2 + _u_centres(reference) ** 2)) / 4
         entries += [
             RelativeDelay(
-                file=name,
+                file=file,
                 nominal_s=nominal,
                 value_s=float(shift.mean()) / fit.angular_frequency_rad_per_s if fit is not reference else 0.0,
                 standard_uncertainty_s=float(u) / fit.angular_frequency_rad_per_s if fit is not reference else 0.0,
             )
-            for name in fit.data.names
+            for file in fit.data.files
         ]
     return tuple(entries)
 

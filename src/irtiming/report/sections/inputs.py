@@ -81,7 +81,7 @@ def inputs(analysis: Analysis) -> Table:
     """Every file that was read, with what it says and its checksum."""
     rows = [
         (
-            recording.source or recording.name,
+            recording.file,
             str(recording.n_frames),
             f"{recording.trigger_delay_time_set_s / MS:g}",
             "–" if recording.integration_time_s is None else f"{recording.integration_time_s / US:g}",

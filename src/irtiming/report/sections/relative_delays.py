@@ -103,7 +103,7 @@ def beside_the_paper(analysis: Analysis) -> Table:
 
 def by_file(analysis: Analysis) -> Table:
     """Relative delay of every recording by both methods, µs from nominal; no rows with a single set delay."""
-    names = {recording.source or recording.name: recording.name for recording in analysis.recordings}
+    names = {recording.file: recording.name for recording in analysis.recordings}
     given = [{delay.file: delay for delay in result.relative_delays} for result in results(analysis)]
     several = len({round(delay.nominal_s, 9) for delay in analysis.best.relative_delays}) > 1
     rows = [
