@@ -13,7 +13,7 @@ from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import profile, solve
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, slopes, timing_names
+from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, linearised, timing_names
 from irtiming.physics.wheel import exposed_fraction, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, open_harmonics
 from irtiming.records.row_timing import SectorShape
@@ -137,7 +137,7 @@ def test_normal_matrix_is_that_of_the_frames(two_parts):
     parts, data = two_parts
     at = row_timing._project(data, MODEL, _named(TRUTH))
     np.testing.assert_allclose(row_timing.likelihood(data, MODEL, timing=_named(TRUTH)).normal, at.normal, rtol=1e-9)
-    whole, slope = harmonics(MODEL, _named(TRUTH)), slopes(MODEL, _named(TRUTH))
+    whole, slope = linearised(MODEL, _named(TRUTH))
     expected = np.zeros((6, 6))
     for part, (theta, _) in enumerate(parts):
         for row in range(10):
