@@ -37,7 +37,7 @@ from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, 
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_geometry import WheelGeometry
-from irtiming.reduce import average_runs, cooled, microbolometer, pooled_slots, row_averages
+from irtiming.reduce import average_runs, pooled_slots, recipes, row_averages
 
 Progress = Callable[[str, int, int], None]
 """Told the recording's name, frames done and frames in all."""
@@ -178,7 +178,7 @@ def reduce_snapshot(
     _check_fits_with(recording, before, choices)
     opening, told = before[0].opening if before else None, _told(recording, progress)
     with _noted(recording):
-        return cooled.reduce(recording, rig, choices=choices, progress=told, before=opening)
+        return recipes.reduce(recording, rig, choices=choices, progress=told, before=opening)
 
 
 def reduce_rolling(
@@ -190,7 +190,7 @@ def reduce_rolling(
     _check_fits_with(recording, before, choices)
     opening, told = before[0].opening if before else None, _told(recording, progress)
     with _noted(recording):
-        return microbolometer.reduce(recording, rig, choices=choices, progress=told, before=opening)
+        return recipes.reduce(recording, rig, choices=choices, progress=told, before=opening)
 
 
 def estimate_snapshot(

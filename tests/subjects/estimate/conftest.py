@@ -272,6 +272,7 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
                 covered_frame_dn=values[0],
                 mask=light > 0.5,
                 summed=summed,
+                weight=summed.astype(float),
                 border_px=2,
                 bad=np.zeros(summed.shape, bool),
                 blackbody_is_colder=contrast_dn < 0,

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from irtiming.reduce.cooled import _share_of_turn
 
 TURN = 2 * np.pi

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from irtiming.reduce.scouts import Scouts
 
 from irtiming.errors import ReductionError
-from irtiming.reduce.scouts import Scouts
 from irtiming.reduce.wheel_contrast import noise_between_neighbours, outline
 
 TURN = 2 * np.pi
