@@ -403,6 +403,7 @@ class ResultFinding(Part):
 
     code: str
     severity: Severity
+    recording: str = ""
     where: str
     what: str
     cure: str = ""
