@@ -97,7 +97,7 @@ def with_shape_effect(
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
     task = _task(rows, wheel, light)
-    found, held = _solved(task, None if start is None else start.timing)
+    found, held = _solved(task, start)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
     whole = row_sum.harmonics(task.model, found.timing)
@@ -134,12 +134,15 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     )
 
 
-def _solved(task: _Task, start: Timing | None) -> tuple[Solution, Timing]:
+def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     """The solution, and which numbers it holds: a window of which the frames say less than the recording.
 
-    With a window held as stated, or found without a statement, the frames' own uncertainty of it decides.
+    With a window held as stated, or found without a statement, the frames' own uncertainty of it decides; an earlier fit has
+    decided already.
     """
-    found = row_timing.solve(task.data, task.model, start=start, signs=task.signs, held=task.stated)
+    if start is not None:
+        return row_timing.solve(task.data, task.model, start=start.timing, held=start.held), start.held
+    found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:
         return found, {}
     window_s = abs(found.timing[_WINDOW])
