@@ -106,17 +106,13 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
 
 
 def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
-    """What is missing for the corrected values of a recording, or odd in their histogram."""
-    doubts = []
-    if recording.nonuniformity is None:
-        what = "no nonuniformity_reference in the recording: frames used as they are"
-        doubts.append(doubt(code="no-nonuniformity-reference", recording=recording, what=what))
+    """What is odd in the histogram of a recording."""
     low, high = sorted((found.plate_dn, found.blackbody_dn))
-    if not low < found.threshold_dn < high:
-        peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
-        what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
-        doubts.append(doubt(code="threshold-outside-peaks", recording=recording, what=what))
-    return tuple(doubts)
+    if low < found.threshold_dn < high:
+        return ()
+    peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
+    what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
+    return (doubt(code="threshold-outside-peaks", recording=recording, what=what),)
 
 
 def _sample(recording: Recording, correct: Correction) -> _Sample:

@@ -512,3 +512,29 @@ def test_the_shared_sample(shared_recordings):
     assert np.all(np.isin(np.arange(64, 185), found.frame_index))
     assert np.all(np.isin(np.arange(214, 1000), found.frame_index))
     _check_by_brute_force(recording.frames.pick(list(range(1000))), found)
+
+
+def test_references_make_rows_even(reduced, turning, paper_bolometer, flat_reference, clean):
+    """Oracle: plain NumPy, frame by frame; a detector of uneven gains with references has the row sums of an even one."""
+    rng = np.random.default_rng(7)
+    shape = turning.shape[1:]
+    gain, offset = rng.uniform(0.8, 1.2, shape), rng.normal(0, 100, shape)
+    gain[25, 40] = 0.0
+    raw = np.rint(paper_bolometer().noisy(turning, seed=1) * gain + offset).astype(np.uint16)
+    references = flat_reference(gain, offset)
+    found = reduced(raw, camera_type="photon", nonuniformity=references)
+    good = gain > 0
+    low, high = references.low_dn[good].mean(), references.high_dn[good].mean()
+    corrected = low + (raw - references.low_dn) * np.where(good, (high - low) / np.where(good, 1000 * gain, 1), 0)
+    opening, rows = found.opening, found.rows
+    assert opening.bad[25, 40]
+    assert opening.weight[25, 40] == 0
+    assert np.mean(opening.mask != clean.opening.mask) < 2e-3
+    sums = np.einsum("nij,ij->ni", corrected, opening.weight)[:, rows.row_px]
+    n_pixels = opening.summed[rows.row_px].sum(axis=1)
+    np.testing.assert_allclose(rows.row_sum_dn, sums - np.outer(rows.drift_dn, n_pixels), rtol=2e-6)
+    box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
+    steady = corrected[:, *box] - rows.drift_dn[:, None, None]
+    projection = np.einsum("n,nij->ij", found.contrast.frame_weight, steady)
+    shown = found.contrast.good
+    np.testing.assert_allclose(found.contrast.projection_dn[shown], projection[shown], atol=1e-6)

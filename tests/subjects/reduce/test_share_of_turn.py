@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from irtiming.reduce.cooled import _share_of_turn
+
+from irtiming.reduce.nominal_angles import share_of_turn
 
 TURN = 2 * np.pi
 
@@ -10,13 +11,13 @@ TURN = 2 * np.pi
 def test_frames_stand_for_what_lies_half_way_to_their_neighbours():
     """Oracle: by hand; of ten angles 0, 1, 2 and 5 were seen: 2.5 + 0.5, 1, 0.5 + 1.5 and 1.5 + 2.5 tenths of a turn."""
     angle = TURN * np.array([0, 1, 2, 5]) / 10
-    np.testing.assert_allclose(_share_of_turn(angle, 10), np.array([3, 1, 2, 4]) / 10 * 4)
+    np.testing.assert_allclose(share_of_turn(angle, 10), np.array([3, 1, 2, 4]) / 10 * 4)
 
 
 def test_frames_at_one_angle_share_it_and_one_without_angle_has_none():
     """Oracle: by hand; the angle 2 was seen twice, a turn apart and a little beside it; what all stand for is their number."""
     angle = np.append(TURN * np.array([0, 1, 2.2, 5, 11.8]) / 10, np.nan)
-    found = _share_of_turn(angle, 10)
+    found = share_of_turn(angle, 10)
     expected = np.array([3 + 0, 1, 1, 4, 1]) / 10 * 5
     np.testing.assert_allclose(found, [*expected, 0])
 
@@ -24,14 +25,14 @@ def test_frames_at_one_angle_share_it_and_one_without_angle_has_none():
 def test_an_even_turn_has_even_shares():
     """Oracle: nothing lost; each frame stands for the same, whatever the order."""
     angle = TURN * np.random.default_rng(1).permutation(40) / 40
-    np.testing.assert_allclose(_share_of_turn(angle, 40), 1)
+    np.testing.assert_allclose(share_of_turn(angle, 40), 1)
 
 
 @pytest.mark.parametrize("n", [0, 1, 2])
 def test_fewer_than_three_angles_are_taken_as_they_are(n):
     """Oracle: the limit in the module."""
     angle = np.append(TURN * np.arange(n) / 10, [np.nan])
-    assert _share_of_turn(angle, 10).tolist() == [1.0] * n + [0.0]
+    assert share_of_turn(angle, 10).tolist() == [1.0] * n + [0.0]
 
 
 def test_the_mean_over_a_turn_is_right_where_frames_are_lost():
@@ -42,6 +43,6 @@ def test_the_mean_over_a_turn_is_right_where_frames_are_lost():
     wave = 3 + np.cos(angle) + 0.5 * np.sin(2 * angle)
     edges = np.append(angle, angle[0] + TURN)
     trapezoid = np.sum((wave + np.roll(wave, -1)) / 2 * np.diff(edges)) / TURN
-    share = _share_of_turn(angle, 300)
+    share = share_of_turn(angle, 300)
     assert np.mean(share * wave) == pytest.approx(trapezoid, abs=1e-12)
     assert trapezoid == pytest.approx(3, abs=1e-3)
