@@ -85,7 +85,13 @@ def estimate(
     recordings: Sequence[ReducedRecording], rig: Rig, *, choices: Choices | None = None,
     wheel_calibration: WheelCalibration | None = None, extras: Collection[Extra] = (),
 ) -> Analysis:  # fmt: skip
-    """Timing from all that was reduced; parameters and errors as for `analyse`."""
+    """Timing from all that was reduced; parameters as for `analyse`.
+
+    Raises
+    ------
+    IrTimingError
+        If there is no recording, or they do not determine the timing.
+    """
     if not recordings:
         raise EstimationError("no recording given; name at least one recording file")
     choices = choices or Choices()

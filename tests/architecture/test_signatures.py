@@ -16,7 +16,7 @@ SHAPES_OF_LIBRARIES = ("Client",)
 """Names of tuples that a library takes as they are: an address of the socket library."""
 
 OFFENDERS = {
-    "estimate/lag_simulation.py:_follow_rows(mask)",
+    "estimate/published/lag_simulation.py:_follow_rows(mask)",
     "estimate/sector_fit.py:_images(lag)",
     "estimate/sector_fit.py:_told(known)",
     "estimate/sector_fit.py:fit(lag)",
@@ -47,9 +47,6 @@ OFFENDERS = {
 
 
 WITHOUT_SHAPES = {
-    "estimate/joint_fit.py:begin",
-    "estimate/pixel_sum_model.py:at_best_levels",
-    "estimate/pixel_sum_model.py:leans_in_image",
     "estimate/row_light.py:shape_of",
     "estimate/sector_image.py:contrast",
     "estimate/sector_image.py:first_guess",

@@ -5,7 +5,7 @@ recordings state, if they do; what the sums say of it is reported beside it and 
 (eq. 2) has a delay to the reading of row 0, and a time constant of its own for each blackbody temperature.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -87,8 +87,11 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         rows[ROW_DELAY] = {ROW_DELAY: 1.0}
     offsets = {name: -half_s for name in rows if name.startswith("trigger_delay")}
     own = {one.name: one for one in base}
-    budget = _budget(joint, {name: [(own[part], share) for part, share in parts.items()] for name, parts in rows.items()},
-                     degrees_of_freedom=degrees_of_freedom)  # fmt: skip
+    budget = _budget(
+        joint,
+        {name: _sum([own[part] for part in parts], list(parts.values())) for name, parts in rows.items()},
+        degrees_of_freedom=degrees_of_freedom,
+    )
     if is_seen:
         u = window.u_beside_s
         budget = (*budget, Contribution(
@@ -127,7 +130,7 @@ def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float)
     if ROW_DELAY in joint.names:
         measurands.append(Measurand(name=ROW_DELAY, weights={ROW_DELAY: 1.0}))
     found = joint.estimate(measurands)
-    budget = _budget(joint, {one.name: [(one, 1.0)] for one in measurands}, degrees_of_freedom=degrees_of_freedom)
+    budget = _budget(joint, {one.name: one for one in measurands}, degrees_of_freedom=degrees_of_freedom)
     keep, bounds, findings = _determined(found)
     return Reported(
         estimate=found.pick(*keep),
@@ -173,13 +176,22 @@ def _with_more(found: Estimate, name: str, *, u_beside: float) -> Estimate:
     return Estimate(names=found.names, units=found.units, values=values, covariance=covariance)
 
 
+def _sum(parts: Sequence[Measurand], shares: Sequence[float]) -> Measurand:
+    """A weighted sum of measurands, judged with the edges of the first."""
+    weights: dict[str, float] = {}
+    for one, share in zip(parts, shares, strict=True):
+        for name, weight in one.weights.items():
+            weights[name] = weights.get(name, 0.0) + share * weight
+    return replace(parts[0], weights=weights)
+
+
 def _budget(
-    joint: Joint, rows: dict[str, list[tuple[Measurand, float]]], *, degrees_of_freedom: float
+    joint: Joint, measurands: Mapping[str, Measurand], *, degrees_of_freedom: float
 ) -> tuple[Contribution, ...]:
     """What each source adds to the uncertainty of each parameter."""
     whole = joint.combined()
     kinds = {part.source: part.kind for part in whole.parts}
-    shares = {name: _shares(joint, parts) for name, parts in rows.items()}
+    shares = {name: joint.combined(one.forgotten).shares(one.weights) for name, one in measurands.items()}
     return tuple(
         Contribution(
             source=source,
@@ -189,15 +201,6 @@ def _budget(
         )
         for source, kind in kinds.items()
     )
-
-
-def _shares(joint: Joint, parts: list[tuple[Measurand, float]]) -> dict[str, float]:
-    """Variance of a sum of measurands by source; all say what they say with the same edges."""
-    weights: dict[str, float] = {}
-    for one, share in parts:
-        for name, weight in one.weights.items():
-            weights[name] = weights.get(name, 0.0) + share * weight
-    return joint.combined(parts[0][0].forgotten).shares(weights)
 
 
 def _window_findings(found: Estimate, window: Window) -> tuple[Finding, ...]:

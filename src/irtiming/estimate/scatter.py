@@ -1,6 +1,8 @@
 """By how much recordings differ, over what their noise explains: between edges, between runs, and along the wheel angle."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
@@ -15,7 +17,14 @@ _RUNS_THAT_TELL = 4
 _SUSPICIOUS = 2.0  # standard deviations of a Birge ratio
 _CAMERA = ("time_constant", "row_delay")  # of the local numbers, beside the delay: what runs may differ in
 
-Groups = Callable[[Sequence[RecordingFit]], list[list[int]]]
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Alike:
+    """Recordings that should agree: the wheel's rate, and the indices of their fits."""
+
+    speed_hz: float
+    members: list[int]
 
 
 def edge_uncertainty(fits: Sequence[RecordingFit], geometry: WheelGeometry) -> float:
@@ -39,8 +48,8 @@ def edge_uncertainty(fits: Sequence[RecordingFit], geometry: WheelGeometry) -> f
     return float(np.sqrt(_T_FACTOR * np.var(angles, ddof=1)))
 
 
-def alike(fits: Sequence[RecordingFit], blackbodies: Sequence[Sequence[int]]) -> list[tuple[float, list[int]]]:
-    """Wheel rate in Hz and the indices of the fits of one rate and blackbody, for each such pair.
+def alike(fits: Sequence[RecordingFit], blackbodies: Sequence[Sequence[int]]) -> list[Alike]:
+    """Fits of one wheel rate and blackbody, for each such pair.
 
     Parameters
     ----------
@@ -51,7 +60,7 @@ def alike(fits: Sequence[RecordingFit], blackbodies: Sequence[Sequence[int]]) ->
     """
     speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
     return [
-        (float(speed), both)
+        Alike(speed_hz=float(speed), members=both)
         for speed in np.unique(speeds)
         for group in blackbodies
         if (both := [k for k in np.flatnonzero(speeds == speed).tolist() if k in group])
@@ -85,7 +94,7 @@ def birge_ratio(group: Sequence[RecordingFit]) -> float:
     return ratio
 
 
-def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, list[int]]]) -> Array:
+def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> Array:
     """Factor on the noise covariance of each fit, shape (n_fit,): the Birge ratio squared where it exceeds 1.
 
     Only where four or more recordings that should agree tell it: fewer say little about their scatter.
@@ -98,13 +107,13 @@ def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, list[
         From `alike`.
     """
     factor = np.ones(len(fits))
-    for _, members in groups:
-        if len(members) >= _RUNS_THAT_TELL:
-            factor[members] = max(1.0, birge_ratio([fits[k] for k in members]) ** 2)
+    for group in groups:
+        if len(group.members) >= _RUNS_THAT_TELL:
+            factor[group.members] = max(1.0, birge_ratio([fits[k] for k in group.members]) ** 2)
     return factor
 
 
-def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, list[int]]]) -> list[Finding]:
+def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> list[Finding]:
     """Where recordings that should agree scatter far more than their own uncertainties say.
 
     Parameters
@@ -113,7 +122,8 @@ def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[tuple[float, l
         As for `run_to_run`.
     """
     found = []
-    for speed, members in groups:
+    for group in groups:
+        speed, members = group.speed_hz, group.members
         if len(members) < 2:
             continue
         n_numbers = _of_camera(fits[members[0]].estimate).values.size

@@ -70,12 +70,23 @@ def delay(fits: Sequence[RecordingFit], *, start: float) -> SharedNumber:
 
 
 def same(
-    name: str, fits: Sequence[RecordingFit], *, start: float, unit: str = "s", prior: tuple[float, float] | None = None
+    name: str, fits: Sequence[RecordingFit], *, start: float, unit: str = "s", u: float | None = None
 ) -> SharedNumber:
-    """A local number that is the same in all recordings; ``prior`` is what is known of it, value and standard uncertainty."""
-    known, u = prior or (0.0, None)
+    """A local number that is the same in all recordings.
+
+    Parameters
+    ----------
+    name, unit
+        Of it.
+    fits
+        One per recording.
+    start
+        Where the search begins.
+    u
+        Standard uncertainty with which it is known to be there beforehand; None: nothing is known.
+    """
     return SharedNumber(
-        name=name, unit=unit, start=start, effects=[{name: 1.0}] * len(fits), known=known, u=u,
+        name=name, unit=unit, start=start, effects=[{name: 1.0}] * len(fits), known=start, u=u,
         may_be_mirrored=name.startswith("lean"),
     )  # fmt: skip
 

@@ -99,7 +99,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
-    own = opening_and_window(recordings, fits, geometry)
+    own = opening_and_window(recordings, fits, geometry=geometry)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=weighed(fits, models),
         found=_by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings),
@@ -191,7 +191,7 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
 
 
 def opening_and_window(
-    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], geometry: WheelGeometry
+    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, geometry: WheelGeometry
 ) -> list[SharedNumber]:
     """Opening, window and leans that all recordings share, beginning at rig.toml, one sample, and the images.
 
@@ -211,9 +211,9 @@ def opening_and_window(
     )
     return [
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
-        shared_numbers.same(WINDOW, fits, start=sample_s, prior=(sample_s, _UNKNOWN_WINDOW_S)),
+        shared_numbers.same(WINDOW, fits, start=sample_s, u=_UNKNOWN_WINDOW_S),
         *(
-            shared_numbers.same(name, fits, unit="rad", start=float(lean), prior=(float(lean), u_lean))
+            shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
             for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
         ),
     ]

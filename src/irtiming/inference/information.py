@@ -119,7 +119,18 @@ class Combined:
         return np.asarray(self.covariance @ np.sum([part.gradient for part in self.parts], axis=0))
 
     def row(self, weights: Weights) -> Array:
-        """The weights in the order of ``names``, shape (n,)."""
+        """The weights in the order of ``names``, shape (n,).
+
+        Parameters
+        ----------
+        weights
+            Of numbers among ``names``.
+
+        Raises
+        ------
+        EstimationError
+            If nothing is said of one of them.
+        """
         unknown = sorted(set(weights) - set(self.names))
         if unknown:
             raise EstimationError(f"nothing is said of {', '.join(unknown)}; the numbers are {', '.join(self.names)}")

@@ -104,7 +104,7 @@ def _given(made, geometry, noise):
     middle = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     shared = [
         shared_numbers.delay(fits, start=middle),
-        *timing.opening_and_window(made, fits, geometry),
+        *timing.opening_and_window(made, fits, geometry=geometry),
         *shared_numbers.rig_errors(fits, geometry, u_edge_rad=U_EDGE),
     ]
     return [joint.LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=part.at) for part in parts], shared, fits

@@ -96,7 +96,7 @@ def _combined(fits, geometry, *, integration_time_s, u_window_s=None):
     fits = [replace(fit, estimate=middle) for fit, middle in zip(fits, middles, strict=True)]
     own = [shared_numbers.same("opening_angle", fits, unit="rad", start=1.3)]
     if u_window_s is not None:
-        own.append(shared_numbers.same("integration_time", fits, start=2 * half_s, prior=(2 * half_s, u_window_s)))
+        own.append(shared_numbers.same("integration_time", fits, start=2 * half_s, u=u_window_s))
     return timing.of_pixel_fits(
         fits, geometry, models=[joint.parabola(middle) for middle in middles], own=own, stated_s=integration_time_s
     ).result
