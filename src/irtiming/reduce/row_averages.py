@@ -50,8 +50,7 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
         seen = np.isfinite(angle)
-        places = np.searchsorted(run.row_sums.row_px, rows)
-        sums = run.row_sums.mask_row_sum_dn[seen]
+        places, sums = np.searchsorted(run.row_sums.row_px, rows), run.row_sums.mask_row_sum_dn[seen]
         together = np.concatenate([sums.sum(axis=1)[None], sums[:, places].T])
         angles.append(angle[seen])
         fraction = _normalised(angle[seen], together, run.name)
@@ -59,7 +58,7 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
     names = tuple(run.name for run in runs)
     visits = nominal_angles.group(np.concatenate(angles), first.samples_per_turn, names=names)
     curve = np.concatenate(curves, axis=1)
-    usable = np.all(np.isfinite(curve), axis=1, keepdims=True)[:, 0]
+    usable = np.isfinite(curve).all(axis=1)
     if usable.sum() < 2:
         raise ReductionError(
             f"{', '.join(names)}: no row of the opening has two upper and two lower plateaus; the blackbody is too near to "
