@@ -41,7 +41,7 @@ def draw(axes: Axes, evidence: RollingEvidence, *, marked: list[tuple[int, str]]
 
 
 def edges(evidence: RollingEvidence, wheel_angle_rad: float, *, rolling: bool) -> list[tuple[Array, Array]]:
-    """Rows and columns (px) of each wheel edge within the opening where the lagging pixels are half way.
+    """Rows and columns (px, shapes (200,)) of each wheel edge within the opening where the lagging pixels are half way.
 
     Without ``rolling`` all rows are read together with the middle one: then an edge is straight.
     """

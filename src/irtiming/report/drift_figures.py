@@ -37,7 +37,7 @@ def drift(evidence: RollingEvidence) -> Figure:
 
 
 def frame_time_s(recording: ReducedRecording, frame: Array | np.ndarray) -> Array:
-    """Time of frames after the first kept one, s, by their index; beyond the kept ones at the mean frame rate."""
+    """Time of frames after the first kept one, s, by their index, any shape; beyond the kept ones at the mean frame rate."""
     index = recording.frame_index.astype(float)
     time_s = (recording.trigger_ticks - recording.trigger_ticks[0]) / recording.track.clock_frequency_hz
     period_s = float((time_s[-1] - time_s[0]) / max(index[-1] - index[0], 1.0))

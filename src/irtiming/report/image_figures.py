@@ -45,7 +45,7 @@ def mean_frames(evidence: Evidence) -> Figure:
 
 
 def picture(axes: Axes, frame: Array, *, label: str = "corrected value (DN)", shrink: float = 0.8) -> None:
-    """Grey picture, black to white over all but the rarest values, with its scale beside it."""
+    """Grey picture of a frame, shape (row, column), black to white over all but the rarest values, with its scale beside it."""
     low, high = (float(v) for v in np.quantile(frame, [0.002, 0.998]))
     shades = axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
     axes.figure.colorbar(shades, ax=axes, label=label, shrink=shrink, pad=0.02)

@@ -74,7 +74,7 @@ def _between(scaled: Array, deviation: Array, at: Array) -> Array:
 
 
 def whiteness(probability: Array) -> Panel:
-    """Whether residuals hang together along the wheel angle."""
+    """Whether residuals hang together along the wheel angle; probability by recording, shape (n,)."""
     return Panel(
         title="Are the residuals white?",
         caption="Probability of residuals at least as correlated along the wheel angle (20 lags, Ljung and Box), were they "
@@ -85,7 +85,7 @@ def whiteness(probability: Array) -> Panel:
 
 
 def draw_whiteness(probability: Array) -> Figure:
-    """Probability over recordings with the limit."""
+    """Probability over recordings, shape (n,), with the limit."""
     number = np.arange(1, probability.size + 1)
     shown = np.maximum(probability, _LEAST_SHOWN)
     hidden, low = probability < _LEAST_SHOWN, probability < LEAST_WHITENESS
