@@ -23,12 +23,14 @@ class Field:
     """One dataset of the file.
 
     ``unit`` is the SI unit a number has inside the program; ``lowest`` and ``highest`` are limits in that
-    unit, both allowed. ``fewest`` is the least number of entries of a tick stream.
+    unit, both allowed. ``fewest`` is the least number of entries of a tick stream. ``attribute`` is what a
+    `Recording` calls it, empty where it has no such thing or not as it is.
     """
 
     path: str
     kind: Kind
     meaning: str
+    attribute: str = ""
     unit: str = ""
     required: bool = False
     choices: tuple[str, ...] = ()
@@ -72,75 +74,62 @@ GROUPS = {
 }
 """Path of each group and its NeXus class."""
 
-TITLE = Field(path=f"{ENTRY}/title", kind="text", meaning="name of the recording; default: the file's name")
-START_TIME = Field(path=f"{ENTRY}/start_time", kind="text", meaning="ISO 8601")
-ENDING = Field(path=f"{ENTRY}/ending", kind="text", meaning="'complete', or why the recording ended early")
-PROGRAM_VERSION = Field(path=f"{ENTRY}/program_version", kind="text", meaning="program that recorded, and its version")
-
+# fmt: off
+TITLE = Field(
+    path=f"{ENTRY}/title", kind="text", attribute="name", meaning="name of the recording; default: the file's name"
+)
+START_TIME = Field(path=f"{ENTRY}/start_time", kind="text", attribute="start_time", meaning="ISO 8601")
+ENDING = Field(
+    path=f"{ENTRY}/ending", kind="text", attribute="ending", meaning="'complete', or why the recording ended early"
+)
+PROGRAM_VERSION = Field(
+    path=f"{ENTRY}/program_version", kind="text", attribute="program_version",
+    meaning="program that recorded, and its version",
+)
 FRAMES = Field(path=f"{CAMERA}/data", kind="frames", required=True, meaning="frames as the camera gave them")
 CAMERA_TYPE = Field(
-    path=f"{CAMERA}/type",
-    kind="text",
-    required=True,
-    choices=("photon", "microbolometer"),
+    path=f"{CAMERA}/type", kind="text", attribute="camera_type", required=True, choices=("photon", "microbolometer"),
     meaning="kind of detector",
 )
 READOUT_MODE = Field(
-    path=f"{CAMERA}/readout_mode",
-    kind="text",
-    required=True,
-    choices=("snapshot", "rolling"),
+    path=f"{CAMERA}/readout_mode", kind="text", attribute="readout_mode", required=True, choices=("snapshot", "rolling"),
     meaning="all rows at once, or one after the other",
 )
 INTEGRATION_TIME = Field(
-    path=f"{CAMERA}/count_time",
-    kind="number",
-    unit="s",
-    lowest=1e-9,
-    highest=10.0,
+    path=f"{CAMERA}/count_time", kind="number", attribute="integration_time_s", unit="s", lowest=1e-9, highest=10.0,
     meaning="integration time of a photon detector",
 )
 TRIGGER_DELAY_TIME_SET = Field(
-    path=f"{CAMERA}/trigger_delay_time_set",
-    kind="number",
-    unit="s",
-    lowest=0.0,
-    highest=60.0,
+    path=f"{CAMERA}/trigger_delay_time_set", kind="number",
+    attribute="trigger_delay_time_set_s", unit="s", lowest=0.0, highest=60.0,
     meaning="extra delay set in the trigger generator; default 0",
 )
 BIT_DEPTH = Field(
-    path=f"{CAMERA}/bit_depth_readout",
-    kind="integer",
-    lowest=1,
-    highest=16,
+    path=f"{CAMERA}/bit_depth_readout", kind="integer", attribute="bit_depth", lowest=1, highest=16,
     meaning="bits of a pixel value; default 16",
 )
 FRAME_NUMBER = Field(
-    path=f"{CAMERA}/frame_number",
-    kind="index",
+    path=f"{CAMERA}/frame_number", kind="index", attribute="frame_number",
     meaning="index of the trigger that made each frame; default: frame i belongs to trigger i",
 )
 FRAME_STATUS = Field(
-    path=f"{CAMERA}/frame_status",
-    kind="index",
+    path=f"{CAMERA}/frame_status", kind="index",
     meaning="0 whole, 1 damaged, 2 blank: nothing of it arrived, 3 whole but its trigger has no timestamp; default 0",
 )
-FRAME_ID = Field(path=f"{CAMERA}/frame_id", kind="index", meaning="what the camera counted, from 0 when it was armed")
+FRAME_ID = Field(
+    path=f"{CAMERA}/frame_id", kind="index", attribute="frame_id",
+    meaning="what the camera counted, from 0 when it was armed",
+)
 FRAME_TIMESTAMP = Field(
-    path=f"{CAMERA}/frame_timestamp", kind="index", unit="ticks", meaning="ticks of the camera's own clock, 0: unknown"
+    path=f"{CAMERA}/frame_timestamp", kind="index", attribute="frame_timestamp_ticks", unit="ticks",
+    meaning="ticks of the camera's own clock, 0: unknown",
 )
 TIMESTAMP_FREQUENCY = Field(
-    path=f"{CAMERA}/timestamp_frequency",
-    kind="number",
-    unit="Hz",
-    lowest=1.0,
-    highest=1e12,
+    path=f"{CAMERA}/timestamp_frequency", kind="number", attribute="timestamp_frequency_hz", unit="Hz", lowest=1.0, highest=1e12,
     meaning="ticks per second of the camera's own clock",
 )
 FRAME_HOST_TIME = Field(
-    path=f"{CAMERA}/frame_host_time",
-    kind="numbers",
-    unit="s",
+    path=f"{CAMERA}/frame_host_time", kind="numbers", attribute="frame_host_time_s", unit="s",
     meaning="monotonic clock of the computer when the last of the frame had come",
 )
 CAMERA_VENDOR = Field(path=f"{CAMERA}/vendor", kind="text", meaning="who made the camera")
@@ -149,100 +138,62 @@ CAMERA_SERIAL_NUMBER = Field(path=f"{CAMERA}/serial_number", kind="text", meanin
 CAMERA_FIRMWARE = Field(path=f"{CAMERA}/firmware", kind="text", meaning="version of the camera's firmware")
 CAMERA_ADDRESS = Field(path=f"{CAMERA}/address", kind="text", meaning="address at which the camera was reached")
 ROTATION_SPEED = Field(
-    path=f"{CHOPPER}/rotation_speed",
-    kind="number",
-    unit="Hz",
-    required=True,
-    lowest=1e-3,
-    highest=1e4,
+    path=f"{CHOPPER}/rotation_speed", kind="number",
+    attribute="rotation_speed_hz", unit="Hz", required=True, lowest=1e-3, highest=1e4,
     meaning="nominal turns of the wheel per second",
 )
 CLOCK_FREQUENCY = Field(
-    path=f"{TRIGGER_GENERATOR}/clock_frequency",
-    kind="number",
-    unit="Hz",
-    required=True,
-    lowest=1e3,
-    highest=1e12,
+    path=f"{TRIGGER_GENERATOR}/clock_frequency", kind="number",
+    attribute="clock_frequency_hz", unit="Hz", required=True, lowest=1e3, highest=1e12,
     meaning="ticks per second of the counter",
 )
 CAMERA_TRIGGER = Field(
-    path=f"{TRIGGER_GENERATOR}/camera_trigger",
-    kind="ticks",
-    unit="ticks",
-    required=True,
+    path=f"{TRIGGER_GENERATOR}/camera_trigger", kind="ticks", attribute="camera_trigger_ticks", unit="ticks", required=True,
     meaning="nominal trigger, before trigger_delay_time_set is added",
 )
 CONTROL_SLOT = Field(
-    path=f"{TRIGGER_GENERATOR}/control_slot",
-    kind="ticks",
-    unit="ticks",
-    required=True,
-    fewest=2,
+    path=f"{TRIGGER_GENERATOR}/control_slot", kind="ticks", attribute="control_slot_ticks", unit="ticks", required=True, fewest=2,
     meaning="control slots passing their light gate",
 )
 APPLICATION_SLOT = Field(
-    path=f"{TRIGGER_GENERATOR}/application_slot",
-    kind="ticks",
-    unit="ticks",
-    required=True,
-    fewest=2,
+    path=f"{TRIGGER_GENERATOR}/application_slot", kind="ticks",
+    attribute="application_slot_ticks", unit="ticks", required=True, fewest=2,
     meaning="cutout edges 0 and 2 passing the application gate",
 )
 APPLICATION_EDGES = Field(
-    path=f"{TRIGGER_GENERATOR}/application_edges",
-    kind="ticks",
-    unit="ticks",
-    fewest=2,
+    path=f"{TRIGGER_GENERATOR}/application_edges", kind="ticks", attribute="application_edge_ticks", unit="ticks", fewest=2,
     meaning="all four cutout edges passing the application gate",
 )
 LOST_AFTER = Field(
-    path=f"{TRIGGER_GENERATOR}/lost_after",
-    kind="ticks",
-    unit="ticks",
-    fewest=0,
+    path=f"{TRIGGER_GENERATOR}/lost_after", kind="ticks", attribute="lost_after_ticks", unit="ticks", fewest=0,
     meaning="last known time before each loss of timestamps; empty: none was lost, absent: not known",
 )
 CAMERA_TRIGGER_DELAYED = Field(
-    path=f"{TRIGGER_GENERATOR}/camera_trigger_delayed",
-    kind="ticks",
-    unit="ticks",
-    fewest=0,
+    path=f"{TRIGGER_GENERATOR}/camera_trigger_delayed", kind="ticks",
+    attribute="camera_trigger_delayed_ticks", unit="ticks", fewest=0,
     meaning="triggers as the camera got them, trigger_delay_time_set after the nominal ones",
 )
 CAMERA_INPUT = Field(
-    path=f"{TRIGGER_GENERATOR}/camera_input",
-    kind="ticks",
-    unit="ticks",
-    fewest=0,
+    path=f"{TRIGGER_GENERATOR}/camera_input", kind="ticks", attribute="camera_input_ticks", unit="ticks", fewest=0,
     meaning="edges that the camera sent back",
 )
 CAMERA_PERIOD = Field(
-    path=f"{TRIGGER_GENERATOR}/camera_period",
-    kind="integer",
-    unit="ticks",
-    lowest=1,
-    highest=2.0**62,
+    path=f"{TRIGGER_GENERATOR}/camera_period", kind="integer",
+    attribute="camera_period_ticks", unit="ticks", lowest=1, highest=2.0**62,
     meaning="ticks from trigger to trigger, C of the trigger scheme",
 )
 WHEEL_PERIOD = Field(
-    path=f"{TRIGGER_GENERATOR}/wheel_period",
-    kind="integer",
-    unit="ticks",
-    lowest=1,
-    highest=2.0**62,
+    path=f"{TRIGGER_GENERATOR}/wheel_period", kind="integer",
+    attribute="wheel_period_ticks", unit="ticks", lowest=1, highest=2.0**62,
     meaning="ticks of a turn of the wheel, T of the trigger scheme",
 )
 BLACKBODY_TEMPERATURE = Field(
-    path=f"{BLACKBODY}/temperature",
-    kind="number",
-    unit="K",
-    lowest=100.0,
-    highest=5000.0,
+    path=f"{BLACKBODY}/temperature", kind="number", attribute="blackbody_temperature_k", unit="K", lowest=100.0, highest=5000.0,
     meaning="blackbody temperature while recording",
 )
 REFERENCE_LOW = Field(path=f"{REFERENCE}/low", kind="frames", meaning="bare blackbody, colder")
 REFERENCE_HIGH = Field(path=f"{REFERENCE}/high", kind="frames", meaning="bare blackbody, warmer")
+# fmt: on
 
 ACQUISITION_MODE = f"{CAMERA}/acquisition_mode"
 NEXUS_NEIGHBOURS = ("trigger_delay_time", "trigger_internal_delay_time", "frame_start_number", "frame_time")
@@ -264,6 +215,9 @@ FIELDS = (
     REFERENCE_LOW, REFERENCE_HIGH,
 )  # fmt: skip
 """Every field that this program reads, in the order in which it is checked."""
+
+IDENTITY = (CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS)
+"""What a camera says of itself; each is named as in `CameraIdentity`."""
 
 PER_FRAME = (FRAME_NUMBER, FRAME_ID, FRAME_TIMESTAMP, FRAME_HOST_TIME)
 """Columns with one entry per frame, its status apart."""

@@ -207,50 +207,14 @@ def _nonuniformity(
 
 
 def _recording(path: Path, contents: Contents, *, frames: FrameStack) -> Recording:
-    def _value(field: Field) -> Any:
-        return contents[field]
-
-    frame_number = _value(layout.FRAME_NUMBER)
-    if frame_number is None:
-        frame_number = read_only(np.arange(frames.shape[0], dtype=np.int64))
-    return Recording(
-        name=_value(layout.TITLE) or path.stem,
-        start_time=_value(layout.START_TIME) or "",
-        camera_type=_value(layout.CAMERA_TYPE),
-        readout_mode=_value(layout.READOUT_MODE),
-        frames=frames,
-        frame_number=frame_number,
-        clock_frequency_hz=_value(layout.CLOCK_FREQUENCY),
-        camera_trigger_ticks=_value(layout.CAMERA_TRIGGER),
-        control_slot_ticks=_value(layout.CONTROL_SLOT),
-        application_slot_ticks=_value(layout.APPLICATION_SLOT),
-        application_edge_ticks=_value(layout.APPLICATION_EDGES),
-        lost_after_ticks=_value(layout.LOST_AFTER),
-        rotation_speed_hz=_value(layout.ROTATION_SPEED),
-        integration_time_s=_value(layout.INTEGRATION_TIME),
-        trigger_delay_time_set_s=_value(layout.TRIGGER_DELAY_TIME_SET) or 0.0,
-        bit_depth=_value(layout.BIT_DEPTH) or 16,
-        camera_period_ticks=_value(layout.CAMERA_PERIOD),
-        wheel_period_ticks=_value(layout.WHEEL_PERIOD),
-        blackbody_temperature_k=_value(layout.BLACKBODY_TEMPERATURE),
-        camera_trigger_delayed_ticks=_value(layout.CAMERA_TRIGGER_DELAYED),
-        camera_input_ticks=_value(layout.CAMERA_INPUT),
-        frame_id=_value(layout.FRAME_ID),
-        frame_timestamp_ticks=_value(layout.FRAME_TIMESTAMP),
-        timestamp_frequency_hz=_value(layout.TIMESTAMP_FREQUENCY),
-        frame_host_time_s=_value(layout.FRAME_HOST_TIME),
-        camera=_identity(contents),
-        ending=_value(layout.ENDING) or "",
-        program_version=_value(layout.PROGRAM_VERSION) or "",
-        source=str(path),
-    )
+    values = {field.attribute: contents[field] for field in layout.FIELDS if field.attribute}
+    found = {name: value for name, value in values.items() if value is not None}
+    found["name"] = found.get("name") or path.stem
+    found.setdefault("frame_number", read_only(np.arange(frames.shape[0], dtype=np.int64)))
+    return Recording(frames=frames, camera=_identity(contents), source=str(path), **found)
 
 
 def _identity(contents: Contents) -> CameraIdentity | None:
-    fields = (
-        layout.CAMERA_VENDOR, layout.CAMERA_MODEL, layout.CAMERA_SERIAL_NUMBER, layout.CAMERA_FIRMWARE,
-        layout.CAMERA_ADDRESS,
-    )  # fmt: skip
-    if all(contents[field] is None for field in fields):
+    if all(contents[field] is None for field in layout.IDENTITY):
         return None
-    return CameraIdentity(**{field.name: contents[field] or "" for field in fields})
+    return CameraIdentity(**{field.name: contents[field] or "" for field in layout.IDENTITY})

@@ -5,13 +5,13 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import h5py
-import hdf5plugin
 import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.json_file import unwritable
+from irtiming.archive.nexus import create_stack, set_temperature
 from irtiming.archive.reader import read, reduce_reference
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels, read_only
@@ -107,28 +107,20 @@ def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
     """
     target = Path(path)
     copy = target.with_name(f"{target.name}.adding")
-    stacks = dict(zip((layout.REFERENCE_LOW, layout.REFERENCE_HIGH), _raw(reference, target), strict=True))
-    temperatures = {
-        layout.REFERENCE_LOW: reference.low_temperature_k,
-        layout.REFERENCE_HIGH: reference.high_temperature_k,
-    }
+    low, high = _raw(reference, target)
     try:
         shutil.copyfile(target, copy)
         with h5py.File(copy, "r+", libver=layout.HDF5_FORMAT) as file:
             if layout.REFERENCE in file:
                 raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
-            file.create_group(layout.REFERENCE).attrs["NX_class"] = layout.GROUPS[layout.REFERENCE]
-            for field, frames in stacks.items():
-                dataset = file.create_dataset(
-                    field.path,
-                    data=frames,
-                    chunks=(1, *frames.shape[1:]),
-                    fletcher32=True,
-                    **hdf5plugin.Bitshuffle(cname="lz4"),
-                )
-                if temperatures[field] is not None:
-                    dataset.attrs[layout.TEMPERATURE_ATTRIBUTE] = temperatures[field]
-                    dataset.attrs[layout.TEMPERATURE_UNITS_ATTRIBUTE] = "K"
+            for field, frames, temperature_k in (
+                (layout.REFERENCE_LOW, low, reference.low_temperature_k),
+                (layout.REFERENCE_HIGH, high, reference.high_temperature_k),
+            ):
+                dataset = create_stack(file, field, size=(frames.shape[1], frames.shape[2]))
+                dataset.resize(len(frames), axis=0)
+                dataset[:] = frames
+                set_temperature(file, field, temperature_k=temperature_k)
         copy.replace(target)
     except H5_ERRORS as error:
         raise ArchiveError(f"{target}: references cannot be added ({reason_of(error)}); is the disk full?") from error

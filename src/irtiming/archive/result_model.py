@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, JsonValue
 
 from irtiming.archive.typed_file import Part
 from irtiming.records.finding import Severity
@@ -15,7 +15,8 @@ VERSION = "1.0"
 Real = float | None
 """A number; null where it is none, for JSON has neither not-a-number nor infinity."""
 
-Settings = dict[str, bool | int | float | str | list[float] | list[str] | None]
+Evidence = dict[str, JsonValue]
+"""What a method has to show for its numbers, by its own names; the page of the result tells what they mean."""
 
 
 class Quantity(Part):
@@ -25,27 +26,10 @@ class Quantity(Part):
     unit: str
 
 
-class Uncertain(Part):
-    """A value with its standard uncertainty (k = 1), in the unit beside it."""
+class Measured(Quantity):
+    """A value with its standard uncertainty (k = 1), what it is counted from, and its sign, null for a length of time."""
 
-    value: Real
     standard_uncertainty: Real
-    unit: str | None = None
-
-
-class Uncertains(Part):
-    """Values with their standard uncertainties, one each."""
-
-    value: list[Real]
-    standard_uncertainty: list[Real]
-    unit: str | None = None
-    reference_event: str | None = None
-    sign: str | None = None
-
-
-class Measured(Uncertain):
-    """A value with what it is counted from, and its sign; the sign is null for a length of time."""
-
     reference_event: str
     sign: str | None
 
@@ -74,6 +58,16 @@ class Bound(Part):
     lower: Real
     upper: Real
     unit: str
+
+
+class EdgeDelays(Part):
+    """The delay as seen from wheel edges 0 to 3, with standard uncertainties from noise alone."""
+
+    value: list[Real]
+    standard_uncertainty: list[Real]
+    unit: str
+    reference_event: str
+    sign: str
 
 
 class Correlation(Part):
@@ -112,13 +106,6 @@ class BudgetLine(Part):
     unit: str
 
 
-class Contribution(BudgetLine):
-    """The same of every parameter, for every camera."""
-
-    standard_uncertainty: dict[str, Real]
-    share_percent: dict[str, Real]
-
-
 class LastRow(Measured):
     """When the last image row is read."""
 
@@ -136,243 +123,8 @@ class Core(Part):
     relative_delays_combined: list[CombinedDelay] = Field([])
     last_row_read: LastRow | None = None
     budget: list[BudgetLine]
-    contributions: list[Contribution] = Field([])
-    edge_delays: Uncertains | None
+    edge_delays: EdgeDelays | None
     warnings: list[str]
-
-
-class SharedNumber(Uncertain):
-    """A number that all recordings share, beside where the search started and what was known before."""
-
-    start: Real
-    prior_standard_uncertainty: Real
-    value_over_prior: Real
-    meaning: str
-    sign: str | None
-
-
-class Profile(Measured):
-    """Likelihood along one parameter: twice the logarithm lost at each value that was tried."""
-
-    values: list[Real]
-    deviation: list[Real]
-    lower: Real
-    upper: Real
-
-
-class Whiteness(Part):
-    """Probability of residuals at least as correlated, were they white."""
-
-    file: str
-    probability: Real
-
-
-class Moved(Part):
-    """How far a value is from its start."""
-
-    value: Real
-    over_standard_uncertainty: Real
-    unit: str
-
-
-class JointFit(Part):
-    """The fit of all recordings together."""
-
-    shared: dict[str, SharedNumber]
-    correlation: Correlation
-    steps: int
-    decrement: Real = None
-    moved: Moved
-    reduced_chi_square: Real
-    birge: Real
-    whiteness: list[Whiteness]
-    whiteness_limit: float
-    angles: dict[str, SharedNumber]
-    angles_measured: bool
-    profiles: dict[str, Profile]
-
-
-class Likelihood(Part):
-    """The likelihood of all recordings together, of a camera that is fitted row by row."""
-
-    values: dict[str, Real]
-    start: dict[str, Real]
-    unit: str
-    steps: int
-    whiteness: list[Whiteness]
-    profiles: dict[str, Profile]
-
-
-class PredictedPart(Part):
-    """One source of a predicted uncertainty."""
-
-    source: str
-    standard_uncertainty: Real
-
-
-class PredictedParameter(Part):
-    """What the recordings should tell of a parameter; ``ratio`` is the stated uncertainty over it."""
-
-    predicted_standard_uncertainty: Real
-    ratio: Real
-    parts: list[PredictedPart]
-    unit: str
-
-
-class PredictedDelay(Part):
-    """What they should tell of a relative delay."""
-
-    nominal: float
-    rotation_speed: Quantity
-    predicted_standard_uncertainty: Real
-    unit: str
-
-
-class LikeCamera(Part):
-    """The camera in the words of ``irtiming plan --like``; times in the unit."""
-
-    camera: CameraType
-    readout_mode: ReadoutMode | None = None
-    noise_to_contrast: Real
-    opening_pixels: Real
-    unit: str
-    integration_time: Real = None
-    time_constant: Real = None
-    row_delay: Real = None
-
-
-class Prediction(Part):
-    """What the recordings should tell."""
-
-    camera: LikeCamera
-    parameters: dict[str, PredictedParameter]
-    relative_delays: list[PredictedDelay]
-
-
-class WheelTemperature(Quantity):
-    """Temperature of the wheel, and who says so."""
-
-    source: str = Field(alias="from")
-
-
-class EffectiveConstant(Uncertain):
-    """Time constant at one blackbody temperature, beside the model."""
-
-    blackbody_temperature: float
-    pixel_temperature: float
-    temperature_unit: str
-    model: Real
-
-
-class TwoConstants(Part):
-    """Time constants of substrate and scene."""
-
-    parameters: dict[str, Parameter]
-    bounds: dict[str, Bound]
-    correlation: Correlation
-    scene_share: Real
-    least_share: Real
-    substrate_temperature: Quantity
-    wheel_temperature: WheelTemperature
-    effective: list[EffectiveConstant]
-    effective_correlation: list[list[Real]]
-
-
-class NoiseCorrelation(Correlation):
-    """What the noise of the frames alone does to the parameters."""
-
-    standard_uncertainty: list[Real]
-    trigger_delay_minus_time_constant: dict[str, Real | str] | None = None
-    trigger_delay_plus_time_constant: dict[str, Real | str] | None = None
-    unit: str
-
-
-class Geometry(Part):
-    """The rig as the analysis took it; angles in ``angle_unit``."""
-
-    cutout_edges: list[float]
-    cutout_edges_from: str
-    beta_1: float
-    beta_2: float
-    gate_height: Quantity
-    camera_roll: Real
-    opening_angle: Real = None
-    opening_angle_fitted: list[Real] = Field([])
-    angle_unit: str
-
-
-class WheelSpeed(Part):
-    """A speed at which the wheel's slots were measured."""
-
-    rotation_speed: float
-    unit: str
-    turns: int
-
-
-class WheelOrder(Part):
-    """One order of the slots' deviations."""
-
-    order: int
-    amplitude: Real
-    standard_uncertainty: Real
-    phase: Real
-    separable_from_ripple: bool
-
-
-class Ripple(Part):
-    """Speed variation that repeats every turn, by order from 1."""
-
-    reference_speed: Quantity
-    amplitude_by_order: list[Real]
-    standard_uncertainty_by_order: list[Real]
-    chance_by_order: list[Real]
-    chance: Real
-
-
-class Wheel(Part):
-    """The wheel's slots, gates and edges; angles in ``angle_unit``."""
-
-    slots_from: list[str]
-    speeds: list[WheelSpeed]
-    rms_deviation: Real
-    standard_uncertainty: Real
-    orders: list[WheelOrder]
-    ripple: Ripple | str
-    gate_separation: Uncertain
-    application_edges: Uncertains | None
-    angle_unit: str
-
-
-class RecordingFit(Part):
-    """The fit of one recording; of row sums with the first and the last of its ``rows``."""
-
-    recording: str
-    trigger_delay: Real = None
-    exposure_midpoint_delay: Real = None
-    time_constant: Real = None
-    integration_time: Real = None
-    row_delay: Real = None
-    opening_angle: Real = None
-    search_started_at: list[Real]
-    steps: int | None = None
-    rows: list[int] | None = None
-    median_noise: Real
-    widening: Real
-    unit: str
-
-
-class PublishedFit(Part):
-    """The paper's fit of the recordings with one delay."""
-
-    recordings: list[str]
-    trigger_delay_time_set: float
-    trigger_delay: Real
-    time_constant: Real
-    row_delay: Real
-    time_constants_tried: list[Real]
-    rms: list[Real]
-    deviation_rms: Real
-    unit: str
 
 
 class ShutterEvent(Part):
@@ -429,18 +181,18 @@ class Result(Core):
     camera: CameraType
     readout_mode: ReadoutMode | None = None
     findings: list[ResultFinding] = Field([])
-    joint_fit: JointFit | None = None
-    likelihood: Likelihood | None = None
-    prediction: Prediction | None
+    joint_fit: Evidence | None = None
+    likelihood: Evidence | None = None
+    prediction: Evidence | None = None
     other_method: Core | None = None
-    two_constants: TwoConstants | None = None
-    noise_correlation: NoiseCorrelation | None = None
-    geometry: Geometry
-    wheel: Wheel | None
-    opening: dict[str, Uncertain | bool | float | None] = Field({})
-    fits: list[RecordingFit] = Field([])
-    published_fits: list[PublishedFit] = Field([])
-    choices: Settings
+    two_constants: Evidence | None = None
+    noise_correlation: Evidence | None = None
+    geometry: Evidence
+    wheel: Evidence | None
+    opening: Evidence | None = None
+    fits: list[Evidence] = Field([])
+    published_fits: list[Evidence] = Field([])
+    choices: Evidence
     inputs: list[Input]
     rig: Source
     software: dict[str, str]

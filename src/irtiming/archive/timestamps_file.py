@@ -13,6 +13,7 @@ from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
+from irtiming.archive.nexus import group, set_units
 from irtiming.archive.reader import check_version
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
@@ -77,13 +78,10 @@ def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRu
     try:
         with h5py.File(part, "w", libver=layout.HDF5_FORMAT) as file:
             for field, value in values.items():
-                file.create_dataset(field.path, data=value).attrs["units"] = field.unit
+                set_units(group(file, field.group).create_dataset(field.name, data=value), field.unit)
             for name, ticks in beside.items():
                 if ticks.size:
-                    file.create_dataset(f"{layout.TRIGGER_GENERATOR}/{name}", data=ticks).attrs["units"] = "ticks"
-            for group, kind in layout.GROUPS.items():
-                if group in file:
-                    file[group].attrs["NX_class"] = kind
+                    set_units(group(file, layout.TRIGGER_GENERATOR).create_dataset(name, data=ticks), "ticks")
             file[layout.ENTRY].attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
         part.replace(target)
     except OSError as error:

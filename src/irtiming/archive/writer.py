@@ -228,47 +228,15 @@ class RecordingWriter:
 
 
 def values_of(recording: Recording) -> dict[Field, Any]:
-    """What a recording says, by field of the file; frames and reference stacks are written apart."""
-    return {
-        layout.TITLE: recording.name,
-        layout.START_TIME: recording.start_time or None,
-        layout.CAMERA_TYPE: recording.camera_type,
-        layout.READOUT_MODE: recording.readout_mode,
-        layout.INTEGRATION_TIME: recording.integration_time_s,
-        layout.TRIGGER_DELAY_TIME_SET: recording.trigger_delay_time_set_s,
-        layout.BIT_DEPTH: recording.bit_depth,
-        layout.FRAME_NUMBER: recording.frame_number,
-        layout.ROTATION_SPEED: recording.rotation_speed_hz,
-        layout.CLOCK_FREQUENCY: recording.clock_frequency_hz,
-        layout.CAMERA_TRIGGER: recording.camera_trigger_ticks,
-        layout.CONTROL_SLOT: recording.control_slot_ticks,
-        layout.APPLICATION_SLOT: recording.application_slot_ticks,
-        layout.APPLICATION_EDGES: recording.application_edge_ticks,
-        layout.LOST_AFTER: recording.lost_after_ticks,
-        layout.CAMERA_TRIGGER_DELAYED: recording.camera_trigger_delayed_ticks,
-        layout.CAMERA_INPUT: recording.camera_input_ticks,
-        layout.CAMERA_PERIOD: recording.camera_period_ticks,
-        layout.WHEEL_PERIOD: recording.wheel_period_ticks,
-        layout.BLACKBODY_TEMPERATURE: recording.blackbody_temperature_k,
-        layout.FRAME_ID: recording.frame_id,
-        layout.FRAME_TIMESTAMP: recording.frame_timestamp_ticks,
-        layout.TIMESTAMP_FREQUENCY: recording.timestamp_frequency_hz,
-        layout.FRAME_HOST_TIME: recording.frame_host_time_s,
-        layout.ENDING: recording.ending or None,
-        layout.PROGRAM_VERSION: recording.program_version or None,
-        **({} if recording.camera is None else identity_values(recording.camera)),
-    }
+    """What a recording says, by field of the file, None where it says nothing; frames and reference stacks are written apart."""
+    values = {field: getattr(recording, field.attribute) for field in layout.FIELDS if field.attribute}
+    values |= {} if recording.camera is None else identity_values(recording.camera)
+    return {field: None if isinstance(value, str) and not value else value for field, value in values.items()}
 
 
 def identity_values(camera: CameraIdentity) -> dict[Field, str | None]:
     """What a camera says of itself, by field of the file; None where it does not say."""
-    return {
-        layout.CAMERA_VENDOR: camera.vendor or None,
-        layout.CAMERA_MODEL: camera.model or None,
-        layout.CAMERA_SERIAL_NUMBER: camera.serial_number or None,
-        layout.CAMERA_FIRMWARE: camera.firmware or None,
-        layout.CAMERA_ADDRESS: camera.address or None,
-    }
+    return {field: getattr(camera, field.name) or None for field in layout.IDENTITY}
 
 
 def _reference_stacks(recording: Recording, path: str | Path) -> list[tuple[Stack, FrameStack]]:

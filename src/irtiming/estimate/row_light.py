@@ -91,7 +91,7 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
 
 
 def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
-    """Sector with these ten numbers, in the order of SHAPE_NUMBERS, in an image of so many rows and columns."""
+    """Sector with these numbers, shape (10,) or more, in the order of SHAPE_NUMBERS, in an image of so many rows and columns."""
     named = dict(zip(SHAPE_NUMBERS, map(float, numbers[: len(SHAPE_NUMBERS)]), strict=True))
     return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
 

@@ -188,7 +188,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
         for value in tried
         for sign in signs  # the other one is half a period of the second harmonic later
     ]
-    return min(trials, key=lambda timing: _misfit(data, model, timing))
+    return min(trials, key=lambda timing: _project(data, model, timing).deviance)
 
 
 def _by_phases(seen: Array, model: RowSum, *, sign: int, held: Timing) -> Timing:
@@ -208,13 +208,3 @@ def _by_phases(seen: Array, model: RowSum, *, sign: int, held: Timing) -> Timing
         | dict.fromkeys(EDGE_DELAYS, float(read_s - middle_s))
         | dict.fromkeys(readout, float(slope / (2 * omega)))
     )
-
-
-def _misfit(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> float:
-    """The deviance alone, where the search looks."""
-    shape = packed(row_sum.harmonics(model, timing))
-    left = sum(
-        part.power - np.einsum("yp,yp->y", shape, part.moment) ** 2 / np.einsum("yp,yp->y", shape @ part.gram, shape)
-        for part in data
-    )
-    return float(np.sum(np.log(np.maximum(np.asarray(left), 1e-300))))

@@ -189,7 +189,7 @@ def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, lag: tup
 
 
 def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitted:
-    """Model for these numbers; what is linear is solved for by weighted least squares over the good pixels."""
+    """Model for these numbers, shape (n_number,); what is linear is solved for by weighted least squares over the good pixels."""
     shape, row_turn = shape_of(numbers, view.mirrored, image=view.image), look.omega * numbers[ROW_DELAY]
     points = blurred_sector.border_points(shape)
     value = look.values(points.angle_rad - row_turn * points.row_px) * np.exp(-2j * row_turn * points.row_px)
@@ -249,7 +249,7 @@ def _ring(radius: Array, numbers: Array) -> Array:
 
 
 def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[Array]) -> SeenContrast:
-    """What the images say of each pixel beyond the model."""
+    """What the images say of each pixel beyond the model with these numbers, shape (n_number,)."""
     shape = shape_of(numbers, view.mirrored, image=view.image)
     points = blurred_sector.light_points(shape)
     light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=view.roi).real
@@ -283,7 +283,10 @@ def _stood_in(value: Array, view: View) -> Array:
 
 
 def first_guess(look: Look, view: View) -> Array:
-    """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast."""
+    """Numbers of the sector, shape (n_number,), about the centre that makes the phases twice the polar angles.
+
+    It is as large as the pixels of more than half contrast.
+    """
     size = ndimage.median_filter(np.where(view.good, np.abs(look.projection), 0.0), 3)
     mask = (size > 0.5 * np.quantile(size, 0.9)) & view.summed & view.good
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))

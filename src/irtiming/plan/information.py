@@ -47,7 +47,13 @@ class Information:
 
 
 def total(parts: Sequence[Information]) -> Information:
-    """Information of independent runs together; all must have the same parameters and errors."""
+    """Information of independent runs together.
+
+    Raises
+    ------
+    PlanError
+        If they do not have the same parameters and errors.
+    """
     first = parts[0]
     if any((part.names, part.sources) != (first.names, first.sources) for part in parts):
         raise PlanError(
@@ -67,7 +73,13 @@ def apart(delayed: Information, reference: Information) -> Information:
 
 
 def covariance(one: Information) -> Array:
-    """Covariance of parameters and errors, shape (n, n)."""
+    """Covariance of parameters and errors, shape (n, n).
+
+    Raises
+    ------
+    PlanError
+        If nothing is told of one of them.
+    """
     told = one.matrix + np.diag(_known(one))
     if not np.all(np.diag(told) > 0):
         raise PlanError(

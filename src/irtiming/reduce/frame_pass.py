@@ -68,7 +68,7 @@ class Judge(OfEveryFrame, Protocol):
         ...
 
     def decide(self, first: int, end: int, *, n_read: int) -> tuple[Mask, Mask]:
-        """Judge frames ``first`` to ``end`` (excluded) of which ``n_read`` have been read: good ones, and those near an event."""
+        """Good frames among ``first`` to ``end`` (excluded), ``n_read`` of them read, and those near an event, shapes (n,)."""
         ...
 
 
