@@ -58,7 +58,7 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
     names = tuple(run.name for run in runs)
     visits = nominal_angles.group(np.concatenate(angles), first.samples_per_turn, names=names)
     curve = np.concatenate(curves, axis=1)
-    usable = np.isfinite(curve).all(axis=1)
+    usable = np.asarray(np.isfinite(curve).all(axis=1))
     if usable.sum() < 2:
         raise ReductionError(
             f"{', '.join(names)}: no row of the opening has two upper and two lower plateaus; the blackbody is too near to "

@@ -1,7 +1,6 @@
 """The procedures of Schatz 2023, 3.1 and 3.2, step by step: the baseline of every result."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -70,14 +69,11 @@ def estimate(
     """
     equal = wheel_geometry.geometry(recordings, rig, slots="equal", off_axle_mask=False)
     try:
-        found = _run(averages, recordings, equal=equal, choices=choices)
+        return _run(averages, recordings, equal=equal, choices=choices)
     except IrTimingError as error:
         if choices.method == "published":
             raise
         return without(str(error), equal)
-    file = {one.name: one.source or one.name for one in recordings}
-    delays = tuple(replace(delay, file=file[delay.file]) for delay in found.result.relative_delays)
-    return replace(found, result=replace(found.result, relative_delays=delays))
 
 
 def _run(
