@@ -18,7 +18,7 @@ from irtiming.estimate import rolling_camera, rolling_timing, row_delay_and_lag,
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.choices import Choices
 from irtiming.records.lag_estimate import WheelInImage
-from irtiming.reduce import microbolometer, row_averages
+from irtiming.reduce import recipes, row_averages
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene
 
@@ -41,7 +41,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
     scene = microbolometer_scene(rows, columns)
     scene = replace(scene, optics=replace(scene.optics, pixel_pitch_m=1.1 * scene.optics.pixel_pitch_m))
     rig = twin.draw(scene, seed=seed)
-    reduced = microbolometer.reduce(twin.simulate(rig.scene, seed=seed), rig.measured, choices=Choices())
+    reduced = recipes.reduce(twin.simulate(rig.scene, seed=seed), rig.measured, choices=Choices())
     begin = time.perf_counter()
     found = rolling_camera.estimate([reduced], rig.measured)
     whole_s = time.perf_counter() - begin

@@ -24,7 +24,7 @@ from irtiming.archive import reader, rig_file
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
-from irtiming.reduce import microbolometer
+from irtiming.reduce import recipes
 
 ROWS, COLUMNS = 480, 640
 
@@ -52,7 +52,7 @@ class TimedPass:
 
     def __call__(self) -> None:
         told: list[tuple[int, float]] = []
-        microbolometer.reduce(
+        recipes.reduce(
             self.recording,
             self.rig,
             choices=Choices(),

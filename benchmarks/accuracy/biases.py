@@ -22,7 +22,7 @@ from distortion import beside_the_middle
 from irtiming import measurement
 from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
 from irtiming.records.rig import CameraOptics, Measured, Rig
-from irtiming.reduce import axle_view, cooled
+from irtiming.reduce import axle_view, nominal_angles
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
 from irtiming.twin.scene import BolometerTiming, Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed
@@ -49,7 +49,7 @@ def without_mask_shift() -> Any:
 
 def without_shares() -> Any:
     """Each frame counts alike in the pixels' phases, whatever frames are lost beside it."""
-    return patch.object(cooled, "_share_of_turn", lambda angle, _: np.isfinite(angle).astype(float))
+    return patch.object(nominal_angles, "share_of_turn", lambda angle, _: np.isfinite(angle).astype(float))
 
 
 def field_taken_for_light() -> Any:

@@ -16,7 +16,7 @@ from irtiming.estimate import rolling_camera, two_constants
 from irtiming.physics.response.two_constants import TwoConstants, bending, effective_time_constant, steady_temperature
 from irtiming.records.choices import Choices
 from irtiming.records.two_constants import TwoConstantsResult
-from irtiming.reduce import microbolometer
+from irtiming.reduce import recipes
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import RadiativeExchange, microbolometer_scene, with_wheel_speed
 
@@ -37,7 +37,7 @@ def one(job: tuple[int, float, tuple[float, ...]]) -> tuple[float, int, TwoConst
     for k, kelvin in enumerate(blackbodies_k):
         shown = replace(rig.scene, timing=timing, radiance=replace(rig.scene.radiance, blackbody_k=kelvin))
         recording = twin.simulate(shown, seed=100 * seed + k, name=f"{kelvin:g} K")
-        reduced.append(microbolometer.reduce(recording, rig.measured, choices=Choices()))
+        reduced.append(recipes.reduce(recording, rig.measured, choices=Choices()))
     effective = rolling_camera.estimate(reduced, rig.measured).result.effective
     assert effective is not None
     found = two_constants.estimate(effective, substrate_temperature_k=SUBSTRATE_K)

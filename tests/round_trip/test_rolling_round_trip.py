@@ -12,7 +12,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import rolling_camera
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.reduce import microbolometer
+from irtiming.reduce import recipes
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed
 from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
@@ -53,7 +53,7 @@ def _truth(timing):
 
 
 def _fit(rig, *recordings):
-    reduced = [microbolometer.reduce(one, rig.measured, choices=Choices()) for one in recordings]
+    reduced = [recipes.reduce(one, rig.measured, choices=Choices()) for one in recordings]
     return rolling_camera.estimate(reduced, rig.measured)
 
 
@@ -103,7 +103,7 @@ def test_several_wheel_speeds_and_delays_from_end_to_end():
 
 def test_nothing_and_the_same_twice_are_refused(monkeypatch):
     """Oracle: by hand; a recording is known by its checksum, before its frames are read again."""
-    monkeypatch.setattr(microbolometer, "reduce", lambda recording, *_, **__: recording)
+    monkeypatch.setattr(recipes, "reduce", lambda recording, *_, **__: recording)
     monkeypatch.setattr(Recording, "opening", None, raising=False)
     rig = twin.draw(BASE, seed=41)
     one = replace(twin.simulate(rig.scene, seed=7), sha256="a" * 64)
@@ -120,7 +120,7 @@ def test_the_example_recording_gives_its_truth(shared_recordings):
         pytest.skip(f"no truth.json in {folder}")
     rig, truth = rig_file.read_rig(folder / "rig.toml"), json.loads((folder / "truth.json").read_text())
     recording = reader.read(folder / "bolo-3Hz-0ms.nxs")
-    rows = microbolometer.reduce(recording, rig, choices=Choices())
+    rows = recipes.reduce(recording, rig, choices=Choices())
     found = rolling_camera.estimate([rows], rig)
     estimate = found.result.estimate
     assert estimate.names == NAMES

@@ -47,6 +47,7 @@ def reduced_recording() -> Callable[..., ReducedRecording]:
             covered_frame_dn=np.zeros((1, 1)),
             mask=np.ones((1, 1), bool),
             summed=np.ones((1, 1), bool),
+            weight=np.ones((1, 1)),
             border_px=1,
             bad=np.zeros((1, 1), bool),
             blackbody_is_colder=is_colder,

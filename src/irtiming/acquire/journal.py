@@ -95,7 +95,8 @@ class Journal:
             "overflowed": outcome.overflowed,
             "longest_queue": outcome.longest_queue,
             "stream": asdict(outcome.counts),
-            "warnings": list(outcome.warnings),
+            "warnings": [finding.sentence() for finding in outcome.findings],
+            "findings": [asdict(finding) for finding in outcome.findings],
         }
         self.note(f"run {outcome.order.number}: {outcome.ending}")
 

@@ -6,7 +6,7 @@ periods must lie between the first frame and the last as between the first trigg
 left. Where triggers are missing at one end, the time of arrival decides: a frame cannot come before its trigger.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple, final
@@ -15,6 +15,7 @@ import numpy as np
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.camera_frame import CameraFrame
+from irtiming.records.finding import Finding
 from irtiming.records.timestamps import Timestamps
 from irtiming.units import readable_time
 
@@ -53,7 +54,7 @@ class Verdict:
     """
 
     reasons: tuple[str, ...]
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     triggers: int
     frames: int
     lost: int
@@ -132,7 +133,7 @@ class Pairing:
             Usual time from trigger to arrival in an earlier run that was proven, rig's time; None if there is none.
         """
         made = timestamps.camera_trigger_delayed_ticks
-        warnings: list[str] = []
+        findings: list[Finding] = []
         latency_s: float | None = None
         if not self._numbers:
             self._against(
@@ -143,10 +144,10 @@ class Pairing:
                 f"timestamps were lost at {timestamps.lost_after_ticks.size} places; check the trigger generator's line"
             )
         else:
-            warnings += self._check_ends(made.size)
+            findings += self._check_ends(made.size)
             latencies_s = speed * self._latencies_s(made, earliest_s)
             if self._has_clock:
-                warnings += self._check_clock(made, latencies_s, may_drift_s=self._may_drift_s(speed))
+                findings += self._check_clock(made, latencies_s, may_drift_s=self._may_drift_s(speed))
             else:
                 self._check_arrivals(latencies_s)
                 self._check_drift(latencies_s, may_drift_s=self._may_drift_s(speed))
@@ -155,7 +156,7 @@ class Pairing:
                 latency_s = self._steady_s(latencies_s)
         return Verdict(
             reasons=tuple(self._reasons),
-            warnings=tuple(warnings),
+            findings=tuple(findings),
             triggers=int(made.size),
             frames=len(self._numbers),
             lost=self._lost,
@@ -186,18 +187,19 @@ class Pairing:
             )
         return max(next_number, min(number + periods, next_number + self._n_triggers))
 
-    def _check_ends(self, n_made: int) -> list[str]:
+    def _check_ends(self, n_made: int) -> Iterator[Finding]:
         """More frames than triggers are refused; fewer are told."""
         if self.last_number >= n_made:
             self._against(f"frames of {self.last_number + 1} triggers came, but only {n_made} were made")
-        warnings = []
         if self._lost:
-            warnings.append(f"{self._lost} frames were lost on the way; blank frames stand in their place")
+            what, cure = f"{self._lost} frames were lost on the way", "blank frames stand in their place"
+            yield Finding(code="frames-lost-on-the-way", severity="warning", what=what, cure=cure)
         if self._missed:
-            warnings.append(f"{self._missed} triggers made no frame")
+            what = f"{self._missed} triggers made no frame"
+            yield Finding(code="triggers-without-frame", severity="warning", what=what)
         if 0 <= self.last_number < n_made - 1:
-            warnings.append(f"the last {n_made - 1 - self.last_number} triggers have no frame")
-        return warnings
+            what = f"the last {n_made - 1 - self.last_number} triggers have no frame"
+            yield Finding(code="last-triggers-without-frame", severity="warning", what=what)
 
     def _latencies_s(self, made: Ticks, earliest_s: Callable[[int], float]) -> Array:
         """At most so long, in this computer's time, each frame took from its trigger to arrival, shape (n_frame,)."""
@@ -230,7 +232,7 @@ class Pairing:
             return None
         return float(np.median(latencies_s))
 
-    def _check_clock(self, made: Ticks, latencies_s: Array, *, may_drift_s: float) -> list[str]:
+    def _check_clock(self, made: Ticks, latencies_s: Array, *, may_drift_s: float) -> Iterator[Finding]:
         """The camera's clock against the triggers over the whole run: one straight line.
 
         Where its slope is not 1, either the clock is a little wrong, or the camera does not wait for its triggers: the
@@ -242,7 +244,7 @@ class Pairing:
             if ticks and number < made.size
         ]
         if len(known) < 3:
-            return []
+            return
         numbers = np.array([number for number, _ in known], dtype=np.float64)
         made_s = (numbers - numbers[0]) * self._period_s
         said_s = np.array([ticks - known[0][1] for _, ticks in known]) / self._device_hz
@@ -257,10 +259,8 @@ class Pairing:
         if abs(slope - 1) * made_s[-1] > may_drift_s:
             self._check_drift(latencies_s, may_drift_s=may_drift_s)
         if abs(slope - 1) > _CLOCK_TOLERANCE and not self._reasons:
-            return [
-                f"the camera's clock runs {slope - 1:+.2%} against the trigger generator's; one of the two is wrong"
-            ]
-        return []
+            what = f"the camera's clock runs {slope - 1:+.2%} against the trigger generator's"
+            yield Finding(code="camera-clock-off", severity="warning", what=what, cure="one of the two is wrong")
 
     def _may_drift_s(self, speed: float) -> float:
         return max(_DRIFT * self._period_s, _HOST_S * speed)

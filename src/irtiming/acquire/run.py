@@ -5,6 +5,7 @@ says so and is not analysed.
 """
 
 import asyncio
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,6 +27,7 @@ from irtiming.archive.live.head import RecordingHead
 from irtiming.archive.live.recording import COMPLETE, TickStream
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame, CameraSetup, StreamCounts
+from irtiming.records.finding import Finding
 from irtiming.records.instrument_state import BlackbodyState
 from irtiming.records.recording import USUAL_READOUT, NonuniformityReference
 from irtiming.records.series_plan import CameraWishes
@@ -91,7 +93,7 @@ class RunOutcome:
     ending: str
     verdict: Verdict
     counts: StreamCounts
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
     overflowed: int = 0
     longest_queue: int = 0
     repeated: int = 0
@@ -370,7 +372,7 @@ class _Capture:
             ending=ending,
             verdict=verdict,
             counts=counts,
-            warnings=(*verdict.warnings, *self._oddities(writer, counts)),
+            findings=(*verdict.findings, *self._oddities(writer, counts)),
             overflowed=self._overflowed,
             longest_queue=writer.longest_queue,
             repeated=writer.repeated,
@@ -391,20 +393,18 @@ class _Capture:
             verdict = replace(verdict, reasons=(*verdict.reasons, frozen), latency_s=None)
         return verdict
 
-    def _oddities(self, writer: FrameWriter, counts: StreamCounts) -> list[str]:
+    def _oddities(self, writer: FrameWriter, counts: StreamCounts) -> Iterator[Finding]:
         """What a person should know, though the recording stands."""
-        told = []
         if self._overflowed:
-            told.append(f"{self._overflowed} frames found the queue to the disk full and are blank; use a faster disk")
+            what = f"{self._overflowed} frames found the queue to the disk full and are blank"
+            yield Finding(code="disk-too-slow", severity="warning", what=what, cure="use a faster disk")
         if counts.frames_damaged:
-            told.append(
-                f"{counts.frames_damaged} frames came damaged, {counts.packets_missing} packets are missing; check link and MTU"
-            )
+            what = f"{counts.frames_damaged} frames came damaged, {counts.packets_missing} packets are missing"
+            yield Finding(code="frames-came-damaged", severity="warning", what=what, cure="check link and MTU")
         if counts.queue_dropped:
-            told.append(f"{counts.queue_dropped} frames were lost because this computer was too slow to take them")
+            what = f"{counts.queue_dropped} frames were lost because this computer was too slow to take them"
+            yield Finding(code="computer-too-slow", severity="warning", what=what)
         pace = self._counter.pace()
         if pace is not None and self._rig.speed == 1 and abs(pace - 1) > _PACE_TOLERANCE:
-            told.append(
-                f"the trigger generator's clock runs {pace - 1:+.1%} against this computer's; check its clock frequency"
-            )
-        return told
+            what = f"the trigger generator's clock runs {pace - 1:+.1%} against this computer's"
+            yield Finding(code="generator-clock-off", severity="warning", what=what, cure="check its clock frequency")

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.options import filled, in_options
+from irtiming.cli.options import Edge, RigFile, filled, in_options
 from irtiming.errors import UnitError
-from irtiming.records.choices import Choices, Method, ReferenceEdge
+from irtiming.records.choices import Choices, Method
 
 _SLOPE_LIMITS = "0.05,0.95"
 
@@ -15,7 +15,7 @@ _SLOPE_LIMITS = "0.05,0.95"
 @in_options
 def analyse(
     recording: Annotated[list[Path], typer.Argument(help="Recordings of one camera on one rig, in any order.")],
-    rig: Annotated[Path, typer.Option(help="What was measured on the rig (rig.toml).")],
+    rig: RigFile,
     json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the result as JSON.")] = None,
     report: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the report as one HTML page.")] = None,
     method: Annotated[
@@ -47,10 +47,7 @@ def analyse(
         str,
         typer.Option(metavar="LOW,HIGH", help="Opening fractions that lines are fitted to; photon cameras only."),
     ] = _SLOPE_LIMITS,
-    reference_edge: Annotated[
-        ReferenceEdge,
-        typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
-    ] = "automatic",
+    reference_edge: Edge = "automatic",
     substrate_temperature: Annotated[
         str | None,
         typer.Option(

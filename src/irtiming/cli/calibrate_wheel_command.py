@@ -5,24 +5,20 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.options import filled
+from irtiming.cli.options import Edge, RigFile, filled
 from irtiming.cli.screen import warn
-from irtiming.records.choices import ReferenceEdge
 
 
 def calibrate_wheel(
     recording: Annotated[
         list[Path], typer.Argument(help="Recordings of one wheel, of any camera, at any speeds, in any order.")
     ],
-    rig: Annotated[Path, typer.Option(help="What was measured on the rig (rig.toml).")],
+    rig: RigFile,
     out: Annotated[Path, typer.Option(metavar="OUT", help="Write the calibration there, as JSON.")],
     picture: Annotated[
         Path | None, typer.Option(metavar="OUT", help="Draw the slots and their orders there, as SVG.")
     ] = None,
-    reference_edge: Annotated[
-        ReferenceEdge,
-        typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
-    ] = "automatic",
+    reference_edge: Edge = "automatic",
 ) -> None:
     """Angles of the control slots and application edges from the timestamps alone; frames are not looked at.
 

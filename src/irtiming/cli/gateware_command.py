@@ -9,9 +9,8 @@ import typer
 
 from irtiming.cli.gateware_build_command import build
 from irtiming.cli.gateware_firmware_command import firmware
-from irtiming.cli.options import filled, in_options
+from irtiming.cli.options import ArrayBits, ArrayCamera, ArrayIntegration, ArrayReadout, Duration, filled, in_options
 from irtiming.cli.screen import say
-from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
 if TYPE_CHECKING:
@@ -107,19 +106,10 @@ def combine(
     timestamps: Annotated[Path, typer.Argument(help="File that irtiming gateware record wrote.")],
     frames: Annotated[Path, typer.Argument(help="The camera's frames of that run: .npy, .npz, or a recording.")],
     out: Annotated[Path, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")],
-    camera: Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")] = None,
-    readout: Annotated[
-        ReadoutMode | None,
-        typer.Option(
-            help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."
-        ),
-    ] = None,
-    integration_time: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
-    ] = None,
-    bit_depth: Annotated[
-        int | None, typer.Option(min=1, max=16, help="Bits of a pixel value, 16 if not given; for .npy and .npz.")
-    ] = None,
+    camera: ArrayCamera = None,
+    readout: ArrayReadout = None,
+    integration_time: ArrayIntegration = None,
+    bit_depth: ArrayBits = None,
 ) -> None:
     """Put timestamps and frames of one run together into a recording that is ready for analysis."""
     given = locals()
@@ -134,9 +124,7 @@ def simulate(
     clock_hz: Annotated[
         int, typer.Option(min=1_000_000, max=1_000_000_000, help="Clock of the device, whole Hz.")
     ] = 48_000_000,
-    duration: Annotated[
-        str | None, typer.Option(metavar="TIME", help="End after this, such as '10 min'; else Ctrl-C ends it.")
-    ] = None,
+    duration: Duration = None,
     model: Annotated[
         bool,
         typer.Option(

@@ -5,10 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.options import filled, in_options
+from irtiming.cli.options import ArrayBits, ArrayCamera, ArrayIntegration, ArrayReadout, filled, in_options
 from irtiming.cli.screen import say
 from irtiming.errors import ArchiveError, UnitError
-from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
 _FACTS = ("camera", "readout", "wheel_hz", "integration_time", "trigger_delay_set", "bit_depth")
@@ -55,23 +54,14 @@ def import_capture(
             "--delayed-trigger", help="The captured trigger comes after the set trigger delay, which is taken off."
         ),
     ] = False,
-    camera: Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")] = None,
-    readout: Annotated[
-        ReadoutMode | None,
-        typer.Option(
-            help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."
-        ),
-    ] = None,
+    camera: ArrayCamera = None,
+    readout: ArrayReadout = None,
     wheel_hz: Annotated[float | None, typer.Option(help="Nominal wheel rate in Hz; for .npy and .npz.")] = None,
-    integration_time: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
-    ] = None,
+    integration_time: ArrayIntegration = None,
     trigger_delay_set: Annotated[
         str | None, typer.Option(metavar="TIME", help="Extra trigger delay that was set; for .npy and .npz.")
     ] = None,
-    bit_depth: Annotated[
-        int | None, typer.Option(min=1, max=16, help="Bits of a pixel value, 16 if not given; for .npy and .npz.")
-    ] = None,
+    bit_depth: ArrayBits = None,
 ) -> None:
     """Take timestamps from a logic analyser's capture, and put them and the frames into a recording.
 

@@ -1,12 +1,40 @@
-"""From options to records and back: an option is a field of a record, without the unit of a time or a temperature."""
+"""From options to records and back: an option is a field of a record, without the unit of a time or a temperature.
+
+Options that several commands have stand here too.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from pathlib import Path
+from typing import Annotated, Any, ParamSpec, TypeVar
+
+import typer
 
 from irtiming.errors import IrTimingError
+from irtiming.records.choices import ReferenceEdge
+from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import kelvin, seconds
+
+RigFile = Annotated[Path, typer.Option(help="What was measured on the rig (rig.toml).")]
+Edge = Annotated[
+    ReferenceEdge,
+    typer.Option(help="Which application edge is the angle zero; automatic: before the longer half turn."),
+]
+Duration = Annotated[
+    str | None, typer.Option(metavar="TIME", help="End after this, such as '10 min'; else Ctrl-C ends it.")
+]
+ArrayCamera = Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")]
+ArrayReadout = Annotated[
+    ReadoutMode | None,
+    typer.Option(help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."),
+]
+ArrayIntegration = Annotated[
+    str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
+]
+ArrayBits = Annotated[
+    int | None, typer.Option(min=1, max=16, help="Bits of a pixel value, 16 if not given; for .npy and .npz.")
+]
 
 _UNITS = {"_s": seconds, "_k": kelvin}
 _OTHER = {"wanted": "--for"}

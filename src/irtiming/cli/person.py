@@ -93,8 +93,8 @@ class Person(LiveAttendant):
             f"{counts.packets_missing} packets missing, {counts.packets_resent} resent, longest queue {outcome.longest_queue}: "
             f"{outcome.ending}"
         )
-        for text in outcome.warnings:
-            self.says(f"warning: {text}")
+        for finding in outcome.findings:
+            self.says(f"warning: {finding.sentence()}")
         super().ended(outcome)
 
     def learns(self, estimate: LiveEstimate) -> None:

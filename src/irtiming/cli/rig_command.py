@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from irtiming.cli.options import filled
+from irtiming.cli.options import Duration, filled
 from irtiming.cli.screen import say
 from irtiming.errors import PlanError
 from irtiming.records.recording import CameraType, ReadoutMode
@@ -43,9 +43,7 @@ def rig(
             metavar="DIR", help="Write plan.toml, rig.toml and truth.json of this rig there; made if not there."
         ),
     ] = None,
-    duration: Annotated[
-        str | None, typer.Option(metavar="TIME", help="End after this, such as '10 min'; else Ctrl-C ends it.")
-    ] = None,
+    duration: Duration = None,
     console: Annotated[
         int, typer.Option(min=0, max=65535, help="Port at which --tell reaches this rig; 0 for any that is free.")
     ] = 3957,

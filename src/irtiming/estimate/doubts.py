@@ -109,8 +109,27 @@ def of_angles(joint: JointFit) -> tuple[Finding, ...]:
     )
 
 
+def of_start(joint: JointFit) -> tuple[Finding, ...]:
+    """Where a search that does not begin at the recordings' own estimates stayed where it began.
+
+    Parameters
+    ----------
+    joint
+        The joint fit.
+    """
+    if joint.parameters.value("delay") != joint.start["delay"]:
+        return ()
+    return (
+        Finding(
+            code="start-not-left",
+            severity="warning",
+            what="the joint fit did not leave its start value: nothing in the recordings moved it",
+        ),
+    )
+
+
 def of_joint(joint: JointFit) -> tuple[Finding, ...]:
-    """Where the joint fit stayed where it began, did not settle, or left residuals that are not white.
+    """Where the joint fit did not settle, or left residuals that are not white.
 
     Parameters
     ----------
@@ -118,14 +137,6 @@ def of_joint(joint: JointFit) -> tuple[Finding, ...]:
         The joint fit.
     """
     doubts, white = [], joint.whiteness
-    if joint.parameters.value("delay") == joint.start["delay"]:
-        doubts.append(
-            Finding(
-                code="start-not-left",
-                severity="warning",
-                what="the joint fit did not leave its start value: nothing in the recordings moved it",
-            )
-        )
     if joint.decrement > 1:
         doubts.append(
             Finding(

@@ -34,7 +34,7 @@ def profiles(timing: Timing) -> tuple[Profile, ...]:
         if one.forgotten not in found:
             found[one.forgotten] = _minimum(exact, one.forgotten)
         u = timing.found.result.estimate.u(one.name)
-        made.append(_profile(one, found[one.forgotten], u=u))
+        made.append(profile(one, found[one.forgotten], u=u))
     return tuple(made)
 
 
@@ -51,7 +51,18 @@ def _minimum(exact: Joint, forgotten: tuple[str, ...]) -> Joint:
     return at_point(exact.models, shared, found=found)
 
 
-def _profile(one: Measurand, at: Joint, *, u: float) -> Profile:
+def profile(one: Measurand, at: Joint, *, u: float) -> Profile:
+    """Deviance at one and two standard uncertainties to either side, and the ends of the interval at which it is 1.
+
+    Parameters
+    ----------
+    one
+        What is profiled.
+    at
+        The minimum.
+    u
+        Its standard uncertainty.
+    """
     whole = at.combined()
     row = whole.row(one.weights)
     best = float(row @ at.values)

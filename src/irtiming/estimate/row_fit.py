@@ -96,7 +96,7 @@ def with_shape_effect(
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
     task = _task(rows, wheel, light)
-    found, held = _solved(task, None if start is None else start.timing)
+    found, held = _solved(task, start)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
     whole = row_sum.harmonics(task.model, found.timing)
@@ -133,12 +133,15 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     )
 
 
-def _solved(task: _Task, start: Timing | None) -> tuple[Solution, Timing]:
+def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     """The solution, and which numbers it holds: a window of which the frames say less than the recording.
 
-    With a window held as stated, or found without a statement, the frames' own uncertainty of it decides.
+    With a window held as stated, or found without a statement, the frames' own uncertainty of it decides; an earlier fit has
+    decided already.
     """
-    found = row_timing.solve(task.data, task.model, start=start, signs=task.signs, held=task.stated)
+    if start is not None:
+        return row_timing.solve(task.data, task.model, start=start.timing, held=start.held), start.held
+    found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:
         return found, {}
     window_s = abs(found.timing[_WINDOW])
@@ -191,15 +194,15 @@ def _residuals(task: _Task, found: Solution, model: Array) -> tuple[Array, Array
     return residual, fraction
 
 
-def _free_slopes(task: _Task, found: Solution) -> ComplexArray:
-    """Derivatives of the rows' harmonics to the numbers that were fitted, shape (k, n_row, M + 1), per second."""
-    at = [task.model.names.index(name) for name in found.minimum.free]
-    return row_sum.slopes(task.model, found.timing)[at]
+def _linearised(task: _Task, found: Solution) -> tuple[ComplexArray, ComplexArray]:
+    """The rows' harmonics (n_row, M + 1) and their derivatives to the numbers that were fitted, (k, n_row, M + 1), per second."""
+    whole, slopes = row_sum.linearised(task.model, found.timing)
+    return whole, slopes[[task.model.names.index(name) for name in found.minimum.free]]
 
 
 def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array) -> Array:
     """Gradient of the log-likelihood that each frame contributes, shape (n, k); gain and offset of the rows projected out."""
-    slopes, shape = packed(_free_slopes(task, found)), packed(row_sum.harmonics(task.model, found.timing))
+    shape, slopes = (packed(one) for one in _linearised(task, found))
     scores = np.zeros((residual.shape[0], len(slopes)))
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
         weighted = np.ascontiguousarray((residual[part] * (gain / found.variance)).T, dtype=np.float32)
@@ -216,9 +219,9 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array) -> A
 
 def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:
     """Change of the fitted numbers per unit of each number of the sector, shape (k, 10): one linear step of the fit."""
-    whole, light = row_sum.harmonics(task.model, found.timing), task.model.row_harmonics
+    (whole, slopes), light = _linearised(task, found), task.model.row_harmonics
     moved = packed(changes * (whole / np.where(light == 0, 1, light)))
-    shape, slope = packed(whole), packed(_free_slopes(task, found))
+    shape, slope = packed(whole), packed(slopes)
     pull = np.zeros((len(slope), len(changes)))
     for data, gain in zip(task.data, found.gain, strict=True):
         through = slope @ data.gram

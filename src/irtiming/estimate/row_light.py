@@ -98,7 +98,7 @@ def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> Secto
 
 def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
-    points, blur_px = blurred_sector.light_points(sector.shape), sector.shape.blur_px
+    points, blur_px = blurred_sector.light_points(sector.shape, n_harmonics=n_harmonics), sector.shape.blur_px
     inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=n_harmonics)
     return (1 - sector.plate) * inside + _of_pixels(sector, row_px, n_harmonics=n_harmonics)
 

@@ -83,12 +83,11 @@ def solve(
     if start is None:
         coarse, few = [part.lowest(_COARSE) for part in data], model.lowest(_COARSE)
         began = {**_search(coarse, few, signs=signs, held=fixed), **fixed}
-        near = _minimum(coarse, few, start=began, held=fixed)
+        near, _ = _minimum(coarse, few, start=began, held=fixed)
         begin, n_coarse = near.values, near.n_steps
     else:
         began = begin = {**start, **fixed}
-    found = _minimum(data, model, start=begin, held=fixed)
-    at = _project(data, model, found.values)
+    found, at = _minimum(data, model, start=begin, held=fixed)
     return Solution(minimum=found, began=began, n_steps=n_coarse + found.n_steps, gain=at.gain, variance=at.variance)
 
 
@@ -110,11 +109,6 @@ def likelihood(data: Sequence[HarmonicData], model: RowSum, *, timing: Timing) -
     return condensed(deviance=at.deviance, gradient=at.gradient, normal=at.normal)
 
 
-def _minimum(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Collection[str]) -> Minimum:
-    ordered = {name: start[name] for name in model.names}
-    return minimise(lambda timing: likelihood(data, model, timing=timing), start=ordered, held=held)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Projected:
     """Gradient and normal matrix at a point, gains (n_segment, n_row) at their best, variance of each row, deviance."""
@@ -126,8 +120,23 @@ class _Projected:
     variance: Array
 
 
+def _minimum(
+    data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Collection[str]
+) -> tuple[Minimum, _Projected]:
+    """Where the search ended, and the rows there."""
+    ordered = {name: start[name] for name in model.names}
+    seen: list[_Projected] = []
+
+    def told(timing: Timing) -> Linearised:
+        seen[:] = [_project(data, model, timing)]
+        return condensed(deviance=seen[0].deviance, gradient=seen[0].gradient, normal=seen[0].normal)
+
+    found = minimise(told, start=ordered, held=held)
+    return found, seen[0]  # where a search ends is the last place that it looks at
+
+
 def _project(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> _Projected:
-    whole, slopes = row_sum.harmonics(model, timing), row_sum.slopes(model, timing)
+    whole, slopes = row_sum.linearised(model, timing)
     columns = np.ascontiguousarray(packed(np.concatenate([whole[None], slopes])).transpose(1, 0, 2))
     n_row, n_column, _ = columns.shape
     freedom = sum(part.n_frames for part in data) - 2 * len(data)

@@ -99,7 +99,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
-    own = _opening_and_window(recordings, fits, geometry)
+    own = opening_and_window(recordings, fits, geometry)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=weighed(fits, models),
         found=_by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings),
@@ -146,7 +146,8 @@ def of_pixel_fits(
     )  # fmt: skip
     findings = (
         *geometry.findings, *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
-        *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_joint(record),
+        *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
+        *doubts.of_joint(record),
     )  # fmt: skip
     return Combination(
         joint=found, joint_fit=record, profiled=reported.profiled,
@@ -189,10 +190,18 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
     return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at)
 
 
-def _opening_and_window(
+def opening_and_window(
     recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], geometry: WheelGeometry
 ) -> list[SharedNumber]:
-    """Opening, window and leans, beginning at rig.toml, one sample, and the images."""
+    """Opening, window and leans that all recordings share, beginning at rig.toml, one sample, and the images.
+
+    Parameters
+    ----------
+    recordings, fits
+        In the same order.
+    geometry
+        The wheel as drawn.
+    """
     clockwise = geometry.rotation == "clockwise"
     seen = [pixel_sums.leans_in_image(one, turns_clockwise=clockwise) for one in recordings]
     leans = np.mean([lean for lean, _ in seen], axis=0)

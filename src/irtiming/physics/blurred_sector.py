@@ -32,6 +32,7 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
+_MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 _REACH = 5.0  # blurs beyond which no light comes
 
@@ -59,9 +60,9 @@ class _Nodes:
     area: Array
 
 
-def light_points(shape: SectorShape) -> LightPoints:
-    """Gauss-Legendre nodes in radius and angle, close enough for the blur."""
-    return _in_image(shape, _nodes(shape))
+def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
+    """Gauss-Legendre nodes in radius and angle, close enough for the blur and for the highest order that is asked for."""
+    return _in_image(shape, _nodes(shape, n_harmonics=n_harmonics))
 
 
 def border_points(shape: SectorShape) -> LightPoints:
@@ -71,12 +72,13 @@ def border_points(shape: SectorShape) -> LightPoints:
     return _in_image(shape, _Nodes(down=nodes.down[near], across=nodes.across[near], area=nodes.area[near]))
 
 
-def _nodes(shape: SectorShape) -> _Nodes:
+def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
     gap = _NODES_PER_BLUR * shape.blur_px * 2 / np.pi / _widest(shape)
     half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
     half_angle = shape.opening_angle_rad / 2
     radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / gap)))
-    around, around_weight = _gauss_legendre(max(8, math.ceil(2 * half_angle * shape.outer_radius_px / gap)))
+    for_waves = math.ceil(half_angle * n_harmonics) + _MORE_NODES
+    around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / gap)))
     radius = shape.inner_radius_px + half_width * (1 + radial)
     polar = shape.bisector_rad + half_angle * around
     return _Nodes(

@@ -175,7 +175,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
     """Information (6, 6) on four edge delays, tau and t_row, s^-2, and their change (6, 9) per unit of the sector's numbers."""
     rows, timing = _row_sums(run, model)
-    whole, slopes = row_sum.harmonics(rows, timing), row_sum.slopes(rows, timing)
+    whole, slopes = row_sum.linearised(rows, timing)
     light = run.rows.harmonics
     moved = run.rows.changes * (whole / np.where(light == 0, 1, light))
     summed = summed_pixels(light)

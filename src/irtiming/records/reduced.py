@@ -1,13 +1,16 @@
 """What the reduction hands to the estimation: sums of each frame over the wheel angle, and a contrast image."""
 
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Literal, TypeAlias, final
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.wheel_track import WheelTrack
+
+Region: TypeAlias = tuple[int, int, int, int]
+"""Part of an image: first row, end row, first column, end column, ends excluded."""
 
 
 @final
@@ -48,6 +51,9 @@ class Opening:
         Pixels at more than half of the contrast, shape (row, column).
     summed
         Pixels that are summed: the mask with its whole blurred border, shape (row, column).
+    weight
+        Weight of each pixel in the sums: 1 for ``summed``, 0 for ``bad`` and others, more beside a bad one that it stands in
+        for; shape (row, column).
     border_px
         By how much ``summed`` exceeds ``mask`` on all sides, px.
     bad
@@ -58,11 +64,12 @@ class Opening:
         Where pixels are counted above a threshold; None elsewhere.
     """
 
-    roi: tuple[int, int, int, int]
+    roi: Region
     open_frame_dn: Array
     covered_frame_dn: Array
     mask: Mask
     summed: Mask
+    weight: Array
     border_px: int
     bad: Mask
     blackbody_is_colder: bool
@@ -140,7 +147,7 @@ class ContrastImage:
     frame_weight: ComplexArray
     u_dn: float
     good: Mask
-    roi: tuple[int, int, int, int]
+    roi: Region
 
 
 @final

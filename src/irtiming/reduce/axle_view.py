@@ -21,10 +21,10 @@ from scipy.optimize import least_squares
 
 from irtiming.physics.covariance import of_correlated_scores
 from irtiming.physics.lens import HIGHEST, LOWEST, Lens
-from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.reduced import AxleView, Opening
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
+from irtiming.records.reduced import AxleView, ContrastImage, Opening
 from irtiming.records.rig import Measured, Rig
-from irtiming.reduce import dead_pixels, mask_shape, opening_share
+from irtiming.reduce import mask_shape, opening_share
 
 _ENOUGH_PIXELS = 200
 _U_STRAIGHT_PX = 0.1  # of an edge traced through blurred pixels: what simulated images of 160 to 640 columns showed
@@ -36,17 +36,13 @@ _WAVE_PX = 6
 _EDGE_SPAN = (0.1, 0.9)  # of the radial extent of the mask: where its straight edges are traced
 
 
-def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) -> AxleView | None:
+def locate(contrast: ContrastImage, opening: Opening, *, rig: Rig) -> AxleView | None:
     """Axle and mask in the image from the second harmonic of the pixel values.
 
     Parameters
     ----------
-    harmonic
-        Shape (2, roi rows, roi columns); sum over frames of cos(2 theta) and sin(2 theta) times the value.
-    opening
-        From the same recording.
-    pixel_gain
-        Gain of the non-uniformity correction in the region of interest, same shape as its pixels; 0 for a bad pixel.
+    contrast, opening
+        Of the same recording.
     rig
         Direction of the wheel in the image, and what is known of the lens.
 
@@ -55,15 +51,15 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     None where the opening has too few pixels to tell.
     """
     row0, row1, column0, column1 = opening.roi
-    good = pixel_gain > 0
+    good = contrast.good
     inside = _well_inside(opening) & good
     if inside.sum() < 50:
         return None
     rows, columns = np.mgrid[row0:row1, column0:column1].astype(float)
-    swing = pixel_gain * (harmonic[0] + (1j if rig.wheel.rotation == "clockwise" else -1j) * harmonic[1])
+    swing = contrast.projection_dn if rig.wheel.rotation == "counterclockwise" else contrast.projection_dn.conj()
     places = (rows[inside], columns[inside])
     image = opening.mask.shape
-    seen = _centre(np.angle(swing[inside]), places, image=image, distortion=rig.camera.distortion)
+    seen = _centre(np.asarray(np.angle(swing[inside]), float), places, image=image, distortion=rig.camera.distortion)
     region = _region(swing, seen, opening=opening, good=good, inside=inside)
     told = _mask(seen, region)
     u_view, u_light = _by_view(seen, told, region), _by_light(seen, told, region)
@@ -82,7 +78,7 @@ def locate(harmonic: Array, opening: Opening, *, pixel_gain: Array, rig: Rig) ->
     )
 
 
-def _contrast(swing: Array, polar: Array, inside: Mask) -> Array:
+def _contrast(swing: ComplexArray, polar: Array, inside: Mask) -> Array:
     """By how much each pixel swings with the wheel, along the phase of its polar angle; its median is 1 inside the opening."""
     turned = swing * np.exp(-2j * polar)
     along = turned * np.exp(-1j * np.angle(turned[inside].sum()))
@@ -248,7 +244,7 @@ class _Region:
     corner: tuple[int, int]
 
 
-def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask, inside: Mask) -> _Region:
+def _region(swing: ComplexArray, seen: _View, *, opening: Opening, good: Mask, inside: Mask) -> _Region:
     """Contrast and shares of the pixels of the summed region."""
     row0, row1, column0, column1 = opening.roi
     mask = opening.mask[row0:row1, column0:column1]
@@ -259,7 +255,7 @@ def _region(swing: Array, seen: _View, *, opening: Opening, good: Mask, inside: 
     within = inside | ndimage.binary_erosion(mask, iterations=max(1, border_px - 2))
     beside = _beside(mask, border_px, radius=np.hypot(down, across), inside=inside)
     share, doubt = opening_share.of_pixels(contrast, inside=within & good, beside=beside & good)
-    summed = dead_pixels.weights(opening.summed, opening.bad)[row0:row1, column0:column1] > 0
+    summed = opening.weight[row0:row1, column0:column1] > 0
     summed |= ~good & ndimage.binary_dilation(summed)
     return _Region(
         light=np.where(summed, contrast, 0.0),

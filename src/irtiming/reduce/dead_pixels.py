@@ -1,9 +1,6 @@
 """Pixels of the opening that do not follow the wheel, and who stands in for them."""
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
 from irtiming.records.arrays import Array, Mask, Pixels
@@ -63,30 +60,32 @@ def weights(wanted: Mask, bad: Mask) -> Array:
     return weight
 
 
-def stand_ins(bad: Mask, wanted: Mask) -> tuple[npt.NDArray[Any], Mask]:
-    """Who stands in for each bad pixel that is wanted: the nearest good ones left and right in its own row.
-
-    Other rows are read at other times and will not do.
+def row_weights(wanted: Mask, bad: Mask) -> Array:
+    """The same where rows are read at different times: the nearest good ones left and right in its row stand in for a bad one.
 
     Parameters
     ----------
-    bad, wanted
-        Shape (row, column).
-
-    Returns
-    -------
-    Shape (n, 4): row, column, column of the good pixel on its left and on its right, the same where there is one only; and
-    the rows where more than a quarter of the wanted pixels are bad, shape (row,), which cannot be summed.
+    wanted, bad
+        Shape (row, column), as the result.
     """
-    hopeless = np.sum(bad & wanted, axis=1) > _MOST_BAD * wanted.sum(axis=1)
-    found = []
-    for row, column in np.argwhere(bad & wanted & ~hopeless[:, None]):
+    weight: Array = (wanted & ~bad).astype(float)
+    for row, column in np.argwhere(wanted & bad):
         good = np.flatnonzero(~bad[row])
-        left, right = good[good < column], good[good > column]
-        near_left = left[-1] if left.size else right[0]
-        near_right = right[0] if right.size else left[-1]
-        found.append((row, column, near_left, near_right))
-    return np.array(found, int).reshape(-1, 4), np.asarray(hopeless)
+        left, right = good[good < column][-1:], good[good > column][:1]
+        beside = np.concatenate([left, right])
+        weight[row, beside] += 1 / max(beside.size, 1)
+    return weight
+
+
+def hopeless_rows(wanted: Mask, bad: Mask) -> Mask:
+    """Rows in which more than a quarter of the wanted pixels are bad, shape (row,): they cannot be summed.
+
+    Parameters
+    ----------
+    wanted, bad
+        Shape (row, column).
+    """
+    return np.asarray(np.sum(bad & wanted, axis=1) > _MOST_BAD * wanted.sum(axis=1))
 
 
 def _stands_out(contrast: Array) -> Mask:

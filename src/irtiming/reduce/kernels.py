@@ -111,6 +111,24 @@ def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
     return sums
 
 
+@njit(cache=True, fastmath=True)
+def weighted_row_sum(frames: Pixels, weights: np.ndarray) -> Array:
+    """Sum of weight times value over each row, shape (frame, row).
+
+    ``frames`` (frame, row, column); ``weights`` float32 (row, column).
+    """
+    n_frames, n_rows, n_columns = frames.shape
+    sums = np.zeros((n_frames, n_rows), np.float64)
+    for frame in range(n_frames):
+        for row in range(n_rows):
+            values, weight = frames[frame, row], weights[row]
+            total = np.float32(0)
+            for column in range(n_columns):
+                total += weight[column] * np.float32(values[column])
+            sums[frame, row] = total
+    return sums
+
+
 @njit(cache=True)
 def repeats(frames: Pixels, before: Pixels) -> Mask:
     """Which frames are, bit by bit, the one before them, shape (frame,); ``before`` (row, column) precedes the first."""

@@ -5,14 +5,12 @@ from scipy import ndimage
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask
+from irtiming.records.reduced import Region
 
 _LARGEST_BORDER_PX = 16
 _PLATE = 0.1  # of the contrast: more than the mask plate around the opening should show
 _FLAT = 0.003  # of the contrast per pixel: less is no blur any more
 _MOST_PLATE = 0.02  # per pixel that is laid on the plate rather than on the blur
-
-Region = tuple[int, int, int, int]
-"""First row, end row, first column, end column, ends excluded."""
 
 
 def largest_part(mask: Mask) -> Mask:

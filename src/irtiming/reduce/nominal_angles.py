@@ -24,6 +24,33 @@ def samples_per_turn(recording: Recording) -> int:
     return n if n <= _MOST_SAMPLES_PER_TRIGGER * n_triggers else min(_SAMPLES_WITHOUT_SCHEME, n_triggers)
 
 
+def share_of_turn(wheel_angle_rad: Array, samples_per_turn: int) -> Array:
+    """How much of the turn each frame stands for, shape (n_frame,), mean about 1; 0 for a frame without an angle.
+
+    Frames at one nominal angle share what lies half-way to the nearest nominal angles that were visited.
+
+    Parameters
+    ----------
+    wheel_angle_rad
+        Shape (n_frame,); nan where unknown.
+    samples_per_turn
+        Nominal angles per turn.
+    """
+    known = np.isfinite(wheel_angle_rad)
+    sample = np.mod(
+        np.rint(np.where(known, wheel_angle_rad, 0.0) / TURN * samples_per_turn).astype(int), samples_per_turn
+    )
+    count = np.bincount(sample[known], minlength=samples_per_turn)
+    seen = np.flatnonzero(count)
+    if seen.size < 3:
+        return known.astype(float)
+    gap = np.diff(seen, append=seen[0] + samples_per_turn)
+    span = np.zeros(samples_per_turn)
+    span[seen] = (gap + np.roll(gap, 1)) / 2
+    share = np.where(known, span[sample] / np.maximum(count[sample], 1), 0.0)
+    return np.asarray(share * known.sum() / share.sum())
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Visits:

@@ -4,7 +4,7 @@ The corrected value of pixel p is  L + (raw - low_p) (H - L) / (high_p - low_p),
 at the two reference temperatures and L, H their means over the detector (Schatz 2023, 3.1.2).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
+from irtiming.records.reduced import Region
 
 _LEAST_RESPONSE = 0.3  # of the median: a pixel that answers less to the reference step is dead
 _LARGEST_NOISE = 6.0  # times the median noise: a pixel beyond is blinking
@@ -22,11 +23,20 @@ _BAD_SHARE = 0.05
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Correction:
-    """corrected = offset_dn + gain * raw, per pixel; shapes (row, column)."""
+    """corrected = offset_dn + gain * raw, per pixel; shapes (row, column). ``is_none`` where that changes nothing."""
 
     gain: Array
     offset_dn: Array
     bad: Mask
+    is_none: bool = False
+
+    def within(self, roi: Region) -> "Correction":
+        """That of a region of interest: first row, end row, first column, end column, ends excluded."""
+        return self.at((slice(*roi[:2]), slice(*roi[2:])))
+
+    def at(self, part: tuple[slice, slice]) -> "Correction":
+        """That of some rows and columns."""
+        return replace(self, gain=self.gain[part], offset_dn=self.offset_dn[part], bad=self.bad[part])
 
 
 def correction(recording: Recording) -> Correction:
@@ -40,7 +50,8 @@ def correction(recording: Recording) -> Correction:
     shape = recording.frames.shape[1:]
     reference = recording.nonuniformity
     if reference is None:
-        return Correction(gain=np.ones(shape), offset_dn=np.zeros(shape), bad=np.zeros(shape, bool))
+        nothing = np.zeros(shape)
+        return Correction(gain=np.ones(shape), offset_dn=nothing, bad=nothing.astype(bool), is_none=True)
     if reference.low_dn.shape != shape:
         raise ReductionError(
             f"{recording.name}: the reference frames measure {reference.low_dn.shape} pixels, the frames {shape}; "

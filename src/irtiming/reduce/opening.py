@@ -12,16 +12,17 @@ from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Histogram, Opening
-from irtiming.reduce import mask_shape, scouts
+from irtiming.reduce import dead_pixels, mask_shape, sample_frames
 from irtiming.reduce.nonuniformity import Correction, corrected
 from irtiming.reduce.remarks import doubt
 
+_CLOSER_LOOK = 48  # frames that noise is taken from
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Scouts:
+class _Sample:
     """A sample of frames, and which of them show the opening wholly open and wholly covered."""
 
     raw: Pixels
@@ -33,10 +34,14 @@ class _Scouts:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sighting:
-    """The opening, the histogram that its threshold stands in, and what is doubtful about them."""
+    """The opening, the histogram that its threshold stands in, and what is doubtful about them.
+
+    ``noise_dn`` is that of one raw pixel from frame to frame.
+    """
 
     opening: Opening
     histogram: Histogram
+    noise_dn: float
     findings: tuple[Finding, ...]
 
 
@@ -60,7 +65,7 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     ReductionError
         If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
     """
-    seen = _scout(recording, correct)
+    seen = _sample(recording, correct)
     open_dn = mean_frame(seen.raw[seen.open_frames], correct)
     covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
     step = float(np.median((open_dn - covered_dn)[seen.seeds]))
@@ -73,51 +78,45 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     border_px = border_px if choices.border_px is None else choices.border_px
     roi = choices.roi or mask_shape.box(mask, margin=border_px + 4, name=recording.name)
     mask_shape.check_roi(roi, mask, name=recording.name)
-    rows, columns = slice(roi[0], roi[1]), slice(roi[2], roi[3])
     in_roi = np.zeros_like(mask)
-    in_roi[rows, columns] = True
+    in_roi[slice(*roi[:2]), slice(*roi[2:])] = True
     plate, blackbody = _peaks(open_dn, mask, in_roi)
     threshold = choices.threshold_dn
     if threshold is None:
         threshold = plate + choices.threshold_level * (blackbody - plate)
     count, bins = np.histogram(open_dn[in_roi & ~correct.bad], bins=128)
     histogram = Histogram(
-        threshold_dn=threshold,
-        plate_dn=plate,
-        blackbody_dn=blackbody,
-        bin_edges_dn=bins,
-        count=count.astype(np.int64),
+        threshold_dn=threshold, plate_dn=plate, blackbody_dn=blackbody, bin_edges_dn=bins, count=count.astype(np.int64)
     )
+    summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
     found = Opening(
         roi=roi,
         open_frame_dn=open_dn,
         covered_frame_dn=covered_dn,
         mask=mask,
-        summed=in_roi & (ndimage.distance_transform_edt(~mask) <= border_px),
+        summed=summed,
+        weight=dead_pixels.weights(summed, correct.bad),
         border_px=border_px,
         bad=correct.bad,
         blackbody_is_colder=not blackbody > plate,
         histogram=histogram,
     )
-    return Sighting(opening=found, histogram=histogram, findings=_doubts(recording, histogram))
+    noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
+    return Sighting(opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram))
 
 
 def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
-    """What is missing for the corrected values of a recording, or odd in their histogram."""
-    doubts = []
-    if recording.nonuniformity is None:
-        what = "no nonuniformity_reference in the recording: frames used as they are"
-        doubts.append(doubt(code="no-nonuniformity-reference", recording=recording, what=what))
+    """What is odd in the histogram of a recording."""
     low, high = sorted((found.plate_dn, found.blackbody_dn))
-    if not low < found.threshold_dn < high:
-        peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
-        what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
-        doubts.append(doubt(code="threshold-outside-peaks", recording=recording, what=what))
-    return tuple(doubts)
+    if low < found.threshold_dn < high:
+        return ()
+    peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
+    what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
+    return (doubt(code="threshold-outside-peaks", recording=recording, what=what),)
 
 
-def _scout(recording: Recording, correct: Correction) -> _Scouts:
-    raw = _alive(recording, recording.frames.pick(scouts.indices(recording.frames.shape)))
+def _sample(recording: Recording, correct: Correction) -> _Sample:
+    raw = _alive(recording, recording.frames.pick(sample_frames.indices(recording.frames.shape)))
     seeds = _changing_pixels(raw, correct, recording.name)
     values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
     low, high = float(values.min()), float(values.max())
@@ -137,7 +136,7 @@ def _scout(recording: Recording, correct: Correction) -> _Scouts:
     _refuse_saturation(recording, raw[tops][:, seeds])
     tops, bottoms = _level_part(tops, values), _level_part(bottoms, values)
     bright_when_open = abs(high - surroundings) >= abs(low - surroundings)
-    return _Scouts(
+    return _Sample(
         raw=raw,
         seeds=seeds,
         open_frames=tops if bright_when_open else bottoms,

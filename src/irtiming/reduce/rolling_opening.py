@@ -12,20 +12,21 @@ from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening
-from irtiming.reduce import dead_pixels, expected_level, mask_shape, scouts, wheel_contrast
+from irtiming.reduce import dead_pixels, expected_level, mask_shape, sample_frames, wheel_contrast
 from irtiming.reduce.expected_level import ExpectedLevel
+from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.remarks import doubt
-from irtiming.reduce.scouts import Scouts
+from irtiming.reduce.sample_frames import SampleFrames
 from irtiming.reduce.wheel_contrast import Outline
 
-_LIVE_SHARE = 0.5  # of the frames looked at
+_LIVE_SHARE = 0.5  # of the sample frames
 _MARGIN_PX = 4
 _AWAY_PX = 3  # from the summed pixels: there pixels may be quiet
 _STILL, _STILL_NOISES = 0.002, 3.5  # of the contrast, of its noise: pixels that move less with the wheel are quiet
 _FEWEST_QUIET, _QUIET_SHARE = 100, 0.02  # pixels, of the image
 _QUIET_ROWS = 120  # of the image are enough: their mean has less noise than the drift has meaning
 _STILLEST = 0.25  # of the pixels around: taken for quiet where hardly any is
-_EXTREME_SHARE = 0.06  # of the frames looked at are averaged into the open and the covered frame
+_EXTREME_SHARE = 0.06  # of the sample frames are averaged into the open and the covered frame
 _LEAST_ROWS, _LEAST_PIXELS = 8, 6
 _CLOSER_LOOK = 48  # frames that pixels are judged by one by one
 _MOST_SATURATED = 0.01
@@ -34,7 +35,7 @@ _MOST_SATURATED = 0.01
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sighting:
-    """The opening and what else the scouts told.
+    """The opening and what else the sample frames tell.
 
     ``quiet`` are the pixels that see no more of the wheel than there must be, shape (row, column), none where there are too
     few; ``expected`` the level of the opening over them (over zero where there are none); ``noise_dn`` of one pixel from frame
@@ -49,16 +50,14 @@ class Sighting:
 
 
 def find(
-    recording: Recording, wheel_angle_rad: Array, *, choices: Choices, before: Opening | None = None
+    recording: Recording, wheel_angle_rad: Array, *, correct: Correction, choices: Choices, before: Opening | None = None
 ) -> Sighting:  # fmt: skip
     """The opening, its dead pixels, and the level to be expected of it.
 
     Parameters
     ----------
-    recording
-        A few hundred of its frames are read.
-    wheel_angle_rad
-        Shape (n_frame,); nan where unknown.
+    recording, wheel_angle_rad, correct
+        A few hundred frames are read; their wheel angles (n_frame,), nan where unknown; non-uniformity correction.
     choices
         Region, threshold level and border where a person set them.
     before
@@ -71,13 +70,13 @@ def find(
         If no opening is seen, most frames show something else, or the image cuts the opening.
     """
     name = recording.name
-    seen = scouts.look(recording, wheel_angle_rad)
+    seen = sample_frames.look(recording, wheel_angle_rad, correct=correct)
     good = np.ones(seen.place.size, bool)
     for _ in range(2):  # the second time without the frames that do not show the scene
         outline = wheel_contrast.outline(seen, good, threshold_level=choices.threshold_level, name=name)
         if before is not None and mask_shape.is_in_place(outline.mask, before.mask):
             outline = replace(outline, mask=before.mask, border_px=before.border_px)
-        quiet = _quiet(outline)
+        quiet = _quiet(outline) & ~correct.bad
         seen = _with_common_level(seen, quiet)
         expected = _expected(seen, outline.mask, name)
         good = expected.good
@@ -87,10 +86,11 @@ def find(
     summed = ndimage.distance_transform_edt(~outline.mask) <= border
     roi = choices.roi or mask_shape.box(outline.mask, margin=border + _MARGIN_PX, name=name)
     mask_shape.check_roi(roi, summed, name=name)
-    live = seen.raw[np.flatnonzero(good)[:: max(1, int(good.sum()) // _CLOSER_LOOK)]]
-    bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed)
+    picked = np.flatnonzero(good)[:: max(1, int(good.sum()) // _CLOSER_LOOK)]
+    live = seen.values[picked]
+    bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed) | (correct.bad & summed)
     _refuse_few_rows(outline.mask & ~bad, name)
-    _refuse_saturation(live[:, outline.mask & ~bad], recording)
+    _refuse_saturation(seen.raw[picked][:, outline.mask & ~bad], recording)
     expected = _expected(seen, outline.mask & ~bad, name)
     surroundings = 0.0 if quiet.any() else float(np.median(live[:, ~summed]))
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
@@ -101,11 +101,12 @@ def find(
         covered_frame_dn=bright if colder else dark,
         mask=outline.mask,
         summed=summed,
+        weight=dead_pixels.row_weights(summed, bad),
         border_px=border,
         bad=bad,
         blackbody_is_colder=bool(colder),
     )
-    noise, found = _noise(live, summed), _doubts(recording, summed, bad)
+    noise, found = sample_frames.noise_dn(live, ~summed), _doubts(recording, summed, bad)
     return Sighting(opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found)
 
 
@@ -124,22 +125,22 @@ def _quiet(outline: Outline) -> Mask:
     return np.asarray(quiet & thin)
 
 
-def _with_common_level(seen: Scouts, quiet: Mask) -> Scouts:
-    """The scouts with the mean of the quiet pixels as common level, zero where there are none."""
-    return replace(seen, common_dn=scouts.mean_within(seen.raw, quiet))
+def _with_common_level(seen: SampleFrames, quiet: Mask) -> SampleFrames:
+    """The sample with the mean of the quiet pixels as common level, zero where there are none."""
+    return replace(seen, common_dn=sample_frames.mean_within(seen.values, quiet))
 
 
-def _expected(seen: Scouts, mask: Mask, name: str) -> ExpectedLevel:
+def _expected(seen: SampleFrames, mask: Mask, name: str) -> ExpectedLevel:
     expected = expected_level.learn(seen.wheel_angle_rad, seen.place, level_dn=seen.level(mask))
     if expected.good.mean() < _LIVE_SHARE:
         raise ReductionError(
-            f"{name}: only {expected.good.mean():.0%} of the frames looked at show what the wheel angle demands, at "
+            f"{name}: only {expected.good.mean():.0%} of the sample frames show what the wheel angle demands, at "
             f"least {_LIVE_SHARE:.0%} must: the shutter is closed, the camera frozen, or frames are counted to wrong triggers"
         )
     return expected
 
 
-def _extreme_frames(seen: Scouts, good: Mask, mask: Mask) -> tuple[Array, Array]:
+def _extreme_frames(seen: SampleFrames, good: Mask, mask: Mask) -> tuple[Array, Array]:
     """Mean of the brightest and of the darkest good frames, each brought to the same common level, shape (row, column)."""
     level = seen.level(mask)
     frames = np.flatnonzero(good)
@@ -147,15 +148,9 @@ def _extreme_frames(seen: Scouts, good: Mask, mask: Mask) -> tuple[Array, Array]
     n = max(3, round(_EXTREME_SHARE * frames.size))
     middle = float(np.median(seen.common_dn[frames]))
     bright, dark = (
-        seen.raw[part].mean(axis=0) - float(seen.common_dn[part].mean()) + middle for part in (order[-n:], order[:n])
+        seen.values[part].mean(axis=0) - float(seen.common_dn[part].mean()) + middle for part in (order[-n:], order[:n])
     )
     return bright, dark
-
-
-def _noise(live: Pixels, summed: Mask) -> float:
-    """Noise of one pixel outside the opening, from differences of neighbours over time, DN."""
-    spread = np.diff(live[:, ::4].astype(np.float32), axis=2).std(axis=0)[~summed[::4, 1:]]
-    return float(np.median(spread)) / np.sqrt(2) if spread.size else 0.0
 
 
 def _refuse_few_rows(mask: Mask, name: str) -> None:

@@ -1,258 +1,195 @@
-"""The single pass over the frames of a rolling camera: row sums, quiet level, shutter events, projections of each pixel.
-
-Frames are judged as they stream by. Since an event shows only some frames later, the frames of the last half second are held
-back and enter the projections when they are known to be good: nothing ever has to be taken out again.
-"""
+"""The recipe for cameras that lag, or read row by row: one sum per frame and row (Schatz 2023, 3.2.3)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
+from irtiming.errors import ReductionError
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.reduce import dead_pixels, kernels
+from irtiming.records.reduced import Opening, ReducedRecording, RowSums, ShutterEvent
+from irtiming.records.rig import Rig
+from irtiming.reduce import (
+    contrast_image,
+    drift,
+    frame_angles,
+    frame_pass,
+    nonuniformity,
+    remarks,
+    rolling_opening,
+    shutter,
+)
+from irtiming.reduce.accumulators import row_sums
+from irtiming.reduce.accumulators.limits import Limits
+from irtiming.reduce.accumulators.quiet_level import QuietLevel
+from irtiming.reduce.accumulators.repeats import Repeats
+from irtiming.reduce.drift import Drift
+from irtiming.reduce.frame_angles import FrameAngles
+from irtiming.reduce.frame_pass import SHORTEST, Stretches
+from irtiming.reduce.remarks import doubt
 from irtiming.reduce.rolling_opening import Sighting
-from irtiming.reduce.shutter import FrameLevels, Watch
+from irtiming.reduce.shutter import Watch
+from irtiming.reduce.shutter_judge import ShutterJudge
 
-_MOSTLY = 0.5  # of the pixels at a limit: a dead frame
-_SOME_ROWS = 4  # every fourth row tells whether a frame is dead
-_ALL_BITS = 0xFFFF
-
-SHORTEST = 60
-"""Frames between two events that are worth offsets of their own; fewer are dropped."""
+_FEWEST_FRAMES = 100
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Harvest:
-    """What the pass gathers.
+class _Harvest:
+    """What the pass gathers: the angles of the frames, the opening, row sums, levels and judgement, and which were kept."""
 
-    Parameters
-    ----------
-    row_px, row_sum, mask_row_sum
-        Image rows (n_row,), and sums of each frame over the summed pixels and over the mask (n_frame, n_row), DN.
-    levels
-        Of each frame.
-    suspicious, event, zone
-        Judgement of each frame, shape (n_frame,).
-    segment
-        Shape (n_frame,); number of the stretch, -1 for frames that are not kept.
-    projection_dn
-        Shape (roi rows, roi columns); sum over the kept frames of exp(-2 i theta), less its mean in each segment, times
-        the value, DN.
-    short
-        First and end frame, excluded, of each stretch that was too short to keep.
-    hopeless_row_px
-        Rows whose dead pixels nobody can stand in for.
-    """
+    angles: FrameAngles
+    sighting: Sighting
+    rows: row_sums.RowSums
+    judge: ShutterJudge
+    stretches: Stretches
 
-    row_px: Ticks
-    row_sum: Array
-    mask_row_sum: Array
-    levels: FrameLevels
-    suspicious: Mask
-    event: Mask
-    zone: Mask
-    segment: Ticks
-    projection_dn: ComplexArray
-    short: tuple[tuple[int, int], ...]
-    hopeless_row_px: Ticks
+    @property
+    def kept(self) -> Mask:
+        return np.asarray(self.stretches.segment >= 0)
 
-
-def gather(
-    recording: Recording, sighting: Sighting, *, angle: Array, watch: Watch, progress: Callable[[int], None]
-) -> Harvest:
-    """Read all frames once.
-
-    Parameters
-    ----------
-    recording, sighting
-        The opening that was found in it.
-    angle
-        Shape (n_frame,); wheel angle of each frame, nan where unknown.
-    watch
-        How frames are judged.
-    progress
-        Told the number of frames done so far.
-    """
-    opening = sighting.opening
-    rows, columns = slice(*opening.roi[:2]), slice(*opening.roi[2:])
-    summing = _Summing(sighting)
-    n_frames = recording.frames.shape[0]
-    sums = np.zeros((2, n_frames, summing.row_px.size))
-    levels = FrameLevels(
-        beside_dn=np.full(n_frames, np.nan),
-        quiet_dn=np.zeros(n_frames),
-        repeated=np.zeros(n_frames, bool),
-        dead=np.zeros(n_frames, bool),
-    )
-    known = np.isfinite(angle)
-    judged = _Judged(watch, levels, known)
-    stream = _Stream(judged, np.exp(-2j * angle), (rows.stop - rows.start, columns.stop - columns.start))
-    expected = sighting.expected.at(np.where(known, angle, 0.0), np.arange(n_frames) / n_frames)
-    expected[~known] = np.nan
-    last = None
-    for first, block in recording.frames.blocks():
-        part, now = np.ascontiguousarray(block[:, rows, columns]), slice(first, first + len(block))
-        sums[0, now], sums[1, now] = summing.rows(part)
-        levels.quiet_dn[now] = summing.quiet(block)
-        levels.beside_dn[now] = sums[1, now].sum(axis=1) / summing.n_mask - levels.quiet_dn[now] - expected[now]
-        levels.dead[now] = _dead(part, 2**recording.bit_depth - 1)
-        if sighting.noise_dn > 0:
-            levels.repeated[now] = kernels.repeats(part, ~part[0] if last is None else last)
-        last = part[-1].copy()
-        stream.add(first, part, at_end=first + len(block) == n_frames)
-        progress(first + len(block))
-    stream.close()
-    return Harvest(
-        row_px=summing.row_px,
-        row_sum=sums[0],
-        mask_row_sum=sums[1],
-        levels=levels,
-        suspicious=judged.suspicious,
-        event=judged.event,
-        zone=judged.zone,
-        segment=stream.segment,
-        projection_dn=stream.projection,
-        short=tuple(stream.short),
-        hopeless_row_px=summing.hopeless_row_px,
-    )
-
-
-def _dead(part: Pixels, full_scale: int) -> Mask:
-    """Which frames have most of their pixels at zero or at full scale."""
-    some = part[:, ::_SOME_ROWS].reshape(len(part), -1)
-    return np.asarray(np.maximum((some == 0).mean(axis=1), (some >= full_scale).mean(axis=1)) > _MOSTLY)
-
-
-@final
-class _Summing:
-    """Which pixels of a frame are added up, and who stands in for the dead ones among them."""
-
-    def __init__(self, sighting: Sighting) -> None:
-        opening = sighting.opening
-        first_row, _, first_column, _ = opening.roi
-        box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
-        stand_ins, hopeless = dead_pixels.stand_ins(opening.bad, opening.summed)
-        self.hopeless_row_px = np.flatnonzero(hopeless)
-        self.row_px = np.flatnonzero(opening.summed.any(axis=1) & ~hopeless)
-        self.n_mask = float(opening.mask[self.row_px].sum())
-        self._rows = self.row_px - first_row
-        self._taken = [_bits((area & ~opening.bad)[box]) for area in (opening.summed, opening.mask)]
-        self._stand_ins = []
-        for area in (opening.summed, opening.mask):
-            wanted = stand_ins[area[stand_ins[:, 0], stand_ins[:, 1]]]
-            self._stand_ins.append(wanted[:, [0, 2, 3]] - [first_row, first_column, first_column])
-        step = max(1, int(np.gcd.reduce(np.flatnonzero(sighting.quiet.any(axis=1)))))
-        self._quiet_rows = slice(None, None, step)
-        self._quiet = _bits(sighting.quiet[self._quiet_rows])
-        self._n_quiet = int(sighting.quiet.sum())
-
-    def rows(self, part: Pixels) -> tuple[Array, Array]:
-        """Row sums over the summed pixels and over the mask, shape (frame, row)."""
-        found = []
-        for taken, stand_ins in zip(self._taken, self._stand_ins, strict=True):
-            sums = kernels.sum_within(part, taken).astype(float)
-            for row, left, right in stand_ins:
-                sums[:, row] += 0.5 * (part[:, row, left].astype(float) + part[:, row, right])
-            found.append(sums[:, self._rows])
-        return found[0], found[1]
-
-    def quiet(self, block: Pixels) -> Array:
-        """Mean of the quiet pixels, shape (frame,); 0 where there are none."""
-        if not self._n_quiet:
-            return np.zeros(len(block))
-        return np.asarray(
-            kernels.sum_within(np.ascontiguousarray(block[:, self._quiet_rows]), self._quiet).sum(axis=1)
-            / self._n_quiet
+    def drift(self, level_dn: Array, *, follows_wheel: bool, straight: bool = False) -> Drift:
+        """Drift of a level of every frame, over the kept ones."""
+        kept = self.kept
+        angle = self.angles.angle_rad[kept] if follows_wheel else None
+        segment = self.stretches.segment[kept]
+        return drift.fit(
+            level_dn[kept], self.angles.time_s[kept], wheel_angle_rad=angle, segment=segment, straight=straight
         )
 
 
-def _bits(area: Mask) -> Pixels:
-    return np.where(area, _ALL_BITS, 0).astype(np.uint16)
+def reduce(
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None
+) -> ReducedRecording:
+    """Row sums of every frame that shows the scene, and the contrast of each pixel.
+
+    Parameters
+    ----------
+    recording, rig, choices, progress, before
+        As of `recipes.reduce`.
+
+    Raises
+    ------
+    ReductionError
+        If the recording cannot be reduced; the message says why.
+    """
+    correct = nonuniformity.correction(recording)
+    angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
+    sighting = rolling_opening.find(recording, angles.angle_rad, correct=correct, choices=choices, before=before)
+    found, n_frames = sighting.opening, recording.frames.shape[0]
+    rows = row_sums.RowSums(found, correct, n_frames=n_frames)
+    quiet = QuietLevel(sighting.quiet, correct, n_frames=n_frames)
+    limits, repeats = (
+        Limits(2**recording.bit_depth - 1, n_frames=n_frames),
+        Repeats(sighting.noise_dn, n_frames=n_frames),
+    )
+    watch, expected = _watch(angles, sighting), _expected_dn(angles, sighting)
+    judge = ShutterJudge(watch, expected, rows=rows, quiet=quiet, limits=limits, repeats=repeats)
+    projection = contrast_image.projection(angles.angle_rad, found)
+    stretches = frame_pass.run(
+        recording, found.roi, every=(rows, quiet, limits, repeats), judge=judge, good=(projection,), progress=progress
+    )
+    harvest = _Harvest(angles=angles, sighting=sighting, rows=rows, judge=judge, stretches=stretches)
+    events = shutter.events(judge.event, judge.zone, levels=judge.levels)
+    dropped = _dropped(recording, harvest, events)
+    sums = _steady(recording, harvest)
+    return angles.reduced(
+        stretches.segment,
+        opening=found,
+        rows=sums,
+        contrast=contrast_image.of(
+            projection, found, correct=correct, drift_dn=sums.drift_dn, noise_dn=sighting.noise_dn
+        ),
+        shutter_events=events,
+        findings=(*sighting.findings, *dropped),
+    )
 
 
-@final
-class _Judged:
-    """Judgement of the frames so far; that of a frame is final when enough frames after it are known."""
-
-    def __init__(self, watch: Watch, levels: FrameLevels, known: Mask) -> None:
-        self.reach = watch.reach
-        self._watch, self._levels, self._known = watch, levels, known
-        self.suspicious, self.event, self.zone = (np.zeros(known.size, bool) for _ in range(3))
-
-    def decide(self, first: int, end: int, *, seen: int) -> Mask:
-        """Judge frames ``first`` to ``end``, of which ``seen`` have been read; true for the good ones."""
-        window = slice(max(0, first - self.reach), min(seen, end + self.reach))
-        inside = slice(first - window.start, end - window.start)
-        levels = FrameLevels(
-            beside_dn=self._levels.beside_dn[window],
-            quiet_dn=self._levels.quiet_dn[window],
-            repeated=self._levels.repeated[window],
-            dead=self._levels.dead[window],
-        )
-        judged = self._watch.judge(levels, at_start=window.start == 0, at_end=window.stop == self._known.size)
-        for mine, found in zip((self.suspicious, self.event, self.zone), judged, strict=True):
-            mine[first:end] = found[inside]
-        return np.asarray(self._known[first:end] & ~self.suspicious[first:end] & ~self.zone[first:end])
+def _expected_dn(angles: FrameAngles, sighting: Sighting) -> Array:
+    """Level of the opening that each frame's wheel angle demands, shape (n_frame,), DN; nan where the angle is unknown."""
+    angle = angles.angle_rad
+    place = np.arange(angle.size) / angle.size
+    return np.where(np.isfinite(angle), sighting.expected.at(np.nan_to_num(angle), place), np.nan)
 
 
-@final
-class _Stream:
-    """Projection of the good frames, stretch by stretch, with the frames that are not yet judged held back."""
+def _watch(angles: FrameAngles, sighting: Sighting) -> Watch:
+    """How the frames are judged: for as long as the expected level stays about the same, a closed shutter may look open."""
+    recording, expected = angles.recording, sighting.expected
+    contrast = expected.high_dn - expected.low_dn
+    tolerance_dn = shutter.tolerance_dn(contrast_dn=contrast, scatter_dn=expected.scatter_dn)
+    period_ticks = recording.camera_period_ticks or float(np.median(np.diff(recording.camera_trigger_ticks)))
+    return shutter.watch(
+        tolerance_dn,
+        longest_level_s=expected.longest_level_rad(tolerance_dn) / angles.learned.angular_frequency_rad_per_s,
+        frame_period_s=float(period_ticks) / recording.clock_frequency_hz,
+    )
 
-    def __init__(self, judged: _Judged, wave: ComplexArray, shape: tuple[int, int]) -> None:
-        self.segment = np.full(wave.size, -1)
-        self.short: list[tuple[int, int]] = []
-        self.projection = np.zeros(shape, complex)
-        self._judged, self._wave = judged, wave
-        self._sums = np.zeros((3, *shape))
-        self._held = np.zeros((0, *shape), np.uint16)
-        self._held_first = 0
-        self._stretch: list[Ticks] = []
-        self._n_segments = 0
 
-    def add(self, first: int, part: Pixels, *, at_end: bool) -> None:
-        """Take a block in: judge what can be judged, hold back the rest."""
-        seen = first + len(part)
-        end = seen if at_end else max(self._held_first, seen - self._judged.reach)
-        good = self._judged.decide(self._held_first, end, seen=seen)
-        zone = self._judged.zone[self._held_first : end]
-        n_held = len(self._held)
-        starts = [0, *(np.flatnonzero(np.diff(zone)) + 1), zone.size]
-        for start, stop in pairwise(starts):
-            if stop > start and zone[start]:
-                self.close()
-            elif stop > start:
-                self._take(self._held[start:stop], self._held_first + start, good[start:stop])
-                own = slice(max(start - n_held, 0), max(stop - n_held, 0))
-                self._take(part[own], first + own.start, good[max(start, n_held) : max(stop, n_held)])
-        kept_back = [self._held[zone.size :], part[max(zone.size - n_held, 0) :]]
-        self._held, self._held_first = np.concatenate(kept_back), end
-
-    def _take(self, frames: Pixels, first: int, good: Mask) -> None:
-        good = good[: len(frames)]
-        index = first + np.flatnonzero(good)
-        if not index.size:
-            return
-        frames = frames if good.all() else frames[good]
-        wave = self._wave[index]
-        kernels.add_projection(frames, np.ascontiguousarray(wave.real), np.ascontiguousarray(wave.imag), self._sums)
-        self._stretch.append(index)
-
-    def close(self) -> None:
-        """End the stretch: its mean weight is taken off, so that its own offsets drop out; a short one is dropped."""
-        if not self._stretch:
-            return
-        index = np.concatenate(self._stretch)
-        if index.size < SHORTEST:
-            self.short.append((int(index[0]), int(index[-1]) + 1))
+def _dropped(
+    recording: Recording, harvest: _Harvest, events: tuple[ShutterEvent, ...]
+) -> tuple[Finding, ...]:  # fmt: skip
+    """What was dropped and why."""
+    outside, judge = ~np.isfinite(harvest.angles.angle_rad), harvest.judge
+    found = [*remarks.without_angle(recording, outside)]
+    for event in events:
+        frames = f"in frames {event.first_frame} to {event.end_frame - 1}: dropped with the frames around them"
+        if event.kind == "frozen":
+            found.append(doubt(code="camera-frozen", recording=recording, what=f"the camera is frozen {frames}"))
         else:
-            self.segment[index] = self._n_segments
-            self._n_segments += 1
-            self.projection += self._sums[0] + 1j * self._sums[1] - self._wave[index].mean() * self._sums[2]
-        self._sums[:] = 0
-        self._stretch = []
+            found.append(doubt(code="shutter-closed", recording=recording, what=f"the shutter is closed {frames}"))
+    lone = judge.suspicious & ~judge.zone & ~outside
+    if lone.any():
+        what = f"{lone.sum()} single frames dropped: they do not show what the wheel angle demands"
+        found.append(doubt(code="odd-frames", recording=recording, what=what))
+    for first, end in harvest.stretches.short:
+        what = f"frames {first} to {end - 1} dropped: fewer than {SHORTEST} good frames between shutter events"
+        found.append(doubt(code="short-stretch", recording=recording, what=what))
+    if harvest.rows.hopeless_row_px.size:
+        rows = ", ".join(str(row) for row in harvest.rows.hopeless_row_px)
+        what = f"image rows {rows} left out: they have too few live pixels"
+        found.append(doubt(code="rows-left-out", recording=recording, what=what))
+    kept = int(harvest.kept.sum())
+    if kept < _FEWEST_FRAMES:
+        raise ReductionError(
+            f"{recording.name}: {kept} of {outside.size} frames show the scene over {SHORTEST} frames and more, at least "
+            f"{_FEWEST_FRAMES} must ({outside.sum()} outside the control slots, {judge.zone.sum()} at shutter events, "
+            f"{lone.sum()} single bad ones); record longer, or switch the camera's own correction off"
+        )
+    return (*found, *remarks.lost_frames(recording))
+
+
+def _steady(recording: Recording, harvest: _Harvest) -> RowSums:
+    """Sums over the rows without drift.
+
+    From those over the summed pixels the drift of the quiet pixels is taken, or that of the opening itself where there are
+    none; from those over the mask the straight line of its mean, as published, and the jumps at shutter events, which the paper
+    had not.
+    """
+    rows, kept = harvest.rows, harvest.kept
+    level = rows.mask_dn.sum(axis=1) / rows.n_mask.sum()
+    line = harvest.drift(level, follows_wheel=True, straight=True)
+    if harvest.sighting.quiet.any():
+        slow = harvest.drift(harvest.judge.levels.quiet_dn, follows_wheel=False)
+    else:
+        slow = harvest.drift(level, follows_wheel=True)
+    mask_row_sum = rows.mask_dn[kept] - np.outer(line.level_dn, rows.n_mask)
+    edge_frame = _edge_frame(mask_row_sum)
+    return RowSums(
+        row_px=rows.row_px,
+        row_sum_dn=rows.summed_dn[kept] - np.outer(slow.level_dn, rows.n_summed),
+        mask_row_sum_dn=mask_row_sum,
+        drift_dn=slow.level_dn,
+        edge_frame_dn=recording.frames.pick([int(np.flatnonzero(kept)[edge_frame])])[0],
+        edge_frame=edge_frame,
+    )
+
+
+def _edge_frame(mask_row_sum: Array) -> int:
+    """Place of the kept frame whose opening is nearest to half open."""
+    level = mask_row_sum.sum(axis=1)
+    return int(np.argmin(np.abs(level - np.mean(np.quantile(level, [0.02, 0.98])))))

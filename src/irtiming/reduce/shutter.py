@@ -33,6 +33,15 @@ class FrameLevels:
     repeated: Mask
     dead: Mask
 
+    def of(self, part: slice) -> "FrameLevels":
+        """Those of some frames."""
+        return FrameLevels(
+            beside_dn=self.beside_dn[part],
+            quiet_dn=self.quiet_dn[part],
+            repeated=self.repeated[part],
+            dead=self.dead[part],
+        )
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -67,21 +76,31 @@ class Watch:
         return suspicious, event, np.asarray(zone)
 
 
-def watch(*, contrast_dn: float, scatter_dn: float, longest_level_s: float, frame_period_s: float) -> Watch:
-    """How to judge the frames of one recording.
+def tolerance_dn(*, contrast_dn: float, scatter_dn: float) -> float:
+    """How far a frame may stray from the expected level, DN.
 
     Parameters
     ----------
     contrast_dn, scatter_dn
         By how much the opening's level swings, and how far good frames stray from the expected level.
+    """
+    return float(np.clip(_SCATTERS * scatter_dn, _LEAST_PART * contrast_dn, _MOST_PART * contrast_dn))
+
+
+def watch(tolerance_dn: float, *, longest_level_s: float, frame_period_s: float) -> Watch:
+    """How to judge the frames of one recording.
+
+    Parameters
+    ----------
+    tolerance_dn
+        How far a frame may stray from the expected level.
     longest_level_s
         How long the expected level stays about the same: for so long a closed shutter can look as if it were open.
     frame_period_s
         Time between frames.
     """
-    tolerance = float(np.clip(_SCATTERS * scatter_dn, _LEAST_PART * contrast_dn, _MOST_PART * contrast_dn))
     margin = int(np.ceil(max(_SETTLING_S, longest_level_s) / frame_period_s))
-    return Watch(tolerance_dn=tolerance, margin=max(_LEAST_MARGIN, margin))
+    return Watch(tolerance_dn=tolerance_dn, margin=max(_LEAST_MARGIN, margin))
 
 
 def events(event: Mask, zone: Mask, *, levels: FrameLevels) -> tuple[ShutterEvent, ...]:

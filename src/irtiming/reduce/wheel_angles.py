@@ -15,6 +15,7 @@ from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.edge_train import EdgeTrain, number_edges
 from irtiming.reduce.slot_table import SlotTable, equal_slots, learn_slots
 
+_OF_A_MEDIAN = float(np.sqrt(np.pi / 2))  # its standard deviation over that of a mean
 _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 
 
@@ -242,6 +243,7 @@ def _application_edges(
     if min(group.size for group in groups) < 2:
         return None, None
     mean = [float(np.median(group)) for group in groups]
-    u_mean = [float(group.std(ddof=1) / np.sqrt(group.size)) for group in groups]
+    u_mean = [_OF_A_MEDIAN * float(group.std(ddof=1) / np.sqrt(group.size)) for group in groups]
     a, b, c, d = (i * TURN / 4 + mean[i] - mean[0] for i in range(4))
-    return (a, b, c, d), (u_mean[0], u_mean[1], u_mean[2], u_mean[3])
+    u_b, u_c, u_d = (float(np.hypot(u_mean[0], u)) for u in u_mean[1:])
+    return (a, b, c, d), (u_mean[0], u_b, u_c, u_d)

@@ -15,7 +15,7 @@ from scipy import ndimage
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.reduce import dead_pixels, kernels, mask_shape
-from irtiming.reduce.scouts import Scouts
+from irtiming.reduce.sample_frames import SampleFrames
 
 _ORDERS = 12  # harmonics that are kept from leaking into the second where the angles are uneven
 _FEWEST_SEEDS = 30
@@ -42,12 +42,12 @@ class Outline:
     border_px: int
 
 
-def outline(scouts: Scouts, good: Mask, *, threshold_level: float, name: str) -> Outline:
+def outline(sample: SampleFrames, good: Mask, *, threshold_level: float, name: str) -> Outline:
     """Outline of the opening.
 
     Parameters
     ----------
-    scouts
+    sample
         Frames that were looked at.
     good
         Shape (frame,); those to use.
@@ -61,7 +61,7 @@ def outline(scouts: Scouts, good: Mask, *, threshold_level: float, name: str) ->
     ReductionError
         If no pixels follow the wheel together.
     """
-    harmonic = _second_harmonic(scouts, good)
+    harmonic = _second_harmonic(sample, good)
     noise = noise_between_neighbours(harmonic, np.ones(harmonic.shape, bool))
     amplitude = np.hypot(ndimage.uniform_filter(harmonic.real, 3), ndimage.uniform_filter(harmonic.imag, 3))
     loud = float(np.quantile(amplitude, 0.995))
@@ -120,16 +120,16 @@ def _box(seeds: Mask) -> tuple[slice, slice]:
     )
 
 
-def _second_harmonic(scouts: Scouts, good: Mask) -> ComplexArray:
+def _second_harmonic(sample: SampleFrames, good: Mask) -> ComplexArray:
     """Second harmonic of each pixel over the common level, shape (row, column), DN: fitted beside the other orders."""
-    phase = np.arange(1, _ORDERS + 1) * scouts.wheel_angle_rad[good, None]
+    phase = np.arange(1, _ORDERS + 1) * sample.wheel_angle_rad[good, None]
     design = np.concatenate([np.ones((len(phase), 1)), np.cos(phase), np.sin(phase)], axis=1)
     inverse = np.linalg.pinv(design, rcond=0.05)
     weight = np.zeros((2, good.size))
     weight[:, good] = inverse[2], -inverse[_ORDERS + 2]
-    sums = np.zeros((3, *scouts.raw.shape[1:]))
-    kernels.add_projection(scouts.raw, weight[0], weight[1], sums)
-    common = weight @ scouts.common_dn
+    sums = np.zeros((3, *sample.values.shape[1:]))
+    kernels.add_projection(sample.values, weight[0], weight[1], sums)
+    common = weight @ sample.common_dn
     return np.asarray(sums[0] - common[0] + 1j * (sums[1] - common[1]))
 
 

@@ -67,13 +67,7 @@ class LiveEstimate:
         }
 
     def reaches(self, wished: Mapping[str, float]) -> bool:
-        """Whether every standard uncertainty that is wished for is reached.
-
-        Parameters
-        ----------
-        wished
-            By name, s; no wish is never reached.
-        """
+        """Whether every standard uncertainty that is wished for, by name in s, is reached; no wish never is."""
         return bool(wished) and all(self.uncertainties.get(name, float("inf")) <= u for name, u in wished.items())
 
 
@@ -124,28 +118,14 @@ class LiveAnalysis:
         self._looked_at = 0
 
     def grows(self, path: Path, frames: int) -> None:
-        """A file has so many frames by now; it is looked at when these are enough, and the last look is over.
-
-        Parameters
-        ----------
-        path
-            Name that the finished file will have.
-        frames
-            That came.
-        """
+        """A file, named as when finished, has so many frames; it is looked at when they are enough and no look is under way."""
         self._listen()
         if not self._is_busy and frames >= max(FEWEST_FRAMES, APART * self._looked_at):
             self._looked_at = frames
             self._ask("look", path)
 
     def keep(self, path: Path) -> None:
-        """A recording is finished, and goes into all estimates from now on.
-
-        Parameters
-        ----------
-        path
-            Of the file.
-        """
+        """A recording is finished, and goes into all estimates from now on."""
         self._waiting.append(("keep", path))
         self._listen()
 
@@ -204,11 +184,6 @@ class Analyst:
     def keep(self, path: Path) -> Analysis:
         """Read a finished recording, keep it, and estimate all that is kept.
 
-        Parameters
-        ----------
-        path
-            Of the file.
-
         Raises
         ------
         IrTimingError
@@ -221,11 +196,6 @@ class Analyst:
 
     def look(self, path: Path) -> Analysis:
         """The same for one that is still written, which is not kept.
-
-        Parameters
-        ----------
-        path
-            Name that the finished file will have.
 
         Raises
         ------

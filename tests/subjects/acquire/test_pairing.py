@@ -58,7 +58,7 @@ def test_as_many_frames_as_triggers_are_trusted(device_hz):
     numbers, verdict = _judged(list(range(40)), n_triggers=40, device_hz=device_hz)
     assert numbers == list(range(40))
     assert verdict.is_trusted
-    assert (verdict.frames, verdict.lost, verdict.missed, verdict.warnings) == (40, 0, 0, ())
+    assert (verdict.frames, verdict.lost, verdict.missed, verdict.findings) == (40, 0, 0, ())
     assert verdict.latency_s == pytest.approx(LATENCY_S)
 
 
@@ -90,7 +90,7 @@ def test_a_missed_trigger_moves_the_numbers_after_it():
     assert numbers == made
     assert verdict.is_trusted
     assert (verdict.lost, verdict.missed) == (0, 1)
-    assert "1 triggers made no frame" in verdict.warnings
+    assert ("triggers-without-frame", "1 triggers made no frame") in [(f.code, f.what) for f in verdict.findings]
 
 
 def test_a_missed_trigger_beside_a_lost_frame():
@@ -145,7 +145,9 @@ def test_a_last_trigger_without_frame_is_known_by_the_arrivals():
     numbers, verdict = _judged(list(range(19)), n_triggers=20)
     assert numbers == list(range(19))
     assert verdict.is_trusted
-    assert "the last 1 triggers have no frame" in verdict.warnings
+    assert ("last-triggers-without-frame", "the last 1 triggers have no frame") in [
+        (f.code, f.what) for f in verdict.findings
+    ]
 
 
 def test_a_first_trigger_without_frame_is_not_trusted():
@@ -176,7 +178,7 @@ def test_a_clock_of_another_rate_is_told():
     """Oracle: 1 % fast, by construction."""
     _, verdict = _judged(list(range(20)), n_triggers=20, clock_error=0.01)
     assert verdict.is_trusted
-    assert "the camera's clock runs +1.00% against" in verdict.warnings[-1]
+    assert "the camera's clock runs +1.00% against" in verdict.findings[-1].sentence()
 
 
 @pytest.mark.parametrize("device_hz", [1e6, 0])

@@ -203,7 +203,7 @@ def test_a_slow_disk_makes_blanks_not_shifts(laboratory, monkeypatch):
     (made,) = laboratory.recorded().outcomes
     assert made.overflowed > 3
     assert made.longest_queue == 2
-    assert any("found the queue to the disk full" in text for text in made.warnings)
+    assert any("found the queue to the disk full" in finding.what for finding in made.findings)
     kept = reader.read(made.path)
     assert kept.frames.shape[0] == 16 - made.overflowed
     for row, number in enumerate(kept.frame_number):

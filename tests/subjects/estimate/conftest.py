@@ -42,6 +42,9 @@ class BruteBolometer:
     row_delay_s: float = 60e-6
     sub: int = 10
     distortion: float = 0.0
+    camera_type: str = "microbolometer"
+    readout_mode: str = "rolling"
+    integration_time_s: float = 0.0
 
     @property
     def omega(self) -> float:
@@ -128,7 +131,26 @@ class BruteBolometer:
         return (first + np.arange(n_bin)) * pitch, out.reshape(n_bin, self.rows, self.columns)
 
     def seen(self, coordinate_rad):
-        """Lagged openness of a point at a wheel coordinate, in closed form between the edges; any shape."""
+        """Openness of a point at a wheel coordinate as the camera shows it, in closed form between the edges; any shape."""
+        return (
+            self._lagged(coordinate_rad) if self.camera_type == "microbolometer" else self._integrated(coordinate_rad)
+        )
+
+    def _integrated(self, coordinate_rad):
+        """Share of the window, about its middle, in which the point is open."""
+        edges = np.array(self.edges) - self.omega * np.array(self.edge_delay_s)
+        corners = np.append(edges, edges[0] + TURN)
+        open_before = np.cumsum([0.0, 0.0, edges[2] - edges[1], 0.0, corners[4] - corners[3]])
+
+        def until(x):
+            turns, angle = np.divmod(x - edges[0], TURN)
+            return turns * open_before[-1] + np.interp(angle, corners - edges[0], open_before)
+
+        half = self.omega * self.integration_time_s / 2
+        return (until(coordinate_rad + half) - until(coordinate_rad - half)) / (2 * half)
+
+    def _lagged(self, coordinate_rad):
+        """Relaxing towards what the point shows."""
         edges = np.array(self.edges) - self.omega * np.array(self.edge_delay_s)
         arcs = np.diff(np.append(edges, edges[0] + TURN)) / (self.omega * self.time_constant_s)
         target, level = np.array([0.0, 1.0, 0.0, 1.0]), np.zeros(4)
@@ -197,11 +219,11 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
 
     ``set_s`` is a set delay: the wheel angles that the analysis takes are that much later, the frames stay. ``keep`` picks
     frames; ``segment`` (n,) numbers them, ``offset_dn`` (n_segment,) is added to all pixels of each; ``gain`` multiplies
-    pixels; ``mirror`` turns the image left to right.
+    pixels; ``mirror`` turns the image left to right; ``stated_s`` is the integration time that the recording tells.
     """
 
     def make(camera, *, n=400, contrast_dn=-600.0, noise_dn=0.0, seed=0, set_s=0.0, keep=None, segment=None, **more):
-        options = {"offset_dn": (0.0, 0.0), "gain": 1.0, "mirror": False, "name": "counted"} | more
+        options = {"offset_dn": (0.0, 0.0), "gain": 1.0, "mirror": False, "name": "counted", "stated_s": None} | more
         ticks, openness = brute_frames(camera, n=n)
         keep = np.arange(n) if keep is None else keep
         ticks = ticks[keep] - round(set_s * CLOCK_HZ)
@@ -226,8 +248,9 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
             name=options["name"],
             source="",
             sha256="",
-            camera_type="microbolometer",
-            readout_mode="rolling",
+            camera_type=camera.camera_type,
+            readout_mode=camera.readout_mode,
+            integration_time_s=options["stated_s"],
             n_frames=n,
             trigger_ticks=ticks,
             frame_index=keep,
@@ -249,6 +272,7 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
                 covered_frame_dn=values[0],
                 mask=light > 0.5,
                 summed=summed,
+                weight=summed.astype(float),
                 border_px=2,
                 bad=np.zeros(summed.shape, bool),
                 blackbody_is_colder=contrast_dn < 0,

@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from iminuit import Minuit
-from irtiming.estimate.joint_delays import Told
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import edge_delays, joint_delays, joint_fit, joint_profile, trigger_delay, whiteness
-from irtiming.estimate import pixel_sum_model as model_of
+from irtiming.estimate import joint, measurands, pixel_sums, profiles, shared_numbers, timing
+from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.physics.wheel import wheel_model
-from irtiming.records.estimate import Estimate
+from irtiming.records.estimate import EDGE_DELAYS
 from irtiming.records.reduced import AxleView
 from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
@@ -70,7 +69,7 @@ def geometry():
         u_edge_rad=U_EDGE,
         edges_from="rig.toml",
         camera_roll_rad=None,
-        warnings=(),
+        findings=(),
     )
 
 
@@ -95,93 +94,114 @@ def recordings(track_of, reduced_recording):
     return make
 
 
-def _problem(made, geometry, noise):
-    fits = [edge_delays.estimate(one, geometry.model) for one in made]
-    prior = U_ANGLE**2 + U_EDGE**2 * np.eye(4)
-    return joint_fit.problem(made, fits, geometry=geometry, noise=np.full(len(made), noise), prior_rad2=prior), fits
+def _given(made, geometry, noise):
+    """Models of the recordings with a known noise, and what they share."""
+    fits = [pixel_sums.fit(one, geometry.model) for one in made]
+    parts = [
+        replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise * abs(fit.step))
+        for one, fit in zip(made, fits, strict=True)
+    ]
+    middle = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
+    shared = [
+        shared_numbers.delay(fits, start=middle),
+        *timing.opening_and_window(made, fits, geometry),
+        *shared_numbers.rig_errors(fits, geometry, u_edge_rad=U_EDGE),
+    ]
+    return [joint.LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=part.at) for part in parts], shared, fits
 
 
 @pytest.fixture(scope="module")
 def noisy(recordings, geometry):
-    """Problem, fits and solution of two recordings at 3 and 8 Hz with noise."""
-    given, fits = _problem(recordings((3.0, 8.0), noise=2e-5, seed=4), geometry, 2e-5)
-    return given, fits, joint_fit.search(given, joint_fit.begin(given, fits))
+    """Models, shared numbers and joint fit of two recordings at 3 and 8 Hz with noise."""
+    models, shared, _ = _given(recordings((3.0, 8.0), noise=2e-5, seed=4), geometry, 2e-5)
+    return models, shared, joint.fit(models, shared)
+
+
+def _edges(found):
+    """Angles by which the edges come early, from the errors that turn them."""
+    values = found.found.values
+    return np.array(
+        [U_ANGLE * values["mask centre angle phi_M"] + U_EDGE * values[f"cutout edge {k}"] for k in range(4)]
+    )
 
 
 def test_everything_that_made_the_sums_is_found_from_two_speeds(recordings, geometry):
     """Oracle: the numbers that made the sums; nothing of them is known beforehand to better than 0.5 mrad."""
-    given, fits = _problem(recordings((3.0, 8.0)), geometry, 1e-6)
-    found = joint_fit.search(given, joint_fit.begin(given, fits))
-    assert found.shared[joint_fit.T_MIDDLE] == pytest.approx(MIDDLE, abs=0.03e-6)
-    np.testing.assert_allclose(found.shared[joint_fit.EDGES], EARLY, atol=3e-6)
-    assert found.shared[joint_fit.OPENING] == pytest.approx(GAMMA, abs=1e-5)
-    assert found.shared[joint_fit.WINDOW] == pytest.approx(WINDOW, abs=6e-6)
-    np.testing.assert_allclose(found.shared[list(joint_fit.LEANS)], LEANS, atol=5e-4)
+    models, shared, _ = _given(recordings((3.0, 8.0)), geometry, 1e-6)
+    found = joint.fit(models, shared)
+    values = found.found.values
+    assert values["delay"] == pytest.approx(MIDDLE, abs=0.03e-6)
+    np.testing.assert_allclose(_edges(found), EARLY, atol=3e-6)
+    assert values["opening_angle"] == pytest.approx(GAMMA, abs=1e-5)
+    assert abs(values["integration_time"]) == pytest.approx(WINDOW, abs=6e-6)
+    np.testing.assert_allclose([values["lean_low"], values["lean_high"]], LEANS, atol=5e-4)
 
 
 def test_the_fit_leaves_its_start_from_either_side(noisy):
     """Oracle: the same minimum from 100 us earlier and later, twice the window and half of it."""
-    given, fits, found = noisy
-    u = np.sqrt(np.diag(joint_fit.covariance(given, found)))
+    models, shared, found = noisy
+    u = np.sqrt(np.diag(found.combined().covariance))
     for sign, factor in ((1, 2.0), (-1, 0.5)):
-        start = joint_fit.begin(given, fits)
-        start[joint_fit.T_MIDDLE] += sign * 100e-6
-        start[joint_fit.WINDOW] *= factor
-        again = joint_fit.search(given, start)
-        assert np.all(np.abs(again.shared - found.shared)[:6] < 0.05 * u[:6])
-        assert abs(again.shared[joint_fit.WINDOW] - found.shared[joint_fit.WINDOW]) < 0.5 * u[joint_fit.WINDOW]
+        moved = {"delay": sign * 100e-6, "integration_time": (factor - 1) * shared[2].start}
+        begun = [replace(one, start=one.start + moved.get(one.name, 0.0)) for one in shared]
+        again = joint.fit(models, begun)
+        apart = np.abs(again.values - found.values) / u
+        assert np.all(apart[[0, 1]] < 0.05)
+        assert np.all(apart[5:] < 0.05)
+        assert apart[2] < 0.5
+        assert again.found.is_settled
 
 
-def _minuit(given, found):
+def _minuit(models, shared, found):
     """The deviance written out, for an independent minimiser, in units of the uncertainties."""
-    n = len(given.parts)
-    unit = np.sqrt(np.diag(joint_fit.covariance(given, found)))
-    own_unit = np.array([[50.0, 100.0, 1e-4, 1e-4, 1e-4]] * n)
+    unit, best = np.sqrt(np.diag(found.combined().covariance)), found.values
 
     def deviance(x):
-        shared, own = found.shared + unit * x[:9], found.own + own_unit * x[9:].reshape(n, 5)
-        total = 0.0
-        for part, noise, row in zip(given.parts, given.noise, own, strict=True):
-            misfit = model_of.residual(given.values(shared, row), part) / noise
-            total += float(misfit @ misfit)
-        edges = shared[joint_fit.EDGES]
-        lean = (shared[list(joint_fit.LEANS)] - given.leans_rad) / given.u_lean_rad
-        return total + float(edges @ np.linalg.inv(given.prior_rad2) @ edges + lean @ lean)
+        numbers = dict(zip(found.names, best + unit * x, strict=True))
+        total = sum(((numbers[one.name] - one.known) / one.u) ** 2 for one in shared if one.u is not None)
+        for k, model in enumerate(models):
+            local = {
+                name: sum(one.effects[k].get(name, 0.0) * numbers[one.name] for one in shared) for name in model.names
+            }
+            total += float(np.sum(model.at(local).residual ** 2))
+        return total
 
-    minimiser = Minuit(deviance, np.zeros(9 + 5 * n))
+    minimiser = Minuit(deviance, np.zeros(len(shared)))
     minimiser.errordef = Minuit.LEAST_SQUARES
     minimiser.errors[:] = 0.3
     return minimiser
 
 
 def test_minimum_and_errors_are_those_of_an_independent_minimiser(noisy):
-    """Oracle: iminuit's MIGRAD and HESSE on the deviance written out, numerical derivatives, all 19 numbers free."""
-    given, _, found = noisy
-    minimiser = _minuit(given, found)
+    """Oracle: iminuit's MIGRAD and HESSE on the deviance written out, numerical derivatives, all numbers free."""
+    models, shared, found = noisy
+    minimiser = _minuit(models, shared, found)
     minimiser.migrad()
     minimiser.hesse()
-    assert minimiser.fval <= found.deviance + 1e-6
-    assert minimiser.fval == pytest.approx(found.deviance, abs=0.3)
+    assert minimiser.fval <= found.found.at.deviance + 1e-6
+    assert minimiser.fval == pytest.approx(found.found.at.deviance, abs=0.3)
     values, errors = np.array(minimiser.values), np.array(minimiser.errors)
-    assert np.all(np.abs(values[:6]) < 0.1)
-    np.testing.assert_allclose(errors[:6], 1.0, rtol=0.05)
+    sure = [k for k, one in enumerate(shared) if one.name not in SHAPE[1:]]  # the corners' shape is no parabola
+    assert np.all(np.abs(values[sure]) < 0.1)
+    np.testing.assert_allclose(errors[[0, 1]], 1.0, rtol=0.05)
+    turned = np.array([[U_ANGLE * (one.name.startswith("mask")) + U_EDGE * (one.name == f"cutout edge {k}") for one in shared]
+                       for k in range(4)])  # fmt: skip
+    turned = turned * np.sqrt(np.diag(found.combined().covariance))
+    theirs = np.sqrt(np.diag(turned @ np.array(minimiser.covariance) @ turned.T))
+    ours = found.estimate(measurands.edge_angles(found, TURN * 3)).standard_uncertainties
+    np.testing.assert_allclose(theirs, ours, rtol=0.05)
 
 
-def test_profile_is_that_of_an_independent_program(noisy):
+def test_profile_is_that_of_an_independent_program(noisy, recordings, geometry):
     """Oracle: iminuit, holding the delay two uncertainties beside its best and freeing the rest."""
-    given, _, found = noisy
-    u = float(np.sqrt(joint_fit.covariance(given, found)[0, 0]))
-    estimate = Estimate(
-        names=("exposure_midpoint_delay",),
-        units=("s",),
-        values=found.shared[:1],
-        covariance=np.array([[u**2]]),
-    )
-    (profile,) = joint_profile.profiles(given, found, estimate=estimate, integration_time_s=WINDOW)
-    lowest = _minuit(given, found).migrad().fval
+    models, shared, found = noisy
+    u = float(np.sqrt(found.combined().variance({"delay": 1.0})))
+    delay = joint.Measurand(name="exposure_midpoint_delay", weights={"delay": 1.0})
+    profile = profiles.profile(delay, found, u=u)
+    lowest = _minuit(models, shared, found).migrad().fval
     for value, deviation in list(zip(profile.values, profile.deviation, strict=True))[::4]:
-        held = _minuit(given, found)
-        held.values[0] = (value - found.shared[0]) / u
+        held = _minuit(models, shared, found)
+        held.values[0] = (value - found.found.values["delay"]) / u
         held.fixed[0] = True
         assert deviation == pytest.approx(held.migrad().fval - lowest, abs=0.15)
     assert profile.upper - profile.value == pytest.approx(u, rel=0.1)
@@ -190,58 +210,62 @@ def test_profile_is_that_of_an_independent_program(noisy):
 
 def test_one_speed_leaves_the_delay_to_the_angles(recordings, geometry):
     """Oracle: by hand; sqrt(0.5^2 + 0.2^2 / 4) mrad over 18.85 rad/s."""
-    given, fits = _problem(recordings((3.0,), noise=2e-5), geometry, 2e-5)
-    found = joint_fit.search(given, joint_fit.begin(given, fits))
+    models, shared, _ = _given(recordings((3.0,), noise=2e-5), geometry, 2e-5)
+    found = joint.fit(models, shared)
     expected = np.hypot(U_ANGLE, U_EDGE / 2) / (TURN * 3)
-    assert np.sqrt(joint_fit.covariance(given, found)[0, 0]) == pytest.approx(expected, rel=0.01)
+    assert np.sqrt(found.combined().variance({"delay": 1.0})) == pytest.approx(expected, rel=0.01)
 
 
-def test_pulls_of_two_speeds_are_standard(recordings, geometry):
-    """Oracle: the delay that made the sums; 8 repetitions of the noise, edges 0.3 mrad off as P allows."""
-    pulls = []
-    for seed in range(8):
-        made = recordings((3.0, 8.0), noise=2e-5, seed=100 + seed)
-        fits = [edge_delays.estimate(one, geometry.model) for one in made]
-        result = trigger_delay.estimate(made, fits, geometry=geometry, integration_time_s=WINDOW).result
-        k = result.estimate.names.index("exposure_midpoint_delay")
-        pulls.append((result.estimate.values[k] - MIDDLE) / result.estimate.standard_uncertainties[k])
-    assert abs(np.mean(pulls)) < 3.5 / np.sqrt(8)
-    assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1, abs=0.7)
+def test_pulls_of_two_speeds_are_standard(noisy):
+    """Oracle: 400 draws of frames' noise and of the errors' true values, moved through one linear step at the minimum.
+
+    The covariance of the joint fit must be that of the step's results; their spread over u is 1 within 0.1.
+    """
+    _, shared, found = noisy
+    whole, random = found.combined(), np.random.default_rng(5)
+    roots = [np.linalg.cholesky(piece.matrix + 1e-12 * np.diag(np.diag(piece.matrix))) for piece in found.pieces]
+    made, pulls = found.designs(), []
+    for _ in range(400):
+        pull = sum(a.T @ (root @ random.normal(size=len(root))) for a, root in zip(made, roots, strict=True))
+        pull = pull + np.array([0.0 if one.u is None else random.normal() / one.u for one in shared])
+        pulls.append((whole.covariance @ pull)[0] / np.sqrt(whole.variance({"delay": 1.0})))
+    assert abs(np.mean(pulls)) < 4 / np.sqrt(400)
+    assert np.std(pulls) == pytest.approx(1, abs=0.1)
 
 
 def test_linear_algebra_at_the_minimum_agrees_with_the_minimum(noisy):
-    """Oracle: the fit itself; a step from a point beside the minimum leads back to it."""
-    given, fits, found = noisy
-    beside = found.shared.copy()
-    beside[0] += 1e-7
-    image, image_pull = given.image(found.shared)
-    parts = (joint_delays.AnglePart(source="all", kind="B", covariance_rad2=given.prior_rad2),)
-    told = Told(
-        shared=found.shared, information=found.information, pull=found.pull, image=image, image_pull=image_pull,
-        angles=parts, angular_frequency_rad_per_s=np.array([f.angular_frequency_rad_per_s for f in fits]),
-    )  # fmt: skip
-    shared = joint_delays.shared_delays(told)
-    u = np.sqrt(np.diag(joint_fit.covariance(given, found)))
-    assert shared.values[0] == pytest.approx(found.shared[0], abs=0.05 * u[0])
-    assert np.sqrt(shared.covariance[0, 0]) == pytest.approx(u[0], rel=1e-4)
-    assert shared.values[1] == pytest.approx(shared.values[2], abs=5 * np.sqrt(shared.covariance[1, 1]))
-    assert beside[0] != found.shared[0]
+    """Oracle: the fit itself; pieces of information taken beside the minimum lead back to it in one step."""
+    models, shared, found = noisy
+    u = float(np.sqrt(found.combined().variance({"delay": 1.0})))
+    beside = replace(found.found, values=found.found.values | {"delay": found.found.values["delay"] + 0.5 * u})
+    there = joint.at_point(models, shared, found=beside)
+    whole = joint.Measurand(name="all", weights={"delay": 1.0})
+    back = there.estimate([whole, replace(whole, name="falling", forgotten=EDGE_DELAYS[1::2])])
+    assert back.value("all") == pytest.approx(found.found.values["delay"], abs=0.05 * u)
+    assert back.u("all") == pytest.approx(u, rel=1e-3)
+    assert back.value("falling") == pytest.approx(back.value("all"), abs=5 * back.u("falling"))
+    assert back.u("falling") > back.u("all")
+
+
+def test_a_gate_that_is_late_is_one_more_shared_number(noisy):
+    """Oracle: by hand; an offset common to all edges, known to 2 us, adds 2 us in quadrature to the delay's uncertainty."""
+    models, shared, found = noisy
+    late = shared_numbers.SharedNumber(
+        name="application gate late",
+        effects=[dict.fromkeys(EDGE_DELAYS, 2e-6)] * 2,
+        unit="1",
+        u=1.0,
+        source="late gate",
+    )
+    with_it = joint.fit(models, [*shared, late])
+    before, after = (one.combined().variance({"delay": 1.0}) for one in (found, with_it))
+    assert after == pytest.approx(before + 4e-12, rel=1e-3)
+    assert with_it.combined().shares({"delay": 1.0})["late gate"] == pytest.approx(4e-12, rel=1e-3)
 
 
 def test_recordings_that_cannot_be_one_camera_end_in_one_line(recordings, geometry):
     """Oracle: the docstring; sums of noise alone never settle, or settle nowhere near a wheel."""
-    made = recordings((3.0,))
-    wild = replace(made[0], pixel_sum=np.random.default_rng(0).normal(9e6, 1e5, 500))
+    made = recordings((3.0,))[0]
+    noise = np.random.default_rng(0).normal(9e6, 1e5, 500)
     with pytest.raises(EstimationError):
-        edge_delays.estimate(wild, geometry.model)
-
-
-def test_whiteness_is_a_probability():
-    """Oracle: by definition; white residuals give even probabilities, a slow wave none."""
-    random = np.random.default_rng(1)
-    chances = [whiteness.probability(random.normal(size=500)) for _ in range(200)]
-    counts, _ = np.histogram(chances, bins=4, range=(0, 1))
-    assert np.all(np.abs(counts - 50) < 4 * np.sqrt(50))
-    wave = np.sin(np.arange(500) / 30) + random.normal(size=500)
-    assert whiteness.probability(wave) < 1e-10
-    assert whiteness.probability(np.zeros(500)) == 1.0
+        pixel_sums.fit(replace(made, pixels=replace(made.pixel_sums, pixel_sum=noise)), geometry.model)

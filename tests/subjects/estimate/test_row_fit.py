@@ -219,3 +219,65 @@ def test_start_is_told(camera, truth, exact, light):
     assert abs(first.start["edge_delay_0"] - truth[:4].mean()) < 3e-3
     again = row_fit.fit(exact, camera.model, light=light, start=first)
     assert again.start == first.timing
+
+
+OTHERS = {
+    "rolling window": {"camera_type": "photon", "integration_time_s": 8e-3},
+    "snapshot window": {
+        "camera_type": "photon", "integration_time_s": 8e-3, "readout_mode": "snapshot", "row_delay_s": 0.0,
+    },
+    "snapshot lag": {"readout_mode": "snapshot", "row_delay_s": 0.0},
+}  # fmt: skip
+
+
+def _fitted(camera, brute_rows, sector_of, **options):
+    """Fit of the camera's rows in the light of its own sector."""
+    rows = brute_rows(camera, **options)
+    order = 256 if camera.camera_type == "photon" else HARMONICS
+    light = row_light.row_light(rows.rows.row_px, sector_of(camera), n_harmonics=order)
+    return row_fit.fit(rows, camera.model, light=light)
+
+
+@pytest.mark.parametrize("kind", list(OTHERS))
+@pytest.mark.parametrize("contrast_dn", [-600.0, 700.0])
+def test_every_camera_comes_back(brute_bolometer, brute_rows, sector_of, kind, contrast_dn):
+    """Oracle: the camera's numbers by name; delays are those of the middle of a window, a snapshot has no row delay."""
+    camera = brute_bolometer(edge_delay_s=(2.31e-3, 2.29e-3, 2.3e-3, 2.32e-3), **OTHERS[kind])
+    fit = _fitted(camera, brute_rows, sector_of, contrast_dn=contrast_dn)
+    own = {"integration_time": 8e-3} if camera.camera_type == "photon" else {"time_constant": camera.time_constant_s}
+    rolling = {"row_delay": camera.row_delay_s} if camera.readout_mode == "rolling" else {}
+    assert fit.estimate.names == (*(f"edge_delay_{edge}" for edge in range(4)), *own, *rolling)
+    np.testing.assert_allclose(fit.edge_delay_s, camera.edge_delay_s, atol=2e-6)
+    for name, value in (own | rolling).items():
+        assert fit.timing[name] == pytest.approx(value, abs=4e-8 if name == "row_delay" else 2e-5), name
+    assert fit.held == {}
+
+
+@pytest.mark.parametrize(("true_s", "stated_s"), [(100e-6, 100e-6), (100e-6, 105e-6), (2e-6, 2e-6)])
+def test_a_window_that_frames_hardly_tell_is_held_as_stated(brute_bolometer, brute_rows, sector_of, true_s, stated_s):
+    """Oracle: the recording's statement; delay of the middle and row delay come back within four uncertainties all the same."""
+    camera = brute_bolometer(camera_type="photon", integration_time_s=true_s)
+    fit = _fitted(camera, brute_rows, sector_of, noise_dn=30.0, stated_s=stated_s)
+    assert fit.held == {"integration_time": stated_s}
+    assert "integration_time" not in fit.estimate
+    assert fit.timing["integration_time"] == stated_s
+    assert np.all(np.abs(fit.edge_delay_s - 2.3e-3) < 4 * fit.estimate.standard_uncertainties[:4])
+    assert abs(fit.row_delay_s - camera.row_delay_s) < 4 * fit.estimate.u("row_delay")
+
+
+def test_a_window_that_nobody_states_is_held_where_it_was_found(brute_bolometer, brute_rows, sector_of):
+    """Oracle: the frames' own uncertainty of it, more than a quarter of its length; nothing else suffers."""
+    camera = brute_bolometer(camera_type="photon", integration_time_s=20e-6)
+    fit = _fitted(camera, brute_rows, sector_of, noise_dn=60.0)
+    assert set(fit.held) == {"integration_time"}
+    assert np.all(np.abs(fit.edge_delay_s - 2.3e-3) < 4 * fit.estimate.standard_uncertainties[:4])
+    assert np.all(np.isfinite(fit.estimate.covariance))
+
+
+def test_a_window_that_frames_tell_is_their_own(brute_bolometer, brute_rows, sector_of):
+    """Oracle: the camera's window; what the recording states of it, an eighth too little, is where the search begins."""
+    camera = brute_bolometer(camera_type="photon", integration_time_s=8e-3)
+    fit = _fitted(camera, brute_rows, sector_of, noise_dn=6.0, stated_s=7e-3)
+    assert fit.held == {}
+    assert fit.timing["integration_time"] == pytest.approx(8e-3, abs=4 * fit.estimate.u("integration_time") + 2e-5)
+    assert fit.start["integration_time"] == 7e-3

@@ -13,7 +13,7 @@ from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import profile, solve
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import RowSum, harmonics, slopes, timing_names
+from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, linearised, timing_names
 from irtiming.physics.wheel import exposed_fraction, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, open_harmonics
 from irtiming.records.row_timing import SectorShape
@@ -137,7 +137,7 @@ def test_normal_matrix_is_that_of_the_frames(two_parts):
     parts, data = two_parts
     at = row_timing._project(data, MODEL, _named(TRUTH))
     np.testing.assert_allclose(row_timing.likelihood(data, MODEL, timing=_named(TRUTH)).normal, at.normal, rtol=1e-9)
-    whole, slope = harmonics(MODEL, _named(TRUTH)), slopes(MODEL, _named(TRUTH))
+    whole, slope = linearised(MODEL, _named(TRUTH))
     expected = np.zeros((6, 6))
     for part, (theta, _) in enumerate(parts):
         for row in range(10):
@@ -217,6 +217,75 @@ def test_pulls_of_300_repetitions_are_standard():
     assert np.all(np.abs(np.mean(pulls, axis=0)) < 0.2)
     np.testing.assert_allclose(np.std(pulls, axis=0), 1, atol=0.12)
     assert np.mean(deviations) == pytest.approx(6, abs=0.6)  # chi squared with six degrees of freedom
+
+
+KINDS = {
+    "rolling window": (camera("photon", "rolling"), {"integration_time": 9e-3, "row_delay": 60e-6}),
+    "snapshot window": (camera("photon", "snapshot"), {"integration_time": 12e-3}),
+    "snapshot lag": (camera("microbolometer", "snapshot"), {"time_constant": 6e-3}),
+}
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.parametrize("delay", [-9e-3, 2e-3, 25e-3, 38e-3])
+@pytest.mark.parametrize("contrast", [-600.0, 600.0])
+def test_the_search_finds_its_own_start_for_every_camera(kind, delay, contrast):
+    """Oracle: the numbers that made the frames, before a cold and a warm blackbody."""
+    which, own = KINDS[kind]
+    model, truth = _model(camera=which), dict.fromkeys(EDGE_DELAYS, delay) | own
+    theta = 0.4 + OMEGA * 0.033 * np.arange(600)
+    sums = 9e4 + contrast * at_angles(harmonics(model, truth), theta).T
+    sums = sums + np.random.default_rng(4).normal(0, 20, sums.shape)
+    found = solve([compress(theta, sums, n_harmonics=M)], model)
+    u = np.sqrt(np.diag(np.linalg.inv(found.normal)))
+    pulls = [(found.timing[name] - truth[name]) / size for name, size in zip(model.names, u, strict=True)]
+    np.testing.assert_array_less(np.abs(pulls), 4.5)
+    assert found.minimum.is_settled
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
+def test_pulls_of_every_camera_are_standard(kind):
+    """Oracle: the numbers that made the frames; 150 repetitions, (estimate - truth) / u has mean 0 and spread 1."""
+    which, own = KINDS[kind]
+    n = row_timing._COARSE
+    model, truth = _model(n, camera=which), dict.fromkeys(EDGE_DELAYS, 2e-3) | own
+    theta = 0.4 + OMEGA * 0.033 * np.arange(300)
+    exact = 9e4 - 600 * at_angles(harmonics(model, truth), theta).T
+    rng, pulls = np.random.default_rng(8), []
+    for _ in range(150):
+        found = solve([compress(theta, exact + rng.normal(0, 30, exact.shape), n_harmonics=n)], model, start=truth)
+        u = np.sqrt(np.diag(np.linalg.inv(found.normal)))
+        pulls.append([(found.timing[name] - truth[name]) / size for name, size in zip(model.names, u, strict=True)])
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 4 / 150**0.5)
+    np.testing.assert_allclose(np.std(pulls, axis=0), 1, atol=0.15)
+
+
+def test_a_held_number_stays_and_the_others_find_their_best():
+    """Oracle: least squares without that number's column; the normal matrix of the others."""
+    theta, sums = _frames()
+    data = [compress(theta, sums, n_harmonics=M)]
+    free = solve(data, MODEL)
+    u = np.sqrt(np.linalg.inv(free.normal)[4, 4])
+    held = {"time_constant": free.timing["time_constant"] + u}
+    found = solve(data, MODEL, held=held)
+    assert found.timing["time_constant"] == held["time_constant"]
+    assert found.minimum.free == tuple(name for name in NAMES if name not in held)
+    covariance = np.linalg.inv(free.normal)
+    expected = _values(free)[:4] + covariance[:4, 4] / covariance[4, 4] * u
+    np.testing.assert_allclose(_values(found)[:4], expected, atol=0.05 * np.sqrt(covariance[0, 0]))
+    np.testing.assert_allclose(found.normal, np.delete(np.delete(free.normal, 4, 0), 4, 1), rtol=0.05)
+
+
+def test_white_uncertainty_of_one_number_is_that_of_the_inverse_normal_matrix():
+    """Oracle: numpy's inverse; and a window of no length, of which nothing is told."""
+    theta, sums = _frames()
+    data = [compress(theta, sums, n_harmonics=M)]
+    found = solve(data, MODEL)
+    u = np.sqrt(np.linalg.inv(found.normal)[4, 4])
+    assert row_timing.uncertainty(data, MODEL, timing=found.timing, name="time_constant") == pytest.approx(u, rel=1e-6)
+    which, own = KINDS["snapshot window"]
+    truth = dict.fromkeys(EDGE_DELAYS, 2e-3) | own | {"integration_time": 0.0}
+    assert row_timing.uncertainty(data, _model(camera=which), timing=truth, name="integration_time") == np.inf
 
 
 def test_profile_of_the_time_constant_is_its_uncertainty():

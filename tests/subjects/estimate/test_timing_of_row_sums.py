@@ -190,19 +190,39 @@ def test_two_speeds_tell_an_angle_error_from_a_delay(fits, geometry, sector):
     assert alone.estimate.standard_uncertainties[0] == pytest.approx(5e-3 / OMEGA, rel=1e-3)
 
 
+def _each_delay(y, fits, rig, sector, setting):
+    """Delay of each recording, written out: all else from one delay per setting, then its own edges with all else held."""
+    n_set = max(setting) + 1
+    root = np.linalg.cholesky(sector.covariance)
+    parts = []
+    for k, fit in enumerate(fits):
+        angles = np.outer(IS_EDGE, [u for _, _, u in rig.angle_budget]) / fit.angular_frequency_rad_per_s
+        edges = rig.u_edge_rad * np.eye(6)[:, :4] / fit.angular_frequency_rad_per_s
+        delays = np.outer(IS_EDGE, np.eye(n_set)[setting[k]])
+        parts.append(np.hstack([delays, np.eye(6)[:, 4:], angles, edges, fit.shape_effect @ root]))
+    weights = [np.linalg.inv(fit.estimate.covariance) for fit in fits]
+    known = np.diag([0.0] * (n_set + 2) + [1.0] * (parts[0].shape[1] - n_set - 2))
+    normal = known + sum(a.T @ w @ a for a, w in zip(parts, weights, strict=True))
+    best = np.linalg.solve(
+        normal, sum(a.T @ w @ y[6 * k : 6 * k + 6] for k, (a, w) in enumerate(zip(parts, weights, strict=True)))
+    )
+    best[:n_set] = 0
+    own = [y[6 * k : 6 * k + 6] - a @ best for k, a in enumerate(parts)]
+    return np.array([IS_EDGE @ w @ left / (IS_EDGE @ w @ IS_EDGE) for w, left in zip(weights, own, strict=True)])
+
+
 def test_relative_delays_are_those_of_the_textbook(fits, geometry, sector):
-    """Oracle: generalised least squares with a delay for each recording and one tau and row delay for all."""
+    """Oracle: the two steps written out with each error a parameter; their uncertainty by the law of propagation, y by y."""
     nominal = [0.0, 0.0, 0.025, 0.05]
     rng = np.random.default_rng(9)
     base, rig = fits([SIX])[0].estimate.covariance, geometry()
     drawn = rng.multivariate_normal(np.zeros(6), base / 4, 4)  # little enough for no Birge ratio above 1
     made = [replace(fit, estimate=replace(fit.estimate, covariance=base)) for fit in fits(SIX + drawn, nominal=nominal)]
-    design = np.zeros((24, 6))
-    for k in range(4):
-        design[6 * k : 6 * k + 4, k] = design[6 * k + 4, 4] = design[6 * k + 5, 5] = 1
-    y = np.concatenate([fit.estimate.values for fit in made])
-    values, covariance = _textbook(y, _covariance(made, rig, sector), design)
-    apart = np.eye(6)[:4] - np.array([0.5, 0.5, 0, 0, 0, 0])
+    y, setting = np.concatenate([fit.estimate.values for fit in made]), [0, 0, 1, 2]
+    values = _each_delay(y, made, rig, sector, setting)
+    follows = np.array([_each_delay(one, made, rig, sector, setting) for one in np.eye(24)]).T
+    covariance = follows @ _covariance(made, rig, sector) @ follows.T
+    apart = np.eye(4) - np.array([0.5, 0.5, 0, 0])
     told = _estimate(made, rig, sector).relative_delays
     assert [one.file for one in told] == [f"run {k}" for k in range(4)]
     assert [one.nominal_s for one in told] == nominal

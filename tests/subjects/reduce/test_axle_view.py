@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.records.choices import Choices
 from irtiming.records.rig import CameraOptics, Measured, Wheel
-from irtiming.reduce import cooled
+from irtiming.reduce import recipes
 
 CLOCK_HZ = 49_152_000
 
@@ -26,7 +26,7 @@ def reduced(paper_wheel, recorded, rig):
             wheel=Wheel(rotation="clockwise" if camera.clockwise else "counterclockwise"),
             camera=CameraOptics() if lens is None else CameraOptics(distortion=lens),
         )
-        return cooled.reduce(recorded(wheel, n_triggers=500, frames=frames, **fields), own, choices=Choices())
+        return recipes.reduce(recorded(wheel, n_triggers=500, frames=frames, **fields), own, choices=Choices())
 
     return run
 

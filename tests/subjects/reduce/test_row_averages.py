@@ -8,7 +8,7 @@ import pytest
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.choices import Choices
-from irtiming.reduce import microbolometer, row_averages
+from irtiming.reduce import recipes, row_averages
 
 TURN = 2 * np.pi
 
@@ -18,8 +18,8 @@ def runs(rig, rolled, turning, paper_bolometer):
     """Three runs of one scene with their own noise."""
     camera = paper_bolometer()
     recordings = [rolled(camera.noisy(turning, seed=seed), name=f"run {seed}") for seed in range(3)]
-    first = microbolometer.reduce(recordings[0], rig, choices=Choices())
-    later = [microbolometer.reduce(one, rig, choices=Choices(), before=first.opening) for one in recordings[1:]]
+    first = recipes.reduce(recordings[0], rig, choices=Choices())
+    later = [recipes.reduce(one, rig, choices=Choices(), before=first.opening) for one in recordings[1:]]
     return [first, *later]
 
 

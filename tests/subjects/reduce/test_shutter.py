@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.records.reduced import ShutterEvent
-from irtiming.reduce.shutter import FrameLevels, Watch, events, watch
+from irtiming.reduce.shutter import FrameLevels, Watch, events, tolerance_dn, watch
 
 
 def _levels(n=60, *, beside=(), quiet=(), repeated=(), dead=()):
@@ -70,12 +70,11 @@ def test_a_judgement_needs_no_frame_out_of_reach():
 
 def test_tolerance_and_margin():
     """Oracle: by hand; eight scatters within 8 to 30 % of the contrast; 0.12 s or as long as the level stands still."""
-    plain = {"contrast_dn": 100.0, "longest_level_s": 0.03, "frame_period_s": 0.033}
-    assert watch(scatter_dn=0.1, **plain) == Watch(tolerance_dn=8.0, margin=4)
-    assert watch(scatter_dn=2.0, **plain).tolerance_dn == 16.0
-    assert watch(scatter_dn=50.0, **plain).tolerance_dn == 30.0
-    assert watch(scatter_dn=0.1, **(plain | {"frame_period_s": 0.11})).margin == 3
-    assert watch(scatter_dn=0.1, **(plain | {"longest_level_s": 0.5})).margin == 16
+    plain = {"longest_level_s": 0.03, "frame_period_s": 0.033}
+    assert [tolerance_dn(contrast_dn=100.0, scatter_dn=scatter) for scatter in (0.1, 2.0, 50.0)] == [8.0, 16.0, 30.0]
+    assert watch(8.0, **plain) == Watch(tolerance_dn=8.0, margin=4)
+    assert watch(8.0, **(plain | {"frame_period_s": 0.11})).margin == 3
+    assert watch(8.0, **(plain | {"longest_level_s": 0.5})).margin == 16
 
 
 def test_events_are_told_apart_and_named():

@@ -236,6 +236,22 @@ def test_four_application_edges_are_measured(paper_wheel, recorded, rig):
     assert track(recording, rig).application_edges_rad is None
 
 
+def test_pulls_of_the_application_edges_are_standard(paper_wheel, recorded, rig):
+    """Oracle: 150 recordings of 35 turns whose application edges jitter by 5 us; angles of edges 1 to 3 counted from edge 0."""
+    wheel = paper_wheel(duration_s=12.0)
+    recording, edges = recorded(wheel, n_triggers=10), wheel.application_edge_ticks()
+    pulls = []
+    for seed in range(150):
+        jitter = np.random.default_rng(seed).normal(0, 5e-6 * CLOCK_HZ, edges.size)
+        found = track(
+            replace(recording, application_edge_ticks=edges + np.rint(jitter).astype(np.int64)), rig, slots="equal"
+        )
+        off = np.array(found.application_edges_rad[1:]) - wheel.edges[1:]
+        pulls.append(off / np.array(found.u_application_edges_rad[1:]))
+    np.testing.assert_allclose(np.std(pulls, axis=0), 1, atol=0.15)
+    assert np.all(np.abs(np.mean(pulls, axis=0)) < 0.3)
+
+
 def test_counterclockwise_rotation_has_the_same_angles(paper_wheel, recorded, rig):
     """Oracle: conventions.md; the drawing is mirrored, the wheel angle still grows with rotation."""
     recording = recorded(paper_wheel(wander=WANDER))

@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 
 from irtiming.errors import ReductionError
-from irtiming.reduce.scouts import Scouts
+from irtiming.reduce.sample_frames import SampleFrames
 from irtiming.reduce.wheel_contrast import noise_between_neighbours, outline
 
 TURN = 2 * np.pi
 
 
-def _scouts(frames, angles):
+def _sample(frames, angles):
     raw = np.rint(frames).astype(np.uint16)
     common = np.median(
         np.concatenate([raw[:, :2].reshape(len(raw), -1), raw[:, -2:].reshape(len(raw), -1)], axis=1), axis=1
     )
-    return Scouts(raw=raw, wheel_angle_rad=angles, place=np.linspace(0, 1, len(raw)), common_dn=common.astype(float))
+    return SampleFrames(
+        raw=raw, values=raw, wheel_angle_rad=angles, place=np.linspace(0, 1, len(raw)), common_dn=common.astype(float)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -60,14 +62,14 @@ def test_outline_is_the_opening_and_its_swing_that_of_the_wave(looked_at, paper_
     frames, angles = looked_at
     camera = paper_bolometer()
     noisy = frames + np.random.default_rng(4).normal(0, 5, frames.shape)
-    found = outline(_scouts(noisy, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
+    found = outline(_sample(noisy, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
     share = camera.opening()
     assert np.sum(found.mask ^ (share > 0.5)) <= 6
     clear = np.abs(share - 0.5) > 0.3
     np.testing.assert_array_equal(found.mask[clear], (share > 0.5)[clear])
     lag = 1 / np.sqrt(1 + (2 * TURN * camera.rate_hz * camera.time_constant_s) ** 2)
     assert found.interior_dn == pytest.approx(950 * 2 / np.pi * lag, rel=0.01)
-    clean = outline(_scouts(frames, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
+    clean = outline(_sample(frames, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
     noise = np.std((found.harmonic - clean.harmonic).real)
     assert noise_between_neighbours(found.harmonic, share < 1e-6) == pytest.approx(noise, rel=0.1)
     assert (
@@ -85,8 +87,8 @@ def test_frames_that_are_not_good_do_not_count(looked_at):
     good = np.arange(len(frames)) % 3 > 0
     spoilt = frames.copy()
     spoilt[~good] = spoilt[~good][::-1] + 300 * np.random.default_rng(5).random(spoilt[~good].shape)
-    one = outline(_scouts(spoilt, angles), good, threshold_level=0.5, name="a")
-    other = outline(_scouts(frames[good], angles[good]), np.ones(good.sum(), bool), threshold_level=0.5, name="a")
+    one = outline(_sample(spoilt, angles), good, threshold_level=0.5, name="a")
+    other = outline(_sample(frames[good], angles[good]), np.ones(good.sum(), bool), threshold_level=0.5, name="a")
     np.testing.assert_array_equal(one.mask, other.mask)
     np.testing.assert_allclose(one.harmonic, other.harmonic, atol=1e-6)
 
@@ -95,11 +97,11 @@ def test_frames_that_are_not_good_do_not_count(looked_at):
 def test_the_threshold_is_the_share_of_the_contrast(looked_at, paper_bolometer, threshold):
     """Oracle: a higher threshold leaves fewer pixels; those far on either side of it are out or in."""
     frames, angles = looked_at
-    found = outline(_scouts(frames, angles), np.ones(len(frames), bool), threshold_level=threshold, name="a")
+    found = outline(_sample(frames, angles), np.ones(len(frames), bool), threshold_level=threshold, name="a")
     share = paper_bolometer().opening()
     assert not np.any(found.mask[share < 0.5 * threshold])
     assert np.all(found.mask[share > (1 + threshold) / 2 + 0.1])
-    half = outline(_scouts(frames, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
+    half = outline(_sample(frames, angles), np.ones(len(frames), bool), threshold_level=0.5, name="a")
     assert (found.mask.sum() < half.mask.sum()) == (threshold > 0.5)
 
 
@@ -110,4 +112,4 @@ def test_noise_alone_is_no_opening(looked_at):
     with pytest.raises(
         ReductionError, match=r"a: no opening found: the liveliest pixels swing by .* check that the shutter"
     ):
-        outline(_scouts(noise, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
+        outline(_sample(noise, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")

@@ -104,7 +104,7 @@ def _recording(name: str, delay_s: float, rng: np.random.Generator) -> ReducedRe
     bad[20, 40] = True
     opening = Opening(
         roi=(2, 40, 5, 75), open_frame_dn=frame, covered_frame_dn=np.full(frame.shape, 4000.0), mask=mask,
-        summed=mask, border_px=4, bad=bad, blackbody_is_colder=False,
+        summed=mask, weight=mask.astype(float), border_px=4, bad=bad, blackbody_is_colder=False,
         histogram=Histogram(threshold_dn=6500.0, plate_dn=4000.0, blackbody_dn=9000.0, bin_edges_dn=bins,
                             count=count.astype(np.int64)),
     )  # fmt: skip
@@ -371,7 +371,8 @@ def _rows(analysis: Analysis, name: str, delay_s: float) -> ReducedRecording:
         samples_per_turn=1000, track=given.track, equal_track=given.track,
         opening=Opening(
             roi=(2, 40, 5, 75), open_frame_dn=4000 - 800.0 * mask, covered_frame_dn=np.full(mask.shape, 4000.0),
-            mask=mask, summed=summed, border_px=4, bad=np.zeros(mask.shape, bool), blackbody_is_colder=True,
+            mask=mask, summed=summed, weight=summed.astype(float), border_px=4,
+            bad=np.zeros(mask.shape, bool), blackbody_is_colder=True,
         ),
         contrast=ContrastImage(
             projection_dn=np.zeros((38, 70), complex), frame_weight=np.zeros(380, complex), u_dn=1.0,

@@ -72,15 +72,15 @@ def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     return np.asarray(edges.sum(axis=0) * turned)
 
 
-def slopes(rows: RowSum, timing: Timing) -> ComplexArray:
-    """Derivatives of `harmonics` to each of ``rows.names``, shape (k, n_row, M + 1), per second."""
+def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
+    """`harmonics`, shape (n_row, M + 1), and their derivatives to each of ``rows.names``, (k, n_row, M + 1), per second."""
     omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
     edges, turned = _factors(rows, timing)
     by_edge = (edges * (1j * np.arange(n + 1) * omega))[:, None, :] * turned
     slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
     by_response = _edges(rows, timing).sum(axis=0) * slope * turned
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
-    return np.concatenate([by_edge, by_response[None], by_readout])
+    return np.asarray(edges.sum(axis=0) * turned), np.concatenate([by_edge, by_response[None], by_readout])
 
 
 def point(model: WheelModel, camera: Camera, *, omega: float, timing: Timing) -> ComplexArray:

@@ -9,9 +9,10 @@ from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
 from irtiming.reduce import kernels
+from irtiming.reduce.nonuniformity import Correction, corrected
 
-_SCOUTS = 240
-_SCOUT_BYTES = 2**27
+_MOST = 240
+_MOST_BYTES = 2**27
 _FEWEST = 24
 _ALIVE_SHARE = 0.5
 _COARSE = 3  # every third pixel tells whether a frame is blank
@@ -20,21 +21,22 @@ _RIM_PX = 2  # of the image: the opening does not reach it
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scouts:
+class SampleFrames:
     """Frames that were looked at, in the order of the recording.
 
-    ``raw`` (frame, row, column); shapes (frame,): ``wheel_angle_rad``; ``place`` in the recording from 0 to 1; ``common_dn``, a
-    level that all pixels share.
+    ``raw`` (frame, row, column) as recorded, ``values`` the same corrected for non-uniformity, in whole DN; shapes (frame,):
+    ``wheel_angle_rad``; ``place`` in the recording from 0 to 1; ``common_dn``, a level that all pixels share.
     """
 
     raw: Pixels
+    values: Pixels
     wheel_angle_rad: Array
     place: Array
     common_dn: Array
 
     def level(self, area: Mask) -> Array:
         """Mean level of the pixels in the area over the common level, shape (frame,), DN."""
-        return mean_within(self.raw, area) - self.common_dn
+        return mean_within(self.values, area) - self.common_dn
 
 
 def indices(shape: tuple[int, int, int]) -> list[int]:
@@ -48,15 +50,15 @@ def indices(shape: tuple[int, int, int]) -> list[int]:
     return [int(i) for i in place * n_frames / n] if n < n_frames else list(range(n_frames))
 
 
-def look(recording: Recording, wheel_angle_rad: Array) -> Scouts:
+def look(recording: Recording, wheel_angle_rad: Array, *, correct: Correction) -> SampleFrames:
     """Look at frames all over the recording, without blank ones and without those of unknown wheel angle.
 
     The common level is the median of the image's rim.
 
     Parameters
     ----------
-    recording
-        Some of its frames are read.
+    recording, correct
+        Some of its frames are read, and corrected.
     wheel_angle_rad
         Shape (n_frame,); nan where unknown.
 
@@ -70,22 +72,43 @@ def look(recording: Recording, wheel_angle_rad: Array) -> Scouts:
     picked = drawn[np.isfinite(wheel_angle_rad[drawn])]
     if picked.size < max(_FEWEST, _ALIVE_SHARE * drawn.size):
         raise ReductionError(
-            f"{recording.name}: {picked.size} of {drawn.size} frames looked at were triggered while control slots were recorded, "
+            f"{recording.name}: {picked.size} of {drawn.size} sample frames were triggered while control slots were recorded, "
             "at least half must be; triggers and slots must be values of the same counter over the same time"
         )
     raw = recording.frames.pick([int(i) for i in picked])
     alive = np.array([frame.min() < frame.max() for frame in raw[:, ::_COARSE, ::_COARSE]])
     if alive.mean() < _ALIVE_SHARE:
         raise ReductionError(
-            f"{recording.name}: {np.sum(~alive)} of {alive.size} frames looked at are blank (all pixels alike), at most half may "
+            f"{recording.name}: {np.sum(~alive)} of {alive.size} sample frames are blank (all pixels alike), at most half may "
             "be; check the camera's window and transfer"
         )
     if not alive.all():
         raw, picked = raw[alive], picked[alive]
     rim = np.ones(raw.shape[1:], bool)
     rim[_RIM_PX:-_RIM_PX, _RIM_PX:-_RIM_PX] = False
-    common = np.median(raw.reshape(len(raw), -1)[:, np.flatnonzero(rim)], axis=1).astype(float)
-    return Scouts(raw=raw, wheel_angle_rad=wheel_angle_rad[picked], place=picked / n_frames, common_dn=common)
+    values = raw if correct.is_none else np.array([_in_whole_dn(frame, correct) for frame in raw])
+    common = np.median(values.reshape(len(raw), -1)[:, np.flatnonzero(rim)], axis=1).astype(float)
+    return SampleFrames(
+        raw=raw, values=values, wheel_angle_rad=wheel_angle_rad[picked], place=picked / n_frames, common_dn=common
+    )
+
+
+def _in_whole_dn(frame: Pixels, correct: Correction) -> Pixels:
+    return np.clip(np.rint(corrected(frame, correct)), 0, np.iinfo(np.uint16).max).astype(np.uint16)
+
+
+def noise_dn(frames: Pixels, still: Mask) -> float:
+    """Noise of one pixel from frame to frame, from differences of neighbours over time, DN; 0 where none is still.
+
+    Parameters
+    ----------
+    frames
+        Shape (frame, row, column).
+    still
+        Pixels that do not follow the wheel, shape (row, column).
+    """
+    spread = np.diff(frames[:, ::4].astype(np.float32), axis=2).std(axis=0)[still[::4, 1:]]
+    return float(np.median(spread)) / np.sqrt(2) if spread.size else 0.0
 
 
 def mean_within(frames: Pixels, area: Mask) -> Array:
@@ -96,4 +119,4 @@ def mean_within(frames: Pixels, area: Mask) -> Array:
 
 def _number(shape: tuple[int, int, int]) -> int:
     n_frames, n_rows, n_columns = shape
-    return min(n_frames, max(_FEWEST, min(_SCOUTS, _SCOUT_BYTES // (2 * n_rows * n_columns))))
+    return min(n_frames, max(_FEWEST, min(_MOST, _MOST_BYTES // (2 * n_rows * n_columns))))

@@ -1,0 +1,34 @@
+"""Frames that repeat the one before, bit by bit: a camera that is frozen, or that sent one twice."""
+
+from typing import final
+
+import numpy as np
+
+from irtiming.reduce import kernels
+from irtiming.reduce.frame_pass import Block
+
+
+@final
+class Repeats:
+    """Frames that are the one before: ``is_repeated`` (n_frame,).
+
+    Parameters
+    ----------
+    noise_dn
+        Of one pixel from frame to frame, DN: without any, two frames of the same scene are alike, and none counts as repeated.
+    n_frames
+        Of the recording.
+    """
+
+    def __init__(self, noise_dn: float, *, n_frames: int) -> None:
+        self._is_noisy = noise_dn > 0
+        self._last = np.zeros((0, 0, 0), np.uint16)
+        self.is_repeated = np.zeros(n_frames, bool)
+
+    def add(self, block: Block) -> None:
+        """Compare some frames with those before."""
+        if not self._is_noisy:
+            return
+        before = self._last[0] if self._last.size else ~block.part[0]
+        self.is_repeated[block.now] = kernels.repeats(block.part, before)
+        self._last = block.part[-1:].copy()

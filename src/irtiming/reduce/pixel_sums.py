@@ -1,0 +1,175 @@
+"""The recipe for a camera whose pixels are all read at once and do not lag: one number per frame (Schatz 2023, 3.1.2, 3.1.3)."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import final
+
+import numpy as np
+
+from irtiming.errors import ReductionError
+from irtiming.physics.wheel import TURN
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Opening, PixelSums, ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.reduce import (
+    axle_view,
+    contrast_image,
+    frame_angles,
+    frame_pass,
+    nominal_angles,
+    nonuniformity,
+    opening,
+    plateaus,
+    remarks,
+)
+from irtiming.reduce.accumulators.counts import Counts
+from irtiming.reduce.accumulators.limits import Limits
+from irtiming.reduce.accumulators.pixel_sum import PixelSum
+from irtiming.reduce.accumulators.repeats import Repeats
+from irtiming.reduce.frame_pass import Block
+from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.remarks import doubt
+
+_DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
+_MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
+_FEWEST_SETTLED, _MOST_SETTLED = 5, 60
+
+
+def reduce(
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None
+) -> ReducedRecording:
+    """Pixel counts and pixel sums of every frame, and the contrast of each pixel.
+
+    Parameters
+    ----------
+    recording, rig, choices, progress, before
+        As of `recipes.reduce`.
+
+    Raises
+    ------
+    ReductionError
+        If the recording cannot be reduced; the message says why.
+    """
+    correct = nonuniformity.correction(recording)
+    angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
+    sighting = opening.find(recording, correct, choices=choices, before=before)
+    found, n_frames = sighting.opening, recording.frames.shape[0]
+    thresholds = nonuniformity.raw_thresholds(sighting.histogram.threshold_dn, correct)[_box(found)]
+    counts = Counts(thresholds, n_frames=n_frames)
+    sums = PixelSum(found.weight[_box(found)], correct.within(found.roi), n_frames=n_frames)
+    limits, repeats = (
+        Limits(2**recording.bit_depth - 1, n_frames=n_frames),
+        Repeats(sighting.noise_dn, n_frames=n_frames),
+    )
+    judge = _Alive(np.isfinite(angles.angle_rad), limits, repeats)
+    while True:  # a second time only if frames were found bad, for those beside them to stand in for them
+        known, n_known = np.where(judge.good, angles.angle_rad, np.nan), judge.good.sum()
+        share = nominal_angles.share_of_turn(known, nominal_angles.samples_per_turn(recording))
+        projection = contrast_image.projection(angles.angle_rad, found, share=share)
+        every = (counts, sums, limits, repeats)
+        stretches = frame_pass.run(
+            recording, found.roi, every=every, judge=judge, good=(projection,), progress=progress
+        )
+        if judge.good.sum() == n_known:
+            break
+    kept, dropped = _kept(recording, judge)
+    settled = _settled(recording, found, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
+    contrast = contrast_image.of(
+        projection, settled, correct=correct, drift_dn=np.zeros(int(kept.sum())), noise_dn=sighting.noise_dn
+    )
+    above = thresholds.size - counts.count if found.blackbody_is_colder else counts.count
+    return angles.reduced(
+        stretches.segment,
+        opening=settled,
+        pixels=PixelSums(pixel_sum=sums.total_dn[kept], pixel_count=above[kept].astype(float)),
+        contrast=contrast,
+        axle=axle_view.locate(contrast, settled, rig=rig),
+        findings=(*sighting.findings, *dropped),
+    )
+
+
+def _box(found: Opening) -> tuple[slice, slice]:
+    return slice(*found.roi[:2]), slice(*found.roi[2:])
+
+
+@final
+class _Alive:
+    """Frames with a wheel angle and live pixels that are not the frame before are good; one look at each frame tells."""
+
+    def __init__(self, is_known: Mask, limits: Limits, repeats: Repeats) -> None:
+        self.is_known, self.limits, self.repeats = is_known, limits, repeats
+
+    @property
+    def reach(self) -> int:
+        """No frame ahead has a say."""
+        return 0
+
+    @property
+    def good(self) -> Mask:
+        """Shape (n_frame,), of the frames that have been read."""
+        return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated
+
+    def add(self, block: Block) -> None:
+        """Everything is known from others."""
+
+    def decide(self, first: int, end: int, *, n_read: int) -> tuple[Mask, Mask]:
+        """Judge frames ``first`` to ``end`` (excluded) of the ``n_read`` that have been read; none is near an event."""
+        return self.good[first:end], np.zeros(min(end, n_read) - first, bool)
+
+
+def _settled(recording: Recording, found: Opening, correct: Correction, angle: Array, total: Array) -> Opening:
+    """The opening with mean frames from the middle of the plateaus, where no blurred edge is near.
+
+    The sample frames were chosen by their brightness alone: an edge that just touches the border hides
+    in the noise of the sum, yet turns the image of the mask by a milliradian.
+    """
+    known = np.flatnonzero(np.isfinite(angle))
+    intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
+    bright_when_open = not found.blackbody_is_colder
+    means = []
+    for bright in (bright_when_open, not bright_when_open):
+        middles = [_middle(interval) for interval in intervals if interval[2] == int(bright)]
+        frames = known[np.any([plateaus.inside(angle[known], middle) for middle in middles], axis=0)]
+        if frames.size < _FEWEST_SETTLED:
+            return found
+        picked = frames[np.linspace(0, frames.size - 1, min(frames.size, _MOST_SETTLED)).astype(int)]
+        means.append(opening.mean_frame(recording.frames.pick([int(i) for i in picked]), correct))
+    return replace(found, open_frame_dn=means[0], covered_frame_dn=means[1])
+
+
+def _middle(interval: plateaus.Plateau) -> plateaus.Plateau:
+    start, end, level = interval
+    margin = (1 - _MIDDLE_PART) / 2 * (end - start)
+    return start + margin, end - margin, level
+
+
+def _kept(recording: Recording, judge: _Alive) -> tuple[Mask, tuple[Finding, ...]]:
+    """Good frames, and a finding for each kind that was dropped."""
+    outside, dead = ~judge.is_known, judge.limits.is_dead
+    again = judge.repeats.is_repeated & ~dead
+    dropped = [*remarks.without_angle(recording, outside)]
+    if dead.any():
+        what = f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale"
+        dropped.append(doubt(code="dead-frames", recording=recording, what=what))
+    if again.any():
+        what = f"{again.sum()} frames dropped: they repeat the frame before, pixel by pixel"
+        dropped.append(doubt(code="repeated-frames", recording=recording, what=what))
+    if dead.mean() > _DEAD_SHARE:
+        raise ReductionError(
+            f"{recording.name}: {dead.sum()} of {dead.size} frames are dead or saturated, at most {_DEAD_SHARE:.0%} may be; "
+            "check the integration time and the camera's transfer"
+        )
+    if again.mean() > _REPEATED_SHARE:
+        raise ReductionError(
+            f"{recording.name}: {again.sum()} of {again.size} frames repeat the one before, at most {_REPEATED_SHARE:.0%} may; "
+            "the camera freezes or misses triggers: switch its own correction off, or trigger it more slowly"
+        )
+    if outside.mean() > 0.5 or judge.good.sum() < frame_pass.SHORTEST:
+        raise ReductionError(
+            f"{recording.name}: {outside.sum()} of {outside.size} frames were triggered outside the recorded control slots; "
+            "triggers and slots must be values of the same counter over the same time"
+        )
+    return judge.good, (*dropped, *remarks.lost_frames(recording))

@@ -1,0 +1,160 @@
+"""What is reported of a joint fit: starts, middles, windows, bounds and budgets by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import joint, measurands, shared_numbers
+from irtiming.estimate.measurands import Window
+from irtiming.inference.information import NOISE
+from irtiming.records.estimate import EDGE_DELAYS, Estimate
+
+TURN = 2 * np.pi
+
+
+def _joint(names, values, covariance, *, n=2):
+    """Recordings that tell four edges and more, all numbers shared; no errors of a rig."""
+    estimate = Estimate(
+        names=(*EDGE_DELAYS, *names), units=("s",) * (4 + len(names)), values=values, covariance=covariance
+    )
+    fits = [SimpleNamespace(estimate=estimate, angular_frequency_rad_per_s=TURN * 3)] * n
+    shared = [shared_numbers.delay(fits, start=values[0])]
+    shared += [shared_numbers.same(name, fits, start=value) for name, value in zip(names, values[4:], strict=True)]
+    return joint.fit([joint.parabola(estimate)] * n, shared)
+
+
+def _window(length_s=240e-6, *, u_s=10e-6, coupling=0.0):
+    """Middle at 600 us; edges to 4 us each, so that two recordings know their mean to sqrt(2) us."""
+    covariance = np.diag([16e-12] * 4 + [2 * u_s**2])
+    covariance[:4, 4] = covariance[4, :4] = coupling * 4e-6 * np.sqrt(2) * u_s
+    return _joint(("integration_time",), np.array([600e-6] * 4 + [length_s]), covariance)
+
+
+def _of_window(found, *, stated_s=None, u_beside_s=0.0, is_told=True):
+    return measurands.of_window(
+        found, Window(stated_s=stated_s, u_beside_s=u_beside_s, is_told=is_told), degrees_of_freedom=50.0
+    )
+
+
+def test_a_stated_window_moves_the_middle_to_the_start():
+    """Oracle: by hand; half of 250 us earlier, as uncertain as the middle, for a stated length is taken as exact."""
+    found = _of_window(_window(), stated_s=250e-6).estimate
+    assert found.value("exposure_midpoint_delay") == pytest.approx(600e-6)
+    for name in ("trigger_delay", "trigger_delay_falling", "trigger_delay_rising"):
+        assert found.value(name) == pytest.approx(475e-6)
+    assert found.u("trigger_delay") == pytest.approx(np.sqrt(2) * 1e-6, rel=1e-6)
+    assert found.u("trigger_delay_falling") == pytest.approx(2e-6, rel=1e-6)  # two edges of four
+    assert found.value("integration_time") == pytest.approx(240e-6)
+    assert found.u("integration_time") == pytest.approx(10e-6)
+
+
+@pytest.mark.parametrize("coupling", [0.0, 0.3, -0.3])
+def test_a_window_that_sums_tell_stands_in(coupling):
+    """Oracle: by hand; middle less half the length: variance a + b / 4 - c, with what rounds the corners besides in b."""
+    found = _of_window(_window(coupling=coupling), u_beside_s=8e-6).estimate
+    assert found.value("trigger_delay") == pytest.approx(480e-6)
+    assert found.u("integration_time") == pytest.approx(np.hypot(10e-6, 8e-6))
+    u_middle, u_length = found.u("exposure_midpoint_delay"), found.u("integration_time")
+    k, m = found.names.index("exposure_midpoint_delay"), found.names.index("integration_time")
+    expected = np.sqrt(u_middle**2 + u_length**2 / 4 - found.covariance[k, m])
+    assert found.u("trigger_delay") == pytest.approx(expected)
+    assert np.sign(found.covariance[k, m]) == np.sign(coupling)
+
+
+def test_the_budget_holds_what_rounds_the_corners_once():
+    """Oracle: by hand; half of 8 us in the start, all of it in the length, none in the middle; squares add up to u."""
+    reported = _of_window(_window(), u_beside_s=8e-6)
+    by_source = {part.source: part for part in reported.budget}
+    corners = by_source["length of the window (corners)"].standard_uncertainty
+    assert corners["trigger_delay"] == pytest.approx(4e-6)
+    assert corners["integration_time"] == pytest.approx(8e-6)
+    assert corners["exposure_midpoint_delay"] == 0
+    for name in reported.estimate.names:
+        total = sum(part.standard_uncertainty[name] ** 2 for part in reported.budget)
+        assert np.sqrt(total) == pytest.approx(reported.estimate.u(name), rel=1e-6), name
+    assert by_source[NOISE].degrees_of_freedom == 50
+    assert by_source["length of the window (corners)"].degrees_of_freedom == np.inf
+
+
+def test_a_length_of_the_other_sign_is_the_same_window():
+    """Oracle: the model is even in the length; its coupling to the middle turns with it, variances stay."""
+    plus = _of_window(_window(240e-6, coupling=0.3), u_beside_s=8e-6).estimate
+    minus = _of_window(_window(-240e-6, coupling=-0.3), u_beside_s=8e-6).estimate
+    assert minus.values == pytest.approx(plus.values)
+    np.testing.assert_allclose(minus.covariance, plus.covariance, rtol=1e-6, atol=1e-20)
+
+
+@pytest.mark.parametrize(
+    ("length_s", "is_told", "is_seen"), [(21e-6, True, True), (19e-6, True, False), (240e-6, False, False)]
+)
+def test_a_window_shorter_than_two_u_or_at_one_speed_is_not_reported(length_s, is_told, is_seen):
+    """Oracle: the limit of two standard uncertainties; without a stated length there is no start then."""
+    found = _of_window(_window(length_s), is_told=is_told).estimate
+    assert ("integration_time" in found) is is_seen
+    assert ("trigger_delay" in found) is is_seen
+    assert "exposure_midpoint_delay" in found
+
+
+@pytest.mark.parametrize(("stated_s", "n"), [(201e-6, 0), (199e-6, 1), (281e-6, 1), (279e-6, 0)])
+def test_a_stated_length_four_u_beside_is_contradicted(stated_s, n):
+    """Oracle: by hand; the sums say 240 us with u = 10 us."""
+    assert [one.code for one in _of_window(_window(), stated_s=stated_s).findings] == [
+        "integration-time-contradicted"
+    ] * n
+
+
+def _lag(tau_s, u_s, *, u_delay_s=20e-6):
+    covariance = np.diag([4 * u_delay_s**2] * 4 + [u_s**2, 0.04e-12])
+    found = _joint(("time_constant", "row_delay"), np.array([4e-3] * 4 + [tau_s, 40e-6]), covariance, n=1)
+    return measurands.of_lag(found, ["time_constant"], degrees_of_freedom=50.0)
+
+
+def test_a_lag_that_is_known_is_a_number():
+    """Oracle: by hand; four edges to 40 us make 20 us; the rest as it stands."""
+    reported = _lag(5e-3, 1.2e-3)
+    assert reported.estimate.names == ("trigger_delay", "time_constant", "row_delay")
+    assert reported.estimate.values == pytest.approx([4e-3, 5e-3, 40e-6])
+    assert reported.estimate.standard_uncertainties == pytest.approx([20e-6, 1.2e-3, 0.2e-6])
+    assert (reported.bounds, reported.findings) == ((), ())
+
+
+def test_a_lag_that_is_not_known_is_a_bound():
+    """Oracle: by hand; u above a quarter of 5 ms: two u to either side, of the delay too; the row delay stays."""
+    reported = _lag(5e-3, 1.3e-3)
+    assert reported.estimate.names == ("row_delay",)
+    bounds = {one.name: (one.lower, one.upper) for one in reported.bounds}
+    assert bounds["time_constant"] == pytest.approx((2.4e-3, 7.6e-3))
+    assert bounds["trigger_delay"] == pytest.approx((3.96e-3, 4.04e-3))
+    assert [one.code for one in reported.findings] == ["lag-not-determined"]
+
+
+@pytest.mark.parametrize(
+    ("tau_s", "u_s", "code"), [(0.1e-3, 0.49e-3, "no-lag-seen"), (0.1e-3, 0.51e-3, "lag-not-determined")]
+)
+def test_no_lag_at_all(tau_s, u_s, code):
+    """Oracle: by hand; an uncertainty below half a millisecond would have shown any microbolometer's."""
+    reported = _lag(tau_s, u_s)
+    assert [one.code for one in reported.findings] == [code]
+    bounds = {one.name: (one.lower, one.upper) for one in reported.bounds}
+    assert bounds["time_constant"] == pytest.approx((0.0, tau_s + 2 * u_s))
+    assert ("trigger_delay" in reported.estimate) is (code == "no-lag-seen")
+
+
+def test_several_constants_are_reported_by_their_weighted_mean():
+    """Oracle: by hand; u of 10 and 20 us weigh 4 to 1."""
+    covariance = np.diag([16e-12] * 4 + [1e-10, 4e-10])
+    found = _joint(("a", "b"), np.array([4e-3] * 4 + [5e-3, 5.1e-3]), covariance, n=1)
+    estimate = measurands.of_lag(found, ["a", "b"], degrees_of_freedom=50.0).estimate
+    assert estimate.value("time_constant") == pytest.approx(5.02e-3)
+    assert estimate.u("time_constant") == pytest.approx(20e-6 / np.sqrt(5))
+
+
+def test_sums_have_the_covariance_of_what_they_are_made_of():
+    """Oracle: by hand; a - b and a + 2 b + 1 of correlated numbers."""
+    given = Estimate(
+        names=("a", "b"), units=("s", "s"), values=np.array([1.0, 2.0]), covariance=np.array([[4.0, 1], [1, 9]])
+    )
+    found = measurands.mixed(given, {"less": {"a": 1, "b": -1}, "more": {"a": 1, "b": 2}}, offsets={"more": 1.0})
+    assert found.values.tolist() == [-1, 6]
+    np.testing.assert_allclose(found.covariance, [[11, -13], [-13, 44]])

@@ -1,0 +1,123 @@
+"""The sum over the opening against rays that are counted one by one, and its derivatives against differences."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.physics.light import pixel_sum
+from irtiming.physics.light.pixel_sum import Passing, Radii
+from irtiming.physics.wheel import skewed_fraction, wheel_model
+
+TURN = 2 * np.pi
+EDGES = (0.0, 1.5718, 3.1421, 4.7125)
+GAMMA = float(np.radians(74.3))
+WHEEL = wheel_model(EDGES, 0.2682, opening_angle_rad=float(np.radians(75)), centre_angle_rad=-np.pi / 2)
+INNER, OUTER = 15.0, 39.5
+ANGLES = np.random.default_rng(1).uniform(0, TURN, 400)
+
+
+def _passing(**change):
+    values = {
+        "wheel": WHEEL,
+        "middle_rad": ANGLES,
+        "edges_early_rad": np.array([3e-4, -2e-4, 5e-4, 1e-4]),
+        "opening_angle_rad": GAMMA,
+        "swept_rad": 4.7e-3,
+        "lean_low_rad": 8e-3,
+        "lean_high_rad": -5e-3,
+        "radii": pixel_sum.radii(INNER, OUTER),
+    }
+    return Passing(**(values | change))
+
+
+def test_radii_weigh_by_their_area():
+    """Oracle: integrals over the annulus by hand: mean of r is 2 (R^3 - r^3) / 3 (R^2 - r^2), of 1 / r is 2 / (R + r)."""
+    found = pixel_sum.radii(INNER, OUTER)
+    assert found.share.sum() == pytest.approx(1)
+    assert found.share @ found.place == pytest.approx(0, abs=1e-12)
+    middle = (INNER + OUTER) / 2
+    # places are r_0 / r less its mean, which is 1 over the area: r_0 2 / (R + r)
+    radius = middle / (found.place + 1)
+    assert found.share @ radius == pytest.approx(2 * (OUTER**3 - INNER**3) / (3 * (OUTER**2 - INNER**2)), rel=1e-9)
+    assert found.share @ (1 / radius) == pytest.approx(2 / (OUTER + INNER), rel=1e-6)
+
+
+@pytest.mark.parametrize("swept", [0.0, 4.7e-3, 0.1])
+def test_fraction_is_the_share_of_rays_in_a_cutout(swept):
+    """Oracle: rays at 400 places of the opening, 60 radii and 40 instants, each asked for its own wheel coordinate."""
+    passing = _passing(swept_rad=swept, middle_rad=ANGLES[:40])
+    edges = np.array(EDGES) - passing.edges_early_rad
+    node, weight = np.polynomial.legendre.leggauss(60)
+    radius = (OUTER + INNER) / 2 + (OUTER - INNER) / 2 * node
+    share = weight * radius / np.sum(weight * radius)
+    instants = swept * ((np.arange(40) + 0.5) / 40 - 0.5)
+    place = (INNER + OUTER) / 2 / radius - 1
+    low, high = -GAMMA / 2 + passing.lean_low_rad * place, GAMMA / 2 + passing.lean_high_rad * place
+    centre = WHEEL.opening_coordinate_rad + passing.middle_rad
+    counted = np.zeros(centre.size)
+    for one, a, b in zip(share, low, high, strict=True):
+        along = a + (b - a) * (np.arange(400) + 0.5) / 400
+        alpha = np.mod(centre[:, None, None] + instants[:, None] + along, TURN)
+        opened = ((alpha >= edges[1]) & (alpha < edges[2])) | (alpha >= edges[3] % TURN) | (alpha < edges[0])
+        counted += one * (b - a) / GAMMA * opened.mean(axis=(1, 2))
+    np.testing.assert_allclose(pixel_sum.shapes(passing).fraction, counted, atol=1.5e-3)
+    assert np.mean(np.abs(pixel_sum.shapes(passing).fraction - counted)) < 3e-4
+
+
+def test_plate_and_skew_are_a_wider_and_an_uneven_opening():
+    """Oracle: the fraction of an opening wider by two borders, and that of the wheel's own skew; no leans in either."""
+    passing = _passing(border_rad=0.07)
+    even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
+    wide = replace(even, opening_angle_rad=GAMMA + 0.14)
+    found = pixel_sum.shapes(passing)
+    np.testing.assert_allclose(
+        found.plate, pixel_sum.shapes(wide).fraction - pixel_sum.shapes(even).fraction, atol=1e-12
+    )
+    expected = skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
+    np.testing.assert_allclose(found.skew, expected, atol=1e-12)
+    assert np.ptp(found.plate) > 0.05
+
+
+def _sum(passing, skew, plate):
+    made = pixel_sum.shapes(passing)
+    return made.fraction + skew * made.skew + plate * made.plate
+
+
+@pytest.mark.parametrize(("skew", "plate"), [(0.0, 0.0), (5e-3, 0.0), (0.0, 0.2), (5e-3, -0.2)])
+@pytest.mark.parametrize(
+    "name", ["edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high"]
+)
+def test_derivatives_are_those_of_differences(name, skew, plate):
+    """Oracle: central differences; a skew of five thousandths moves those to the edges by less."""
+    passing, step = _passing(), 1e-6
+    if name.startswith("edge"):
+        unit = np.eye(4)[int(name[-1])]
+        moved = [replace(passing, edges_early_rad=passing.edges_early_rad + sign * step * unit) for sign in (1, -1)]
+    else:
+        field = f"{name}_rad"
+        moved = [replace(passing, **{field: getattr(passing, field) + sign * step}) for sign in (1, -1)]
+    numeric = (_sum(moved[0], skew, plate) - _sum(moved[1], skew, plate)) / (2 * step)
+    found = pixel_sum.slopes(passing, skew=skew, plate=plate)[name]
+    assert np.max(np.abs(numeric)) > 1e-3
+    beside = np.abs(found - numeric)
+    if skew and name.startswith("edge"):
+        assert np.mean(beside) < 5e-3 * np.mean(np.abs(numeric))
+    else:
+        assert np.quantile(beside, 0.99) < 1e-3 * np.max(np.abs(numeric))
+
+
+def test_edges_together_are_the_wheel():
+    """Oracle: central differences to the wheel angle: all four edges earlier by as much."""
+    passing, step = _passing(), 1e-6
+    ahead, behind = (replace(passing, middle_rad=ANGLES + sign * step) for sign in (1, -1))
+    numeric = (_sum(ahead, 0, 0.1) - _sum(behind, 0, 0.1)) / (2 * step)
+    found = pixel_sum.slopes(passing, plate=0.1)
+    np.testing.assert_allclose(sum(found[f"edge_{k}"] for k in range(4)), numeric, atol=1e-3)
+
+
+def test_a_window_of_either_sign_is_the_same_and_has_no_corner_at_zero():
+    """Oracle: the model is even in the angle swept; its slope there is 0."""
+    plus, minus = (pixel_sum.shapes(_passing(swept_rad=sign * 3e-3)).fraction for sign in (1, -1))
+    np.testing.assert_array_equal(plus, minus)
+    assert np.max(np.abs(pixel_sum.slopes(_passing(swept_rad=0.0))["swept"])) == 0

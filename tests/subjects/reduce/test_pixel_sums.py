@@ -1,0 +1,139 @@
+"""The recipe for a snapshot photon camera, against sums over frames that were corrected one by one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.errors import ReductionError
+from irtiming.records.choices import Choices
+from irtiming.reduce import recipes
+
+CLOCK_HZ = 49_152_000
+
+
+@pytest.fixture(scope="module")
+def reduced(paper_wheel, recorded, rig):
+    """Reduce 500 frames of a camera: ``reduced(camera, spoil=..., **fields)``; gives the reduced and the frames."""
+    wheel = paper_wheel(duration_s=17.5)
+    times = (recorded(wheel, n_triggers=500).camera_trigger_ticks - wheel.start) / CLOCK_HZ
+
+    def run(camera, *, spoil=lambda frames: frames, **fields):
+        frames = spoil(camera.frames(wheel.theta, times))
+        return recipes.reduce(recorded(wheel, n_triggers=500, frames=frames, **fields), rig, choices=Choices()), frames
+
+    return run
+
+
+def test_sums_counts_and_projection_are_those_of_corrected_frames(reduced, paper_camera, flat_reference):
+    """Oracle: plain NumPy, frame by frame: correct, weigh, compare, project; a dead pixel's neighbours stand in for it."""
+    rng = np.random.default_rng(4)
+    gain, offset = rng.uniform(0.7, 1.3, (60, 80)), rng.normal(0, 150, (60, 80))
+    gain[22, 30] = 0.0
+    references = flat_reference(gain, offset)
+    found, frames = reduced(
+        paper_camera(),
+        spoil=lambda scene: np.rint(scene * gain + offset).astype(np.uint16),
+        nonuniformity=references,
+    )
+    good = gain > 0
+    low, high = references.low_dn[good].mean(), references.high_dn[good].mean()
+    corrected = low + (frames - references.low_dn) * np.where(good, (high - low) / np.where(good, 1000 * gain, 1), 0)
+    opening = found.opening
+    total = np.einsum("nij,ij->n", corrected, opening.weight)
+    np.testing.assert_allclose(found.pixels.pixel_sum, total, rtol=1e-6)
+    rows, columns = slice(*opening.roi[:2]), slice(*opening.roi[2:])
+    above = (corrected > opening.histogram.threshold_dn)[:, rows, columns] & good[rows, columns]
+    assert np.array_equal(found.pixels.pixel_count, above.sum(axis=(1, 2)))
+    weight = found.contrast.frame_weight
+    assert abs(weight.sum()) < 1e-12
+    projection = np.einsum("n,nij->ij", weight, corrected[:, rows, columns])
+    shown = found.contrast.good
+    np.testing.assert_allclose(found.contrast.projection_dn[shown], projection[shown], atol=1e-8)
+    assert np.array_equal(shown, good[rows, columns])
+    assert opening.weight[22, 30] == 0
+    assert opening.weight.sum() == pytest.approx(opening.summed.sum())
+
+
+def test_uncertainty_of_a_projection_is_that_of_the_noise(reduced, paper_camera):
+    """Oracle: white noise of 3 DN and of rounding, added up with the frames' weights."""
+    found, _ = reduced(paper_camera())
+    assert found.contrast.u_dn == pytest.approx(
+        np.sqrt((9 + 1 / 12) * np.sum(np.abs(found.contrast.frame_weight) ** 2) / 2), rel=0.1
+    )
+
+
+def test_repeated_frames_are_dropped(reduced, paper_camera):
+    """Oracle: the recording without them; six frames that are the one before, and one later: seven are dropped and told."""
+
+    def freeze(frames):
+        frames[200:206], frames[400] = frames[199], frames[399]
+        return frames
+
+    whole, spoilt = reduced(paper_camera())[0], reduced(paper_camera(), spoil=freeze)[0]
+    kept = np.delete(np.arange(500), [*range(200, 206), 400])
+    assert spoilt.frame_index.tolist() == kept.tolist()
+    assert np.array_equal(spoilt.trigger_ticks, whole.trigger_ticks[kept])
+    np.testing.assert_allclose(spoilt.pixels.pixel_sum, whole.pixels.pixel_sum[kept], rtol=1e-4)
+    assert spoilt.contrast.frame_weight.size == 493
+    assert spoilt.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.02)
+    (finding,) = (one for one in spoilt.findings if one.code == "repeated-frames")
+    assert finding.sentence() == "on paper: 7 frames dropped: they repeat the frame before, pixel by pixel"
+
+
+def test_frames_without_noise_are_no_repeats(reduced, paper_camera):
+    """Oracle: by hand; without noise the same scene makes the same frame twice, as here when the wheel stops for a moment."""
+
+    def stop(frames):
+        frames[200] = frames[199]
+        return frames
+
+    found, _ = reduced(paper_camera(noise_dn=0.0), spoil=stop)
+    assert found.frame_index.size == 500
+    assert not [one for one in found.findings if one.code == "repeated-frames"]
+
+
+def test_a_camera_that_mostly_repeats_is_refused(reduced, paper_camera):
+    """Oracle: by hand; every third frame is the one before."""
+
+    def repeat(frames):
+        frames[1::3] = frames[0:-1:3]
+        return frames
+
+    with pytest.raises(
+        ReductionError, match=r"167 of 500 frames repeat the one before, at most 20% may; the camera fr"
+    ):
+        reduced(paper_camera(), spoil=repeat)
+
+
+def test_the_findings_say_that_references_are_missing(reduced, paper_camera, flat_reference):
+    """Oracle: by hand; a photon camera without references, and one with them."""
+    codes = [one.code for one in reduced(paper_camera())[0].findings]
+    assert codes == ["no-nonuniformity-reference"]
+    flat = flat_reference(np.ones((60, 80)), np.zeros((60, 80)))
+    assert reduced(paper_camera(), nonuniformity=flat)[0].findings == ()
+
+
+def test_reduction_of_one_recording_is_the_same_whatever_the_blocks(paper_wheel, recorded, rig, paper_camera):
+    """Oracle: the same frames in blocks of another length."""
+    wheel = paper_wheel(duration_s=17.5)
+    base = recorded(wheel, n_triggers=500)
+    frames = paper_camera().frames(wheel.theta, (base.camera_trigger_ticks - wheel.start) / CLOCK_HZ)
+    recording = recorded(wheel, n_triggers=500, frames=frames)
+
+    class InBlocks:
+        shape = frames.shape
+        pick = recording.frames.pick
+
+        def __init__(self, size):
+            self.size = size
+
+        def blocks(self):
+            yield from ((first, frames[first : first + self.size]) for first in range(0, 500, self.size))
+
+    one, other = (
+        recipes.reduce(replace(recording, frames=InBlocks(size)), rig, choices=Choices()) for size in (37, 500)
+    )
+    assert np.array_equal(one.pixels.pixel_count, other.pixels.pixel_count)
+    assert np.array_equal(one.pixels.pixel_sum, other.pixels.pixel_sum)
+    np.testing.assert_allclose(one.contrast.projection_dn, other.contrast.projection_dn, atol=1e-9)
