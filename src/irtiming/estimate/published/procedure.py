@@ -1,7 +1,6 @@
 """The procedures of Schatz 2023, 3.1 and 3.2, step by step: the baseline of every result."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -44,15 +43,20 @@ def groups(recordings: Sequence[ReducedRecording]) -> list[list[ReducedRecording
     return list(found.values())
 
 
+def is_for(recording: ReducedRecording) -> bool:
+    """Whether the paper has a procedure for the camera: snapshot photon detectors and rolling microbolometers."""
+    return (recording.camera_type, recording.readout_mode) in (("photon", "snapshot"), ("microbolometer", "rolling"))
+
+
 def estimate(
-    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, rig: Rig, choices: Choices
+    averages: Iterable[Average], recordings: Sequence[ReducedRecording], *, rig: Rig, choices: Choices
 ) -> Published:
     """Timing as the paper finds it, of the two kinds of cameras that it has.
 
     Parameters
     ----------
     averages
-        Opening fractions of each of the `groups`.
+        Opening fractions of each of the `groups`; one that cannot be made is a reason not to run.
     recordings, rig
         What they were made of.
     choices
@@ -70,18 +74,15 @@ def estimate(
     """
     equal = wheel_geometry.geometry(recordings, rig, slots="equal", off_axle_mask=False)
     try:
-        found = _run(averages, recordings, equal=equal, choices=choices)
+        return _run(averages, recordings, equal=equal, choices=choices)
     except IrTimingError as error:
         if choices.method == "published":
             raise
         return without(str(error), equal)
-    file = {one.name: one.source or one.name for one in recordings}
-    delays = tuple(replace(delay, file=file[delay.file]) for delay in found.result.relative_delays)
-    return replace(found, result=replace(found.result, relative_delays=delays))
 
 
 def _run(
-    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, equal: WheelGeometry, choices: Choices
+    averages: Iterable[Average], recordings: Sequence[ReducedRecording], *, equal: WheelGeometry, choices: Choices
 ) -> Published:
     first = recordings[0]
     if first.pixels is not None:
@@ -97,7 +98,7 @@ def _run(
         )
         result = slope_delays.estimate(list(lines), equal.model, integration_time_s=common_integration_time(recordings))
         return Published(result=result, fits=lines, geometry=equal)
-    if (first.camera_type, first.readout_mode) != ("microbolometer", "rolling"):
+    if not is_for(first):
         raise EstimationError(
             f"{first.name}: the paper has no procedure for a {first.readout_mode} {first.camera_type} camera; use the default method"
         )
