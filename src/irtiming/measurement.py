@@ -111,8 +111,8 @@ def estimate(
 
 def _with_extras(analysis: Analysis, found: Timing, asked: Collection[str]) -> Analysis:
     """The same with what was asked for."""
-    if "published" in asked:
-        averages = [_average(runs, analysis.choices) for runs in procedure.groups(analysis.recordings)]
+    if analysis.choices.method == "published" or ("published" in asked and procedure.is_for(analysis.recordings[0])):
+        averages = (_average(runs, analysis.choices) for runs in procedure.groups(analysis.recordings))
         analysis = replace(analysis, published=procedure.estimate(averages, analysis.recordings, rig=analysis.rig,
                            choices=analysis.choices))  # fmt: skip
     if "profiles" in asked:

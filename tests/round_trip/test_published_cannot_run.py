@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.measurement import Analysis, analyse
+from irtiming.measurement import ALL_EXTRAS, analyse
+from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
 from irtiming.report import certificate
 from irtiming.twin import rig as twin
@@ -19,7 +20,10 @@ NARROW = (0.5, 0.502)  # too few points of a slope for a line
 def analysis() -> Analysis:
     rig = twin.draw(paper_scene(100, 120), seed=3)
     found = analyse(
-        twin.series(rig.scene, [0.0, 0.025], repeats=1, seed=3), rig.measured, choices=Choices(slope_limits=NARROW)
+        twin.series(rig.scene, [0.0, 0.025], repeats=1, seed=3),
+        rig.measured,
+        choices=Choices(slope_limits=NARROW),
+        extras=ALL_EXTRAS,
     )
     assert isinstance(found, Analysis)
     return found
@@ -27,10 +31,11 @@ def analysis() -> Analysis:
 
 def test_the_default_method_goes_on_and_says_so(analysis):
     """Oracle: limits that leave no points on the slopes; the default method does not use them."""
-    assert analysis.published_fits == ()
+    assert analysis.published.fits == ()
     assert np.isfinite(analysis.best.estimate.values).all()
     assert any(
-        "published procedure could not be run" in text and "points between 0.5" in text for text in analysis.warnings
+        "published procedure could not be run" in text and "points between 0.5" in text
+        for text in (one.sentence() for one in analysis.findings)
     )
 
 

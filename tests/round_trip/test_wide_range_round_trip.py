@@ -8,7 +8,7 @@ import pytest
 
 from irtiming import measurement
 from irtiming.records.choices import Choices
-from irtiming.report import rolling_result
+from irtiming.report import result as result_of
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import RadiativeExchange, microbolometer_scene, with_wheel_speed
 
@@ -49,13 +49,13 @@ def test_both_constants_lie_within_their_uncertainty(analysed):
     assert abs(found["trigger_delay"] - rig.scene.timing.trigger_delay_s) < 3.5 * u[0]
     assert abs(found["row_delay"] - rig.scene.timing.row_delay_s) < 3.5 * u[2]
     assert [recording.opening.blackbody_is_colder for recording in analysis.recordings] == [True, False]
-    assert any("is an effective one" in text for text in analysis.warnings)
+    assert any("is an effective one" in one.what for one in analysis.findings)
 
 
 def test_result_tells_them(analysed):
     """Oracle: the estimate; the result stays plain JSON and states where the scene's constant holds."""
     _, analysis = analysed
-    result = json.loads(json.dumps(rolling_result.result(analysis)))
+    result = json.loads(json.dumps(result_of.result(analysis)))
     values = dict(zip(analysis.two_constants.estimate.names, analysis.two_constants.estimate.values, strict=True))
     for name, value in values.items():
         assert result["parameters"][name]["value"] == pytest.approx(value)

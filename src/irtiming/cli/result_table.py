@@ -14,6 +14,7 @@ from irtiming.report.result import warnings
 from irtiming.report.sections import parameters, relative_delays, two_constants, uncertainty
 from irtiming.report.verdict import verdict
 
+_SHORT = 24  # letters of a first column that is not broken
 _ALIGN = {"l": "left", "c": "center", "r": "right"}
 
 
@@ -57,8 +58,9 @@ def print_table(table: Table, console: Console) -> None:
     """One table of the report, with its note beneath."""
     drawn = RichTable(title=table.title, title_justify="left", box=box.SIMPLE_HEAD, caption=table.note or None)
     drawn.caption_justify = "left"
-    for column, align in zip(table.columns, table.align, strict=True):
-        drawn.add_column(column, justify=_ALIGN[align], overflow="fold")  # type: ignore[arg-type]
+    for k, (column, align) in enumerate(zip(table.columns, table.align, strict=True)):
+        whole = max((len(row[k]) for row in table.rows), default=0) <= _SHORT
+        drawn.add_column(column, justify=_ALIGN[align], overflow="fold", no_wrap=whole and not k)  # type: ignore[arg-type]
     for row in table.rows:
         drawn.add_row(*(escape(cell) for cell in row))
     console.print(drawn)

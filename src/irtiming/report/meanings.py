@@ -68,6 +68,12 @@ def delay_name(result: Result) -> str:
     return middle if middle in names and "trigger_delay" not in names else "trigger_delay"
 
 
+def edge_delay_name(analysis: Analysis) -> str:
+    """What delays by wheel edge count to: of a window whose length no recording states, and of rows through one, its middle."""
+    known = has_pixel_sums(analysis) and analysis.recordings[0].integration_time_s is not None
+    return "trigger_delay" if has_lag(analysis) or known else "exposure_midpoint_delay"
+
+
 def headline(analysis: Analysis, result: Result) -> tuple[str, ...]:
     """Parameters that the verdict states: delay, time constant, row delay, as far as the camera has them."""
     names = {*result.estimate.names, *(bound.name for bound in result.bounds)}
@@ -85,7 +91,7 @@ def event(name: str, analysis: Analysis) -> str:
 
 def meaning(name: str, analysis: Analysis) -> Meaning:
     """Event and sign of a parameter."""
-    is_of_a_row = analysis.readout_mode == "rolling" and name in ("trigger_delay", "exposure_midpoint_delay")
+    is_of_a_row = analysis.readout_mode == "rolling" and name == "trigger_delay"
     return Meaning(
         event=event(name, analysis) + (_OF_ROWS[analysis.camera_type] if is_of_a_row else ""),
         sign=_SIGNS.get(name, SIGN),

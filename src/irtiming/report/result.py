@@ -13,6 +13,7 @@ from irtiming.report.meanings import (
     RELATIVE_SIGN,
     SIGN,
     delay_name,
+    edge_delay_name,
     event,
     has_lag,
     has_pixel_sums,
@@ -176,7 +177,7 @@ def _edge_delays(analysis: Analysis, chosen: Result) -> dict[str, Any] | None:
         "value": [float(v) for v in chosen.edge_delay_s],
         "standard_uncertainty": [float(u) for u in chosen.u_edge_delay_s],
         "unit": "s",
-        "reference_event": f"{event(delay_name(chosen), analysis)}, by wheel edges 0 to 3",
+        "reference_event": f"{event(edge_delay_name(analysis), analysis)}, by wheel edges 0 to 3",
         "sign": SIGN,
     }
 

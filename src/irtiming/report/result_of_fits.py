@@ -13,7 +13,7 @@ from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.report import budget
 from irtiming.report.camera_noise import OF_CAMERA
-from irtiming.report.meanings import SIGN, delay_name, has_lag, meaning, several_speeds
+from irtiming.report.meanings import SIGN, edge_delay_name, has_lag, meaning, several_speeds
 from irtiming.report.sections import two_constants as wide_range
 from irtiming.report.sections.joint_fit import Shared, angles, moved, shared
 from irtiming.report.sections.row_sums import published_fits
@@ -114,13 +114,12 @@ def fit(one: EdgeDelayFit | RowTimingFit, analysis: Analysis) -> dict[str, Any]:
     """One recording's own fit; delays of rows through a window count to its middle."""
     beside = [name for name in (*OF_CAMERA, "opening_angle") if name in one.estimate]
     rows = one if isinstance(one, RowTimingFit) else None
-    to_middle = rows is not None and not has_lag(analysis)
     started = (
         [one.start_delay_s] if isinstance(one, EdgeDelayFit) else [one.start[k] for k in ("edge_delay_0", *beside)]
     )
     return {
         "recording": one.name,
-        "exposure_midpoint_delay" if to_middle else delay_name(analysis.best): float(np.mean(one.edge_delay_s)),
+        edge_delay_name(analysis): float(np.mean(one.edge_delay_s)),
         **{name: one.estimate.value(name) for name in beside},
         "search_started_at": started,
         "steps": None if rows is None else rows.n_steps,

@@ -50,7 +50,7 @@ def svg(drawn: Figure, *, title: str) -> str:
     drawn
         Figure.
     title
-        What a reader who does not see the figure is told; also makes the names inside unique.
+        What a reader who does not look at the figure gets; also makes the names inside unique.
     """
     text = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))

@@ -89,7 +89,7 @@ def geometry():
 
 
 def _combined(fits, geometry, *, integration_time_s, u_window_s=None):
-    """The result of recordings that say nothing but their four edge delays, d_i = t + a_i / omega, to the middle of the window."""
+    """The result of recordings of four edge delays alone, d_i = t + a_i / omega, to the middle of the window."""
     half_s = (integration_time_s or 0.0) / 2
     later = np.array([half_s] * 4 + [0.0])
     middles = [replace(fit.estimate, values=fit.estimate.values + later) for fit in fits]

@@ -37,7 +37,7 @@ def test_the_search_tells_how_far_it_went(analysis):
     rows = {row[0]: row[1] for row in joint_fit.search(analysis).rows}
     assert rows["evaluations of the likelihood"] == "4"
     assert rows["distance of the delay from its start"] == "60.0 µs = 2.00 u"
-    assert rows["reduced chi-square of the frames"] == "0.98"
+    assert rows["reduced chi-square"] == "0.98"
     assert rows["Birge ratio of the recordings' delays"] == "1.23"
     assert rows["recordings below that"] == "1 of 10"
 

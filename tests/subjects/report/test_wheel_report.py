@@ -44,12 +44,12 @@ def test_one_speed_separates_nothing():
     """Oracle: by hand; every order says so, the note says why, and the result too."""
     wheel = _calibration(ripple=False)
     assert {row[3] for row in section.orders(wheel).rows} == {"not separable"}
-    assert "cannot be told apart from the slots" in section.speeds(wheel).note
+    assert "cannot be separated from the slots" in section.speeds(wheel).note
     assert section.speeds(_calibration(ripple=True)).note == ""
     found = result_of_wheel.calibration(wheel)
     assert found["ripple"] == "not separable at one speed"
     assert [entry["separable_from_ripple"] for entry in found["orders"]] == [False] * 50
-    assert "no order can be told apart from such a ripple" in section.slots_caption(wheel)
+    assert "no order can be separated from such a ripple" in section.slots_caption(wheel)
 
 
 def test_result_holds_amplitudes_in_radians():
@@ -84,7 +84,7 @@ def test_certificate_tells_of_the_wheel(analysis):
     """Oracle: the page and the result of an analysis with a calibrated wheel, and of one without."""
     found = certificate.report(replace(analysis, wheel=_calibration(ripple=True)))
     assert "Deviations by order" in found.page
-    assert "known apart from the slots by its fall with the square of the speed" in found.page
+    assert "separated from the slots by its fall with the square of the speed" in found.page
     assert found.result["wheel"]["gate_separation"]["value"] == 0.57
     without = certificate.report(analysis)
     assert "Deviations by order" not in without.page

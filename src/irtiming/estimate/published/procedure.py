@@ -1,6 +1,6 @@
 """The procedures of Schatz 2023, 3.1 and 3.2, step by step: the baseline of every result."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -43,15 +43,20 @@ def groups(recordings: Sequence[ReducedRecording]) -> list[list[ReducedRecording
     return list(found.values())
 
 
+def is_for(recording: ReducedRecording) -> bool:
+    """Whether the paper has a procedure for the camera: snapshot photon detectors and rolling microbolometers."""
+    return (recording.camera_type, recording.readout_mode) in (("photon", "snapshot"), ("microbolometer", "rolling"))
+
+
 def estimate(
-    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, rig: Rig, choices: Choices
+    averages: Iterable[Average], recordings: Sequence[ReducedRecording], *, rig: Rig, choices: Choices
 ) -> Published:
     """Timing as the paper finds it, of the two kinds of cameras that it has.
 
     Parameters
     ----------
     averages
-        Opening fractions of each of the `groups`.
+        Opening fractions of each of the `groups`; one that cannot be made is a reason not to run.
     recordings, rig
         What they were made of.
     choices
@@ -77,7 +82,7 @@ def estimate(
 
 
 def _run(
-    averages: Sequence[Average], recordings: Sequence[ReducedRecording], *, equal: WheelGeometry, choices: Choices
+    averages: Iterable[Average], recordings: Sequence[ReducedRecording], *, equal: WheelGeometry, choices: Choices
 ) -> Published:
     first = recordings[0]
     if first.pixels is not None:
@@ -93,7 +98,7 @@ def _run(
         )
         result = slope_delays.estimate(list(lines), equal.model, integration_time_s=common_integration_time(recordings))
         return Published(result=result, fits=lines, geometry=equal)
-    if (first.camera_type, first.readout_mode) != ("microbolometer", "rolling"):
+    if not is_for(first):
         raise EstimationError(
             f"{first.name}: the paper has no procedure for a {first.readout_mode} {first.camera_type} camera; use the default method"
         )

@@ -242,10 +242,9 @@ def sector(found: SectorFit) -> Table:
         (words, f"{getattr(found.shape, name) * factor:.4f}".replace("-", "−"), significant(float(u[k]) * factor))
         for k, (words, name, factor) in enumerate(_SHAPE)
     ]
-    rows.append(
-        ("row delay by the pixels’ phases (µs)", f"{1e6 * found.row_delay_s:.3f}".replace("-", "−"),
-         significant(1e6 * found.u_row_delay_s))
-    )  # fmt: skip
+    if found.u_row_delay_s > 0:
+        phases = f"{1e6 * found.row_delay_s:.3f}".replace("-", "−")
+        rows.append(("row delay by the pixels’ phases (µs)", phases, significant(1e6 * found.u_row_delay_s)))
     return Table(
         title="The fitted sector",
         columns=("what", "value", "u"),

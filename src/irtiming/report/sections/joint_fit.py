@@ -15,7 +15,7 @@ from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.report import sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table, several
-from irtiming.report.meanings import METHOD_NAMES, SIGN, event, has_lag, several_speeds, words
+from irtiming.report.meanings import METHOD_NAMES, SIGN, edge_delay_name, event, has_lag, several_speeds, words
 from irtiming.report.rounding import fixed, in_unit, significant, time_text
 from irtiming.report.row_curves import whole
 from irtiming.report.sections.row_sums import published_fits
@@ -26,6 +26,7 @@ _WIDEST = 2.6  # standard uncertainties shown to either side
 _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
 _MEANINGS = {
+    "integration_time": "length of the integration window",
     "opening_angle": "opening angle of the mask",
     "lean_low": "mask edge at the lower wheel angle: angle by which it misses the axle, at the mean radius",
     "lean_high": "mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius",
@@ -91,8 +92,7 @@ def _meaning(name: str, analysis: Analysis) -> str:
     if name == "delay":
         what = event("trigger_delay", analysis) if has_lag(analysis) else "middle of the integration window"
         return f"{what} after the trigger edge"
-    known = event(name, analysis)
-    return _MEANINGS.get(name, words(name) if known == name else known)
+    return _MEANINGS.get(name, words(name))
 
 
 def angles(analysis: Analysis) -> tuple[Shared, ...]:
@@ -175,7 +175,7 @@ def search(analysis: Analysis) -> Table:
             ("distance of the delay from its start", f"{significant(way_s / US, digits=3)} µs = {fixed(own, 2)} u",
              "not 0: a fit that stays at its start has found nothing"),
             ("what a further step would move", f"{joint.decrement:.1g} u", "far less than 1"),
-            ("reduced chi-square of the frames", f"{joint.reduced_chi_square:.2f}",
+            ("reduced chi-square", f"{joint.reduced_chi_square:.2f}",
              "about 1: one set of shared numbers does as well as each recording's own; less where noise was inflated"),
             ("Birge ratio of the recordings' delays", f"{joint.birge:.2f}", "about 1: they scatter as their noise says"),
             ("least Ljung-Box p-value of the residuals", f"{float(np.min(joint.whiteness)):.2g}", f"{LEAST_WHITENESS:g} or more"),
@@ -282,9 +282,8 @@ def searches(analysis: Analysis) -> Table:
         columns=("fit", "delay", *(words(name) for name in beside), "work"),
         align="lr" + "r" * len(beside) + "r",
         rows=tuple(rows),
-        note=f"Delay: {event('trigger_delay', analysis)}, of all recordings together the number that the fit has for it; "
-        f"{SIGN}. Row sums "
-        "and contrast image are fitted in rounds: a later round begins where the one before ended.",
+        note=f"Delay: {event(edge_delay_name(analysis), analysis)}; of all recordings together of a window its middle. "
+        f"{SIGN.capitalize()}.",
     )
 
 

@@ -33,10 +33,10 @@ def _scan_panel(analysis: Analysis) -> Panel:
     profile, left, theirs = _profile_of(analysis), "", absent(analysis)
     if profile is not None:
         estimate = time_text(profile.value, profile.standard_uncertainty)
-        left = f"Left, all recordings: all other numbers at their best at each τ; 1 is one standard uncertainty; {estimate}. "
+        left = f"Row sums, all recordings: all other numbers at their best at each τ; 1 is one standard uncertainty; {estimate}. "
     for fit in published_fits(analysis)[:1]:
         theirs = (
-            f"Right: rms deviation of the published simulation from {' and '.join(fit.data.names[:2])}, delays determined "
+            f"As published: rms deviation of the published simulation from {' and '.join(fit.data.names[:2])}, delays determined "
             "anew at "
             "each τ."
         )
@@ -53,11 +53,11 @@ def scan(analysis: Analysis) -> Figure:
     profile, published = _profile_of(analysis), published_fits(analysis)
     with sheet.style():
         drawn = sheet.figure(height_in=3.5)
-        grid = drawn.add_gridspec(2, 2, height_ratios=[2.6, 1])
+        panels = drawn.subplots(2, 2 if profile is not None and published else 1, height_ratios=[2.6, 1], squeeze=False)
         if profile is not None:
-            _likelihood((drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0])), profile)
+            _likelihood((panels[0, 0], panels[1, 0]), profile)
         if published:
-            _published((drawn.add_subplot(grid[0, 1]), drawn.add_subplot(grid[1, 1])), published[0])
+            _published((panels[0, -1], panels[1, -1]), published[0])
     return drawn
 
 

@@ -24,7 +24,8 @@ _NOTES = {
 
 def section(analysis: Analysis) -> Section:
     """Parameters of the chosen method, and both methods where both were made."""
-    both = () if analysis.published is None else (both_methods(analysis),)
+    theirs = analysis.published
+    both = (both_methods(analysis),) if theirs is not None and theirs.result.estimate.names else ()
     return Section(title="Result", blocks=(parameters(analysis), *both))
 
 

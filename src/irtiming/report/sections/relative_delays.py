@@ -1,5 +1,6 @@
 """Relative delays: per nominal delay beside the paper's Table 1, recording by recording, and as a figure."""
 
+from dataclasses import replace
 from itertools import zip_longest
 
 import numpy as np
@@ -19,7 +20,8 @@ def section(analysis: Analysis) -> Section | None:
     """Tables and figure; None where all recordings have one set delay."""
     if not combined(analysis, analysis.best):
         return None
-    tables = [combined_delays(analysis, result) for result in results(analysis)]
+    ours, *theirs = (combined_delays(analysis, result) for result in results(analysis))
+    tables = (ours, *(replace(table, note="") for table in theirs))
     return Section(title="Relative delays", blocks=(*tables, panel(analysis), by_file(analysis)))
 
 
@@ -161,7 +163,7 @@ def figure(analysis: Analysis) -> Figure:
             rows = combined(analysis, result)
             ours = np.array([(row.nominal_s, row.deviation_s, row.standard_uncertainty_s) for row in rows])
             _bars(axes, ours.reshape(-1, 3), "o", hue)
-            axes.set_title(METHOD_NAMES[result.method].capitalize())
+            axes.set_title(METHOD_NAMES[result.method])
             axes.set_xlabel("nominal relative delay (ms)")
             axes.set_ylabel("measured − nominal (µs)")
             axes.margins(x=0.15)

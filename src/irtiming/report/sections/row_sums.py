@@ -226,4 +226,5 @@ def _published_rows(top: Axes, below: Axes, published: PublishedLagFit, our_line
 
 
 def _line_name(name: str, fit: RowTimingFit) -> str:
-    return f"{name}: {fit.edge_delay_s.mean() / MS:.3f} ms + row · {fit.row_delay_s / US:.2f} µs"
+    rows = f" + row · {fit.row_delay_s / US:.2f} µs" if fit.row_delay_s else ""
+    return f"{name}: {fit.edge_delay_s.mean() / MS:.3f} ms{rows}"

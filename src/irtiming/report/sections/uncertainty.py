@@ -9,7 +9,7 @@ from irtiming.report import budget as budget_of
 from irtiming.report import sheet
 from irtiming.report.blocks import US, Panel, Section, Table, micro
 from irtiming.report.combination import combined
-from irtiming.report.meanings import event, headline, several_speeds, words
+from irtiming.report.meanings import METHOD_NAMES, edge_delay_name, event, headline, several_speeds, words
 from irtiming.report.rounding import fixed, uncertainty_text
 
 _NO_SHARE = 1e-8
@@ -162,7 +162,7 @@ def _edge_panel(analysis: Analysis) -> Panel:
 
 def by_edge(analysis: Analysis) -> Figure:
     """Delay by each wheel edge, by both methods where both tell edges apart; and recording by recording about the mean."""
-    results = [(analysis.best, sheet.BLUE, "o", "default method")]
+    results = [(analysis.best, sheet.BLUE, "o", METHOD_NAMES[analysis.best.method])]
     if analysis.published is not None:
         results.append((analysis.published.result, sheet.ORANGE, "s", "as published"))
     results = [one for one in results if np.isfinite(one[0].edge_delay_s).all()]
@@ -176,7 +176,7 @@ def by_edge(analysis: Analysis) -> Figure:
                     color=hue, markersize=5, capsize=3, label=label,
                 )  # fmt: skip
             axes.set_title("Both methods")
-            axes.set_ylabel(f"{event('trigger_delay', analysis)} (µs)")
+            axes.set_ylabel(f"{event(edge_delay_name(analysis), analysis)} (µs)")
             axes.legend(loc="best")
         _single(right, analysis)
         for axes in (*left, right):

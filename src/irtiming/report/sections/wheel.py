@@ -19,7 +19,7 @@ _LEAST_MRAD = 1e-6
 _LARGEST = 6
 _RARE = 0.01
 _NOT_SEPARABLE = (
-    "All recordings have one wheel speed: a ripple of the speed that repeats every turn cannot be told apart from the slots "
+    "All recordings have one wheel speed: a ripple of the speed that repeats every turn cannot be separated from the slots "
     "and is in "
     "their angles. Add recordings at another speed."
 )
@@ -53,12 +53,12 @@ def slots_caption(wheel: WheelCalibration | None) -> str:
     )
     if wheel.ripple is None:
         return known + (
-            "A speed ripple that repeats every turn is in it: no order can be told apart from such a ripple at a single wheel "
+            "A speed ripple that repeats every turn is in it: no order can be separated from such a ripple at a single wheel "
             "speed, "
             "the low ones least. Recordings at another speed separate them."
         )
     return known + (
-        "Orange: speed ripple that repeats every turn, known apart from the slots by its fall with the square of the speed, "
+        "Orange: speed ripple that repeats every turn, separated from the slots by its fall with the square of the speed, "
         "at the "
         f"slowest speed; pale where it may be chance. All orders together are chance with probability {wheel.ripple.chance:.1g}."
     )
