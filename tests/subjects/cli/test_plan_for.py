@@ -79,6 +79,21 @@ def test_noise_and_contrast_count_as_their_ratio(run, tmp_path):
     assert found == pytest.approx([20 / 4770] * 3)
 
 
+@pytest.mark.parametrize("kind", ["photon", "microbolometer"])
+@pytest.mark.parametrize("readout", ["snapshot", "rolling"])
+def test_every_camera_can_be_planned_for(run, tmp_path, kind, readout):
+    """Oracle: by hand; a rolling camera has a row delay to ask for, and a snapshot has none."""
+    out = tmp_path / "plan.json"
+    words = ("--camera", kind, "--readout", readout, "--for", "trigger_delay=1ms", "--wheel-hz", 5, "--json", out)
+    assert run(*words).exit_code == 0
+    written = json.loads(out.read_text())
+    assert (written["camera"]["camera"], written["camera"]["readout"]) == (kind, readout)
+    assert written["predicted_uncertainty"]["trigger_delay"]["standard_uncertainty"] < 1e-3
+    more = run(*words, "--for", "row_delay=1us")
+    assert (more.exit_code == 0) == (readout == "rolling"), more.output
+    assert (run(*words, "--row-delay", "30 us").exit_code == 0) == (readout == "rolling")
+
+
 @pytest.mark.parametrize(
     ("words", "error"),
     [
