@@ -37,7 +37,9 @@ from irtiming.records.row_timing import RowLikelihood, RowTimingFit, SectorFit, 
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_geometry import WheelGeometry
-from irtiming.reduce import average_runs, pooled_slots, recipes, row_averages
+from irtiming.reduce import recipes
+from irtiming.reduce.published import average_runs, row_averages
+from irtiming.reduce.wheel import pooled_slots
 
 Progress = Callable[[str, int, int], None]
 """Told the recording's name, frames done and frames in all."""
