@@ -115,7 +115,7 @@ def _smear(radius_px: Array, sector: SectorShape, order: int) -> Array:
 
 
 def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int) -> ComplexArray:
-    points = blurred_sector.light_points(sector)
+    points = blurred_sector.light_points(sector, n_harmonics=n_harmonics)
     return blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_px, n_harmonics=n_harmonics)
 
 
