@@ -34,7 +34,7 @@ def _camera(found: dict[str, Any]) -> Camera:
     shared = {name: float(found[name]) for name in ("noise_to_contrast", "opening_pixels")}
     if found["camera"] not in ("photon", "microbolometer") or min(shared.values()) <= 0:
         raise ValueError("no camera")
-    rolls = found.get("readout", USUAL_READOUT[found["camera"]]) == "rolling"
+    rolls = found.get("readout_mode", USUAL_READOUT[found["camera"]]) == "rolling"
     if found["camera"] == "microbolometer":
         usual = Microbolometer(**shared)
         row_delay_s = (found.get("row_delay") or usual.row_delay_s) if rolls else None

@@ -68,7 +68,7 @@ def camera_as_json(camera: Camera) -> dict[str, Any]:
     """What a prediction takes the camera to be."""
     shared: dict[str, Any] = {
         "camera": camera.camera_type,
-        "readout": camera.readout_mode,
+        "readout_mode": camera.readout_mode,
         "noise_to_contrast": camera.noise_to_contrast,
         "opening_pixels": camera.opening_pixels,
         "unit": "s",

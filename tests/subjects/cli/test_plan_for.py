@@ -87,7 +87,7 @@ def test_every_camera_can_be_planned_for(run, tmp_path, kind, readout):
     words = ("--camera", kind, "--readout", readout, "--for", "trigger_delay=1ms", "--wheel-hz", 5, "--json", out)
     assert run(*words).exit_code == 0
     written = json.loads(out.read_text())
-    assert (written["camera"]["camera"], written["camera"]["readout"]) == (kind, readout)
+    assert (written["camera"]["camera"], written["camera"]["readout_mode"]) == (kind, readout)
     assert written["predicted_uncertainty"]["trigger_delay"]["standard_uncertainty"] < 1e-3
     more = run(*words, "--for", "row_delay=1us")
     assert (more.exit_code == 0) == (readout == "rolling"), more.output
