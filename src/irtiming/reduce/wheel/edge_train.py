@@ -7,6 +7,7 @@ import numpy as np
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Ticks
+from irtiming.records.finding import Finding
 
 _LOCK = 8  # edges in a row that must be regular before the numbering starts
 _SHARE_LIMIT = 0.02  # of the edges may be missing or spurious; beyond, the gate or its wiring is at fault
@@ -26,14 +27,15 @@ class EdgeTrain:
     n_missing: int
     n_spurious: int
 
-    def findings(self, name: str) -> tuple[str, ...]:
-        """What to tell the user about this gate; empty when every edge was in its place."""
+    def findings(self, name: str, *, recording: str) -> tuple[Finding, ...]:
+        """What is odd about this gate of a recording; empty when every edge was in its place."""
         if not self.n_missing and not self.n_spurious:
             return ()
-        return (
+        what = (
             f"{name}: {self.n_missing} edges missing (bridged by interpolation), "
-            f"{self.n_spurious} doubled or spurious (dropped), of {self.ticks.size}",
+            f"{self.n_spurious} doubled or spurious (dropped), of {self.ticks.size}"
         )
+        return (Finding(code="edges-out-of-place", severity="warning", recording=recording, what=what),)
 
 
 def number_edges(edge_ticks: Ticks, *, period_ticks: float, name: str, tolerance: float = 0.25) -> EdgeTrain:

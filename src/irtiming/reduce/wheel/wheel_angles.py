@@ -134,7 +134,8 @@ def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> W
         order_variance_rad2=table.order_variance_rad2,
         application_edges_rad=edges,
         u_application_edges_rad=u_edges,
-        findings=control.findings("control_slot") + gates.application.findings("application_slot"),
+        findings=control.findings("control_slot", recording=recording.name)
+        + gates.application.findings("application_slot", recording=recording.name),
     )
 
 

@@ -28,7 +28,7 @@ def test_regular_edges_are_counted(start):
     assert train.number.tolist() == list(range(1000))
     assert train.ticks.tolist() == ticks.tolist()
     assert (train.n_missing, train.n_spurious) == (0, 0)
-    assert train.findings("control_slot") == ()
+    assert train.findings("control_slot", recording="run") == ()
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -38,7 +38,7 @@ def test_missing_edges_leave_their_numbers_free(start, gone):
     train = _numbered(np.delete(_regular(start=start), gone))
     assert train.number.tolist() == [i for i in range(1000) if i not in gone]
     assert (train.n_missing, train.n_spurious) == (len(gone), 0)
-    assert f"{len(gone)} edges missing" in train.findings("control_slot")[0]
+    assert f"{len(gone)} edges missing" in train.findings("control_slot", recording="run")[0].what
 
 
 @pytest.mark.parametrize("at", [0, 1, 3, 500, 990, 998, 999])
@@ -50,8 +50,10 @@ def test_an_added_edge_is_dropped_wherever_it_is(at, later):
     assert train.number.tolist() == list(range(1000))
     assert train.ticks.tolist() == ticks.tolist()
     assert (train.n_missing, train.n_spurious) == (0, 1)
-    assert train.findings("control_slot") == (
-        "control_slot: 0 edges missing (bridged by interpolation), 1 doubled or spurious (dropped), of 1000",
+    (finding,) = train.findings("control_slot", recording="run")
+    assert (finding.code, finding.severity, finding.recording) == ("edges-out-of-place", "warning", "run")
+    assert finding.what == (
+        "control_slot: 0 edges missing (bridged by interpolation), 1 doubled or spurious (dropped), of 1000"
     )
 
 

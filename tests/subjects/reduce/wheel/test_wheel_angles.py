@@ -180,8 +180,8 @@ def test_missing_doubled_and_spurious_edges_change_no_angle(paper_wheel, recorde
     ticks = _between(whole)
     ticks = ticks[(ticks > slots[3]) & (ticks < slots[-3])]
     assert np.abs(_beside(wheel, found, ticks)).max() < 2e-5
-    assert found.findings[0].startswith("control_slot: 4 edges missing (bridged by interpolation), 3 doubled")
-    assert found.findings[1].startswith("application_slot: 1 edges missing (bridged by interpolation), 1 doubled")
+    assert found.findings[0].what.startswith("control_slot: 4 edges missing (bridged by interpolation), 3 doubled")
+    assert found.findings[1].what.startswith("application_slot: 1 edges missing (bridged by interpolation), 1 doubled")
 
 
 def test_long_gap_gives_no_angle(paper_wheel, recorded, rig):
