@@ -18,7 +18,8 @@ from irtiming.estimate import rolling_camera, rolling_timing, row_delay_and_lag,
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.choices import Choices
 from irtiming.records.lag_estimate import WheelInImage
-from irtiming.reduce import recipes, row_averages
+from irtiming.reduce import recipes
+from irtiming.reduce.published import row_averages
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene
 

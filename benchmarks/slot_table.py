@@ -16,7 +16,7 @@ import numpy as np
 
 from irtiming.physics import slot_orders
 from irtiming.records.recording import Recording
-from irtiming.reduce import wheel_calibration
+from irtiming.reduce.wheel import wheel_calibration
 from irtiming.report import sheet
 from irtiming.report.sections import wheel as wheel_section
 from irtiming.twin.rig import SimulatedRig, Tolerances, draw, simulate

@@ -22,7 +22,8 @@ from distortion import beside_the_middle
 from irtiming import measurement
 from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
 from irtiming.records.rig import CameraOptics, Measured, Rig
-from irtiming.reduce import axle_view, nominal_angles
+from irtiming.reduce.opening import axle_view
+from irtiming.reduce.wheel import nominal_angles
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
 from irtiming.twin.scene import BolometerTiming, Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed

@@ -16,7 +16,9 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_calibration import WheelCalibration
-from irtiming.reduce import average_runs, pooled_slots, recipes, row_averages
+from irtiming.reduce import recipes
+from irtiming.reduce.published import average_runs, row_averages
+from irtiming.reduce.wheel import pooled_slots
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with the recording's name, frames done and frames in all."""

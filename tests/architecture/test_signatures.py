@@ -27,7 +27,7 @@ OFFENDERS = {
     "plan/prediction.py:_asked(runs)",
     "plan/prediction.py:sizes_s(runs)",
     "plan/prediction.py:uncertainties(runs)",
-    "reduce/plateaus.py:inside(plateau)",
+    "reduce/published/plateaus.py:inside(plateau)",
     "report/bent_edge.py:draw(marked)",
     "report/sections/pixel_sums.py:_key(entry)",
     "report/sections/level.py:_plateaus(plateaus)",

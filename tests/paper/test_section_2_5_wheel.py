@@ -9,7 +9,7 @@ import pytest
 from irtiming.physics.wheel import corner_angles_rad, exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.records.recording import Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.reduce.wheel_angles import track
+from irtiming.reduce.wheel.wheel_angles import track
 from irtiming.twin.scene import paper_scene
 
 TURN = 2 * pi

@@ -6,7 +6,7 @@ import pytest
 from irtiming.estimate import published, slopes
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.exposed import ExposedFraction
-from irtiming.reduce import plateaus
+from irtiming.reduce.published import plateaus
 
 TURN = 2 * np.pi
 NOMINAL_S = np.array([0.0, 0.025, 0.05, 0.075, 0.1])

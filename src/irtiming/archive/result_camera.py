@@ -7,6 +7,7 @@ from typing import Any
 
 from irtiming.errors import ArchiveError
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
+from irtiming.records.recording import USUAL_READOUT
 
 
 def read_camera(path: str | Path) -> Camera:
@@ -33,8 +34,16 @@ def _camera(found: dict[str, Any]) -> Camera:
     shared = {name: float(found[name]) for name in ("noise_to_contrast", "opening_pixels")}
     if found["camera"] not in ("photon", "microbolometer") or min(shared.values()) <= 0:
         raise ValueError("no camera")
+    rolls = found.get("readout_mode", USUAL_READOUT[found["camera"]]) == "rolling"
     if found["camera"] == "microbolometer":
         usual = Microbolometer(**shared)
-        return replace(usual, time_constant_s=found.get("time_constant") or usual.time_constant_s)
+        row_delay_s = (found.get("row_delay") or usual.row_delay_s) if rolls else None
+        return replace(
+            usual, time_constant_s=found.get("time_constant") or usual.time_constant_s, row_delay_s=row_delay_s
+        )
     cooled = PhotonCamera(**shared, gate_jitter_s=0.0, camera_jitter_s=0.0)  # its noise holds both jitters already
-    return replace(cooled, integration_time_s=found.get("integration_time") or cooled.integration_time_s)
+    return replace(
+        cooled,
+        integration_time_s=found.get("integration_time") or cooled.integration_time_s,
+        row_delay_s=found.get("row_delay") if rolls else None,
+    )

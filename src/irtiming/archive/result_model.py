@@ -112,6 +112,13 @@ class LastRow(Measured):
     row: int
 
 
+class Contribution(BudgetLine):
+    """The same of every parameter, for every camera."""
+
+    standard_uncertainty: dict[str, Real]
+    share_percent: dict[str, Real]
+
+
 class Core(Part):
     """What one method found."""
 
@@ -123,6 +130,7 @@ class Core(Part):
     relative_delays_combined: list[CombinedDelay] = Field([])
     last_row_read: LastRow | None = None
     budget: list[BudgetLine]
+    contributions: list[Contribution] = Field([])
     edge_delays: EdgeDelays | None
     warnings: list[str]
 

@@ -1,11 +1,12 @@
 """`irtiming plan`: from wishes to the trigger schemes that meet them, as a table, a drawing and JSON."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from irtiming.cli.options import filled, in_options
+from irtiming.records.recording import CameraType, ReadoutMode
 
 
 @in_options
@@ -37,8 +38,11 @@ def plan(
     repeats: Annotated[str, typer.Option(help="Runs for each wheel speed and delay; --for finds them itself.")] = "1",
     rig: Annotated[Path | None, typer.Option(help="With --for: rig.toml, for the uncertainties of its angles.")] = None,
     camera: Annotated[
-        Literal["photon", "microbolometer"] | None,
+        CameraType | None,
         typer.Option(help="With --for: kind of camera; photon if not given."),
+    ] = None,
+    readout: Annotated[
+        ReadoutMode | None, typer.Option(help="With --for: its readout; as usual for the kind of camera if not given.")
     ] = None,
     noise: Annotated[
         float | None, typer.Option(help="With --for: noise of a pixel in K, or in DN as --contrast.")
@@ -53,6 +57,9 @@ def plan(
     ] = False,
     time_constant: Annotated[
         str | None, typer.Option(help="With --for: of a microbolometer, roughly, such as '5 ms'.")
+    ] = None,
+    row_delay: Annotated[
+        str | None, typer.Option(help="With --for: of a rolling camera, roughly, such as '20 us'.")
     ] = None,
     like: Annotated[
         Path | None, typer.Option(metavar="RESULT", help="With --for: take the camera from this result JSON.")

@@ -16,7 +16,7 @@ from irtiming.plan.schedule import plan_duration_s, run_length_ticks
 from irtiming.plan.search import MOST_COMPARED, Option
 from irtiming.plan.targets import Target
 from irtiming.plan.wishes import as_text, is_prime
-from irtiming.records.camera_description import Camera, PhotonCamera
+from irtiming.records.camera_description import Camera, Microbolometer
 from irtiming.records.trigger_plan import TriggerPlan
 from irtiming.session.plan import Planned, Proposed
 from irtiming.units import readable_time, ticks_to_seconds
@@ -184,9 +184,12 @@ def _remarks_on_proposals(planned: Proposed) -> Iterator[str]:
 def _camera_text(camera: Camera) -> str:
     noise = f"noise of a pixel {camera.noise_to_contrast:.2%} of the contrast"
     text = f"Camera: {noise}, {camera.opening_pixels:.0f} pixels in the opening"
-    if isinstance(camera, PhotonCamera):
-        return f"{text}, so noise of a frame {frame_noise(camera).share:.2g} of its step."
-    return f"{text}, time constant about {_time(camera.time_constant_s)}."
+    rows = "" if camera.row_delay_s is None else f", row delay about {_time(camera.row_delay_s)}"
+    if isinstance(camera, Microbolometer):
+        return f"{text}, time constant about {_time(camera.time_constant_s)}{rows}."
+    if rows:
+        return f"{text}, integration time {_time(camera.integration_time_s)}{rows}."
+    return f"{text}, so noise of a frame {frame_noise(camera).share:.2g} of its step."
 
 
 def _time(time_s: float) -> str:

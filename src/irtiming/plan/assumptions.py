@@ -8,7 +8,7 @@ import numpy as np
 
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import TURN, wheel_model
-from irtiming.records.camera_description import Camera, PhotonCamera
+from irtiming.records.camera_description import Camera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
 from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
@@ -76,7 +76,7 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         ("gate height difference dh (caliper)", per_dh * owner.light_gates.height_difference_m.standard_uncertainty),
         ("register of slots and cutouts", per_separation * _USUAL_SEPARATION_RAD),
     ]
-    if isinstance(camera, PhotonCamera):
+    if (camera.camera_type, camera.readout_mode) == ("photon", "snapshot"):
         bisector = _USUAL_BISECTOR_RAD * float(np.sqrt(_USUAL_PIXELS / camera.opening_pixels))
         common.append(("mask beside the axle (image)", bisector))
     model = wheel_model(

@@ -1,4 +1,4 @@
-"""What a number of runs at some wheel speeds can tell of a camera: the two kinds of cameras behind one door."""
+"""What a number of runs at some wheel speeds can tell of a camera: every kind of camera behind one door."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,25 +8,29 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import PlanError
+from irtiming.physics import camera as physics_camera
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.assumptions import AssumedRig
 from irtiming.plan.information import Information
 from irtiming.plan.photon_information import Sampling, Structure
 from irtiming.plan.sampling import sampling_order
-from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
+from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.prediction import PredictedUncertainty
 from irtiming.records.trigger_plan import TriggerScheme
 
 RELATIVE = "relative_delay"
 _PHASES = 4  # places between two samples where a run may begin; what it tells is their mean
-PHOTON_PARAMETERS = ("trigger_delay", "exposure_midpoint_delay", "integration_time", RELATIVE)
-ROLLING_PARAMETERS = ("trigger_delay", "time_constant", "row_delay", RELATIVE)
+_OWN = {
+    "photon": ("trigger_delay", "exposure_midpoint_delay", "integration_time"),
+    "microbolometer": ("trigger_delay", "time_constant"),
+}
 
 
 def parameters_of(camera: Camera) -> tuple[str, ...]:
     """Names of what can be asked of this kind of camera."""
-    return PHOTON_PARAMETERS if isinstance(camera, PhotonCamera) else ROLLING_PARAMETERS
+    rows = ("row_delay",) if camera.readout_mode == "rolling" else ()
+    return (*_OWN[camera.camera_type], *rows, RELATIVE)
 
 
 @final
@@ -42,9 +46,9 @@ class Setting:
     @cached_property
     def one_run(self) -> Callable[[TriggerScheme], Information]:
         """Information of one run of a scheme."""
-        if isinstance(self.camera, PhotonCamera):
-            return _photon(self, self.camera)
-        return _rolling(self, self.camera)
+        if isinstance(self.camera, PhotonCamera) and self.camera.readout_mode == "snapshot":
+            return _pixel_sums(self, self.camera)
+        return _row_sums(self)
 
 
 Runs: TypeAlias = Sequence[tuple[Information, int]]
@@ -109,7 +113,7 @@ def nominal_sampling(scheme: TriggerScheme, clock_frequency_hz: int) -> Sampling
     )
 
 
-def _photon(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Information]:
+def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Information]:
     noise = photon_information.frame_noise(camera)
 
     def one_run(scheme: TriggerScheme) -> Information:
@@ -124,9 +128,12 @@ def _photon(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme],
     return one_run
 
 
-def _rolling(setting: Setting, camera: Microbolometer) -> Callable[[TriggerScheme], Information]:
+def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Information]:
+    camera = setting.camera
     sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
-    rows, image = rolling_information.rows_of(sector), rolling_information.sector_image(sector)
+    n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).response.HARMONICS
+    rows = rolling_information.rows_of(sector, n_harmonics=n_harmonics)
+    image = rolling_information.sector_image(sector)
 
     def one_run(scheme: TriggerScheme) -> Information:
         run = rolling_information.RollingRun(
@@ -134,6 +141,7 @@ def _rolling(setting: Setting, camera: Microbolometer) -> Callable[[TriggerSchem
             rows=rows,
             angular_frequency_rad_per_s=TURN * setting.clock_frequency_hz / scheme.turn_period_ticks,
             n_frames=scheme.samples_per_turn,
+            knows_response=camera.camera_type == "photon" and setting.structure is photon_information.KNOWN_WINDOW,
         )
         return rolling_information.one_run(
             run,

@@ -220,7 +220,7 @@ def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
 
 
 def _check_plateau(setting: Setting, wheel_rate_hz: float) -> None:
-    if not isinstance(setting.camera, PhotonCamera):
+    if not isinstance(setting.camera, PhotonCamera) or setting.camera.readout_mode == "rolling":
         return
     model = setting.rig.model
     arcs = np.diff([*model.cutout_edges_rad, model.cutout_edges_rad[0] + 2 * np.pi])

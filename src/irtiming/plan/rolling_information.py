@@ -1,11 +1,11 @@
-r"""What one run of a rolling microbolometer can tell: row sums as harmonics of the wheel angle (Schatz 2023, eq. 2, 3).
+r"""What one run of a camera whose rows are summed can tell (`physics.light.row_sum`; Schatz 2023, eq. 1 to 3).
 
-Row y has the harmonics  F_ym = sum_i open_im K_ym exp(i m omega (d_i + y t_row)) / (1 + i m omega tau).  Samples that stand
-evenly over the turn see harmonics apart, so the information on (d_0 .. d_3, tau, t_row) is a sum over rows and harmonics; gain
-and offset of each row are its own. The delays are d_i = t_delay + (e + e_i) / omega.
+Samples that stand evenly over the turn see the harmonics of a row apart, so the information on the delays d_i of the four edges,
+the response's parameter and t_row is a sum over rows and harmonics; gain and offset of each row are its own. The delays are
+d_i = t_delay + (e + e_i) / omega; of a photon camera they are those of the window's middle, half the window later.
 
 The place and shape of the opening come from the image of the second harmonic, where each pixel's phase is twice its polar angle:
-noise and the pixels' gains set how well. Its errors are common to all runs of a set, and move the six numbers by one linear step.
+noise and the pixels' gains set how well. Its errors are common to all runs of a set, and move those numbers by one linear step.
 """
 
 from dataclasses import dataclass, replace
@@ -14,19 +14,20 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.physics import blurred_sector, wheel_harmonics
-from irtiming.physics.camera import camera
+from irtiming.physics import camera as physics_camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
-from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import TURN
 from irtiming.plan.information import EDGES, Information, without_own
 from irtiming.records.arrays import Array, ComplexArray, Ticks
-from irtiming.records.camera_description import Microbolometer
+from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
 NAMES = ("trigger_delay", "time_constant", "row_delay")
+"""What is asked of a rolling microbolometer."""
+
 IMAGE = "axle, mask and blur in the image"
 
 _HARMONICS = 64
@@ -47,7 +48,7 @@ _PAPER_PIXELS = 33_100.0
 _Roi: TypeAlias = tuple[int, int, int, int]
 
 
-def sector_of(camera: Microbolometer, opening_angle_rad: float) -> SectorShape:
+def sector_of(camera: Camera, opening_angle_rad: float) -> SectorShape:
     """The paper's opening, larger or smaller, until it has this camera's number of pixels; blur stays."""
     scale = (camera.opening_pixels / _PAPER_PIXELS) ** 0.5
     grown = {name: getattr(_PAPER, name) * scale for name in _SHAPE if name.endswith("_px") and name != "blur_px"}
@@ -68,7 +69,7 @@ class Rows:
     weight: int
 
 
-def rows_of(sector: SectorShape) -> Rows:
+def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     """Rows with the light of three pixels or more, and how they change with each number of the sector's shape.
 
     Each pixel keeps its amount of light, which the contrast image shows: only where it lies changes.
@@ -86,9 +87,10 @@ def rows_of(sector: SectorShape) -> Rows:
         step = _STEP_RAD if name in _ANGLES else _STEP_PX
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
         gained = (_pixels(ahead, roi) - _pixels(behind, roi))[rows - roi[0]]
-        change = _light(ahead, rows) - _light(behind, rows) - _of_pixels(sector, gained, rows=rows, roi=roi)
+        moved = _light(ahead, rows, n_harmonics=n_harmonics) - _light(behind, rows, n_harmonics=n_harmonics)
+        change = moved - _of_pixels(sector, gained, rows=rows, roi=roi, n_harmonics=n_harmonics)
         changes.append(change / (2 * step))
-    light = _light(sector, rows)
+    light = _light(sector, rows, n_harmonics=n_harmonics)
     return Rows(row_px=rows.astype(float), harmonics=light, changes=np.array(changes), weight=weight)
 
 
@@ -99,11 +101,11 @@ def _pixels(sector: SectorShape, roi: _Roi) -> Array:
     return np.asarray(blurred_sector.image(points, ones, blur_px=sector.blur_px, roi=roi).real, float)
 
 
-def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi) -> ComplexArray:
+def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi, n_harmonics: int) -> ComplexArray:
     """Harmonics of rows whose pixels have so much light, (n_row, columns of the region), each about its own angle."""
     angle, radius = (place[rows - roi[0]] for place in blurred_sector.pixel_places(sector, roi=roi))
     return np.stack(
-        [np.sum(light * np.exp(-1j * m * angle) * _smear(radius, sector, m), axis=1) for m in range(_HARMONICS + 1)],
+        [np.sum(light * np.exp(-1j * m * angle) * _smear(radius, sector, m), axis=1) for m in range(n_harmonics + 1)],
         axis=1,
     )
 
@@ -112,20 +114,24 @@ def _smear(radius_px: Array, sector: SectorShape, order: int) -> Array:
     return blurred_sector.pixel_smear(radius_px, blur_px=sector.blur_px, order=order)
 
 
-def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int = _HARMONICS) -> ComplexArray:
-    points = blurred_sector.light_points(sector)
+def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int) -> ComplexArray:
+    points = blurred_sector.light_points(sector, n_harmonics=n_harmonics)
     return blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_px, n_harmonics=n_harmonics)
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RollingRun:
-    """One run: the camera, its rows in the light, the wheel's speed and the number of frames."""
+    """One run: the camera, its rows in the light, the wheel's speed and the number of frames.
 
-    camera: Microbolometer
+    With ``knows_response`` the camera's integration time or time constant counts as exact.
+    """
+
+    camera: Camera
     rows: Rows
     angular_frequency_rad_per_s: float
     n_frames: int
+    knows_response: bool = False
 
 
 @final
@@ -138,7 +144,7 @@ class ImageErrors:
 
 
 def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> Information:
-    """Information of one run on trigger delay, time constant and row delay, the sector's numbers, and the errors.
+    """Information of one run on the camera's timing, the sector's numbers, and the errors.
 
     Parameters
     ----------
@@ -153,39 +159,59 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
         the pixels' gains do to them is an error that stays.
     """
     normal, effect = normal_and_effect(run, model)
-    root = _root(image.gains)
-    first_edge, n_shape = len(NAMES) + len(_SHAPE) + len(angles.common), len(_SHAPE)
+    timing = _timing_design(run)
+    n_own, n_shape, n_common = timing.shape[1], len(_SHAPE), len(angles.common)
+    first_edge = n_own + n_shape + n_common
     per_rad = 1 / run.angular_frequency_rad_per_s
-    design = np.zeros((6, first_edge + 4 + n_shape))
-    design[:4, 0] = design[4, 1] = design[5, 2] = 1.0
-    design[:, 3 : 3 + n_shape] = effect
+    design = np.zeros((normal.shape[0], first_edge + 4 + n_shape))
+    design[:, :n_own] = timing
+    design[:, n_own : n_own + n_shape] = effect
     for k, (_, u) in enumerate(angles.common):
-        design[:4, 3 + n_shape + k] = u * per_rad
+        design[:4, n_own + n_shape + k] = u * per_rad
     design[:4, first_edge : first_edge + 4] = angles.edge_rad * per_rad * np.eye(4)
-    design[:, first_edge + 4 :] = effect @ root
+    design[:, first_edge + 4 :] = effect @ _root(image.gains)
     matrix = design.T @ normal @ design
-    matrix[3 : 3 + n_shape, 3 : 3 + n_shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
+    shape = slice(n_own, n_own + n_shape)
+    matrix[shape, shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
     return Information(
-        names=(*NAMES, *_SHAPE),
+        names=(*timing_names(run), *_SHAPE),
         sources=(*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape),
         matrix=matrix,
     )
 
 
+def timing_names(run: RollingRun) -> tuple[str, ...]:
+    """What a run tells of its camera: the trigger delay, what the response and the readout have."""
+    response, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
+    return ("trigger_delay", *([] if run.knows_response else [response]), *readout)
+
+
+def _timing_design(run: RollingRun) -> Array:
+    """Change of edge delays, response and row delay per unit of each of `timing_names`, shape (k, n)."""
+    local, own = row_sum.timing_names(_kind(run.camera)), timing_names(run)
+    design = np.zeros((len(local), len(own)))
+    design[:4, 0] = 1.0
+    for column, name in enumerate(own[1:], 1):
+        design[local.index(name), column] = 1.0
+    if isinstance(run.camera, PhotonCamera) and not run.knows_response:
+        design[:4, own.index("integration_time")] = 0.5
+    return design
+
+
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
-    """Information (6, 6) on four edge delays, tau and t_row, s^-2, and their change (6, 9) per unit of the sector's numbers."""
+    """Information (k, k) on the numbers of a row sum, s^-2, and their change (k, 9) per unit of the sector's numbers."""
     rows, timing = _row_sums(run, model)
     whole, slopes = row_sum.linearised(rows, timing)
-    light = run.rows.harmonics
+    light, n = run.rows.harmonics, len(rows.names)
     moved = run.rows.changes * (whole / np.where(light == 0, 1, light))
     summed = summed_pixels(light)
     per_noise = np.sqrt(run.rows.weight * run.n_frames / 2 / summed) / run.camera.noise_to_contrast
-    normal, pull = np.zeros((6, 6)), np.zeros((6, len(_SHAPE)))
+    normal, pull = np.zeros((n, n)), np.zeros((n, len(_SHAPE)))
     for y, scale in enumerate(per_noise):
         columns = scale * _real(np.concatenate([slopes[:, y], moved[:, y]])).T
         free = without_own(columns, _real(whole[None, y]).T)
-        normal += free[:, :6].T @ free[:, :6]
-        pull -= free[:, :6].T @ free[:, 6:]
+        normal += free[:, :n].T @ free[:, :n]
+        pull -= free[:, :n].T @ free[:, n:]
     return normal, np.asarray(np.linalg.solve(normal, pull), float)
 
 
@@ -194,16 +220,24 @@ def summed_pixels(light: ComplexArray) -> Array:
     return np.asarray(light[:, 0].real + 2 * _BORDER_PX)
 
 
+def _kind(described: Camera) -> physics_camera.Camera:
+    return physics_camera.camera(described.camera_type, described.readout_mode)
+
+
+def _response_s(described: Camera) -> float:
+    return described.time_constant_s if isinstance(described, Microbolometer) else described.integration_time_s
+
+
 def _row_sums(run: RollingRun, model: WheelModel) -> tuple[RowSum, Timing]:
     """The run's rows, and timing without any delay of the edges: it does not matter here."""
     rows = RowSum(
-        camera=camera("microbolometer", "rolling"),
-        open_harmonics=wheel_harmonics.open_harmonics(model, _HARMONICS),
+        camera=_kind(run.camera),
+        open_harmonics=wheel_harmonics.open_harmonics(model, run.rows.harmonics.shape[1] - 1),
         row_harmonics=run.rows.harmonics,
         row_px=run.rows.row_px,
         angular_frequency_rad_per_s=run.angular_frequency_rad_per_s,
     )
-    own = {"time_constant": run.camera.time_constant_s, "row_delay": run.camera.row_delay_s}
+    own = {rows.camera.response.PARAMETER: _response_s(run.camera), "row_delay": run.camera.row_delay_s or 0.0}
     return rows, dict.fromkeys(row_sum.EDGE_DELAYS, 0.0) | own
 
 
@@ -249,11 +283,13 @@ def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> I
     Along a pixel's phase noise and the scatter of gains count, across it noise alone.
     """
     point = wheel_harmonics.open_harmonics(model, 2).sum(axis=0)[2]
-    point *= first_order_lag.transfer(run.angular_frequency_rad_per_s, run.camera.time_constant_s, n_harmonics=2)[2]
+    response = _kind(run.camera).response
+    point *= response.transfer(run.angular_frequency_rad_per_s, _response_s(run.camera), n_harmonics=2)[2]
     noise = run.camera.noise_to_contrast * np.sqrt(2 / run.n_frames) / abs(point)
     scatter = run.camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
-    scale = np.linalg.norm(image.columns, axis=1)
-    told = image.columns / scale[:, None]
+    columns = image.columns if run.camera.readout_mode == "rolling" else np.delete(image.columns, len(_SHAPE), axis=0)
+    scale = np.linalg.norm(columns, axis=1)
+    told = columns / scale[:, None]
     weighted = told.real / (noise**2 + scatter**2)
     inverse = np.linalg.pinv(weighted @ told.real.T + told.imag @ told.imag.T / noise**2, hermitian=True)
     pull = inverse @ weighted * scatter

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import TypeAlias, final
 
 from irtiming.errors import PlanError
+from irtiming.records.recording import CameraType, ReadoutMode
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class PhotonCamera:
-    """A cooled snapshot camera; the defaults are the camera of Schatz 2023, section 3.1, with 38 mK of noise and 9 K of contrast.
+    """A photon camera; the defaults are the camera of Schatz 2023, section 3.1, with 38 mK of noise and 9 K of contrast.
 
     Parameters
     ----------
@@ -22,7 +23,11 @@ class PhotonCamera:
     integration_time_s
         T_int.
     gate_jitter_s, camera_jitter_s
-        Standard deviations of one timestamp of the control gate and of the camera's delay from frame to frame.
+        Standard deviations of one timestamp of the control gate and of the camera's delay from frame to frame; of a snapshot.
+    row_delay_s
+        t_row, roughly, of a rolling camera; None for a snapshot.
+    gain_scatter
+        Standard deviation of the pixels' gains, which matters where rows are summed.
     """
 
     noise_to_contrast: float = 0.0042
@@ -30,6 +35,8 @@ class PhotonCamera:
     integration_time_s: float = 250e-6
     gate_jitter_s: float = 0.3e-6
     camera_jitter_s: float = 0.05e-6
+    row_delay_s: float | None = None
+    gain_scatter: float = 0.01
 
     def __post_init__(self) -> None:
         _check(
@@ -38,18 +45,28 @@ class PhotonCamera:
             ("integration time in seconds", self.integration_time_s),
         )
 
+    @property
+    def camera_type(self) -> CameraType:
+        """What its pixels do."""
+        return "photon"
+
+    @property
+    def readout_mode(self) -> ReadoutMode:
+        """How they are read."""
+        return _readout(self.row_delay_s)
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Microbolometer:
-    """A rolling microbolometer; the defaults are the camera of Schatz 2023, section 3.2, with 62 mK of noise and 8 K of contrast.
+    """A microbolometer; the defaults are the camera of Schatz 2023, section 3.2, with 62 mK of noise and 8 K of contrast.
 
     Parameters
     ----------
     noise_to_contrast, opening_pixels
         As for a photon camera.
     time_constant_s, row_delay_s
-        tau and t_row, roughly.
+        tau and t_row, roughly; no row delay makes it a snapshot camera.
     gain_scatter
         Standard deviation of the pixels' gains.
     """
@@ -57,7 +74,7 @@ class Microbolometer:
     noise_to_contrast: float = 0.0078
     opening_pixels: float = 33_100.0
     time_constant_s: float = 4.8e-3
-    row_delay_s: float = 38.8e-6
+    row_delay_s: float | None = 38.8e-6
     gain_scatter: float = 0.01
 
     def __post_init__(self) -> None:
@@ -67,8 +84,22 @@ class Microbolometer:
             ("time constant in seconds", self.time_constant_s),
         )
 
+    @property
+    def camera_type(self) -> CameraType:
+        """What its pixels do."""
+        return "microbolometer"
+
+    @property
+    def readout_mode(self) -> ReadoutMode:
+        """How they are read."""
+        return _readout(self.row_delay_s)
+
 
 Camera: TypeAlias = PhotonCamera | Microbolometer
+
+
+def _readout(row_delay_s: float | None) -> ReadoutMode:
+    return "snapshot" if row_delay_s is None else "rolling"
 
 
 def _check(*numbers: tuple[str, float]) -> None:

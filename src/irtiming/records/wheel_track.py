@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, Ticks
+from irtiming.records.finding import Finding
 
 
 @final
@@ -47,4 +48,4 @@ class WheelTrack:
     order_variance_rad2: Array | None = None
     application_edges_rad: tuple[float, float, float, float] | None = None
     u_application_edges_rad: tuple[float, float, float, float] | None = None
-    findings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()

@@ -14,24 +14,17 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, PixelSums, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import (
-    axle_view,
-    contrast_image,
-    frame_angles,
-    frame_pass,
-    nominal_angles,
-    nonuniformity,
-    opening,
-    plateaus,
-    remarks,
-)
+from irtiming.reduce import frame_pass, nonuniformity, remarks
 from irtiming.reduce.accumulators.counts import Counts
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.opening import axle_view, contrast_image, in_plateau_frames
+from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
+from irtiming.reduce.wheel import frame_angles, nominal_angles
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
@@ -55,7 +48,7 @@ def reduce(
     """
     correct = nonuniformity.correction(recording)
     angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
-    sighting = opening.find(recording, correct, choices=choices, before=before)
+    sighting = in_plateau_frames.find(recording, correct, choices=choices, before=before)
     found, n_frames = sighting.opening, recording.frames.shape[0]
     thresholds = nonuniformity.raw_thresholds(sighting.histogram.threshold_dn, correct)[_box(found)]
     counts = Counts(thresholds, n_frames=n_frames)
@@ -136,7 +129,7 @@ def _settled(recording: Recording, found: Opening, correct: Correction, angle: A
         if frames.size < _FEWEST_SETTLED:
             return found
         picked = frames[np.linspace(0, frames.size - 1, min(frames.size, _MOST_SETTLED)).astype(int)]
-        means.append(opening.mean_frame(recording.frames.pick([int(i) for i in picked]), correct))
+        means.append(in_plateau_frames.mean_frame(recording.frames.pick([int(i) for i in picked]), correct))
     return replace(found, open_frame_dn=means[0], covered_frame_dn=means[1])
 
 

@@ -33,11 +33,7 @@ def of_input(recording: Recording, track: WheelTrack) -> tuple[Finding, ...]:
     if recording.camera_type == "photon" and recording.nonuniformity is None:
         what = "no nonuniformity_reference in the recording: frames used as they are"
         uneven.append(doubt(code="no-nonuniformity-reference", recording=recording, what=what))
-    return (
-        *recording.findings,
-        *uneven,
-        *(doubt(code="timestamps", recording=recording, what=text) for text in track.findings),
-    )
+    return (*recording.findings, *uneven, *track.findings)
 
 
 def without_angle(recording: Recording, outside: Mask) -> tuple[Finding, ...]:

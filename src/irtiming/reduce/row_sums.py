@@ -13,27 +13,20 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording, RowSums, ShutterEvent
 from irtiming.records.rig import Rig
-from irtiming.reduce import (
-    contrast_image,
-    drift,
-    frame_angles,
-    frame_pass,
-    nonuniformity,
-    remarks,
-    rolling_opening,
-    shutter,
-)
+from irtiming.reduce import drift, frame_pass, nonuniformity, remarks, shutter
 from irtiming.reduce.accumulators import row_sums
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.quiet_level import QuietLevel
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.drift import Drift
-from irtiming.reduce.frame_angles import FrameAngles
 from irtiming.reduce.frame_pass import SHORTEST, Stretches
+from irtiming.reduce.opening import contrast_image, in_contrast
+from irtiming.reduce.opening.in_contrast import Sighting
 from irtiming.reduce.remarks import doubt
-from irtiming.reduce.rolling_opening import Sighting
 from irtiming.reduce.shutter import Watch
 from irtiming.reduce.shutter_judge import ShutterJudge
+from irtiming.reduce.wheel import frame_angles
+from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _FEWEST_FRAMES = 100
 
@@ -80,7 +73,7 @@ def reduce(
     """
     correct = nonuniformity.correction(recording)
     angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
-    sighting = rolling_opening.find(recording, angles.angle_rad, correct=correct, choices=choices, before=before)
+    sighting = in_contrast.find(recording, angles.angle_rad, correct=correct, choices=choices, before=before)
     found, n_frames = sighting.opening, recording.frames.shape[0]
     rows = row_sums.RowSums(found, correct, n_frames=n_frames)
     quiet = QuietLevel(sighting.quiet, correct, n_frames=n_frames)

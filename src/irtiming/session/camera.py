@@ -2,13 +2,24 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, final
+from typing import final
 
 from irtiming.archive.result_camera import read_camera
 from irtiming.errors import PlanError, listed
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
+from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 
-_OWN = {"photon": ("integration_time_s", "known_integration_time"), "microbolometer": ("time_constant_s",)}
+_OWN = {
+    "photon": ("integration_time_s", "known_integration_time"),
+    "microbolometer": ("time_constant_s",),
+    "rolling": ("row_delay_s",),
+}
+_USUAL: dict[tuple[CameraType, ReadoutMode], Camera] = {
+    ("photon", "snapshot"): PhotonCamera(),
+    ("photon", "rolling"): PhotonCamera(row_delay_s=20e-6),
+    ("microbolometer", "rolling"): Microbolometer(),
+    ("microbolometer", "snapshot"): Microbolometer(row_delay_s=None),
+}
 _USUAL_CONTRAST_K = {"photon": 9.0, "microbolometer": 8.0}
 
 
@@ -17,13 +28,15 @@ _USUAL_CONTRAST_K = {"photon": 9.0, "microbolometer": 8.0}
 class Described:
     """What a person says of the camera; None where nothing. ``noise`` and ``contrast`` are both in K or both in DN."""
 
-    camera: Literal["photon", "microbolometer"] | None = None
+    camera: CameraType | None = None
+    readout: ReadoutMode | None = None
     noise: float | None = None
     contrast: float | None = None
     opening_pixels: float | None = None
     integration_time_s: float | None = None
     known_integration_time: bool = False
     time_constant_s: float | None = None
+    row_delay_s: float | None = None
     like: Path | None = None
 
     def __post_init__(self) -> None:
@@ -45,32 +58,26 @@ def camera(described: Described) -> Camera:
         If the result to take it from cannot be used.
     """
     found = _start(described)
-    _refuse_foreign(described, _kind(found))
-    said = {name: getattr(described, name) for name in ("opening_pixels", "integration_time_s", "time_constant_s")}
+    _refuse_foreign(described, found)
+    names = ("opening_pixels", "integration_time_s", "time_constant_s", "row_delay_s")
+    said = {name: getattr(described, name) for name in names}
     said["noise_to_contrast"] = _noise_to_contrast(described, found)
     return replace(found, **{name: value for name, value in said.items() if value is not None})
 
 
-def _kind(found: Camera) -> Literal["photon", "microbolometer"]:
-    return "photon" if isinstance(found, PhotonCamera) else "microbolometer"
-
-
-def _refuse_foreign(described: Described, kind: str) -> None:
+def _refuse_foreign(described: Described, found: Camera) -> None:
     usual = Described()
-    wrong = [
-        name
-        for other, names in _OWN.items()
-        for name in names
-        if other != kind and getattr(described, name) != getattr(usual, name)
-    ]
+    others = [names for other, names in _OWN.items() if other not in (found.camera_type, found.readout_mode)]
+    wrong = [name for names in others for name in names if getattr(described, name) != getattr(usual, name)]
     if wrong:
+        kind = found.readout_mode if wrong == ["row_delay_s"] else found.camera_type
         raise PlanError(f"{listed(wrong)} with a {kind} camera, which has no such thing; leave it out", *wrong)
 
 
 def _noise_to_contrast(described: Described, found: Camera) -> float | None:
     if described.noise is None and described.contrast is None:
         return None
-    usual = _USUAL_CONTRAST_K[_kind(found)]
+    usual = _USUAL_CONTRAST_K[found.camera_type]
     noise = found.noise_to_contrast * usual if described.noise is None else described.noise
     return noise / (usual if described.contrast is None else described.contrast)
 
@@ -78,11 +85,13 @@ def _noise_to_contrast(described: Described, found: Camera) -> float | None:
 def _start(described: Described) -> Camera:
     """The paper's camera of the kind, or the one of an earlier result."""
     if described.like is None:
-        return Microbolometer() if described.camera == "microbolometer" else PhotonCamera()
+        kind = described.camera or "photon"
+        return _USUAL[kind, described.readout or USUAL_READOUT[kind]]
     found = read_camera(described.like)
-    if described.camera not in (None, _kind(found)):
-        raise PlanError(
-            f"{described.like} is of a {_kind(found)} camera, {{camera}} says {described.camera}; leave it out",
-            "camera",
-        )
+    for name, said, is_ in (
+        ("camera", described.camera, found.camera_type),
+        ("readout", described.readout, found.readout_mode),
+    ):
+        if said not in (None, is_):
+            raise PlanError(f"{described.like} is of a {is_} camera, {{{name}}} says {said}; leave it out", name)
     return found

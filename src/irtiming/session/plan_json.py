@@ -66,7 +66,15 @@ def predicted_as_json(found: tuple[PredictedUncertainty, ...]) -> dict[str, Any]
 
 def camera_as_json(camera: Camera) -> dict[str, Any]:
     """What a prediction takes the camera to be."""
-    shared = {"noise_to_contrast": camera.noise_to_contrast, "opening_pixels": camera.opening_pixels}
+    shared: dict[str, Any] = {
+        "camera": camera.camera_type,
+        "readout_mode": camera.readout_mode,
+        "noise_to_contrast": camera.noise_to_contrast,
+        "opening_pixels": camera.opening_pixels,
+        "unit": "s",
+    }
+    if camera.row_delay_s is not None:
+        shared["row_delay"] = camera.row_delay_s
     if isinstance(camera, PhotonCamera):
-        return {"camera": "photon", **shared, "integration_time": camera.integration_time_s, "unit": "s"}
-    return {"camera": "microbolometer", **shared, "time_constant": camera.time_constant_s, "unit": "s"}
+        return {**shared, "integration_time": camera.integration_time_s}
+    return {**shared, "time_constant": camera.time_constant_s}

@@ -11,7 +11,7 @@ from irtiming.archive.wheel_calibration_file import write_wheel_calibration
 from irtiming.errors import ArchiveError
 from irtiming.records.choices import ReferenceEdge
 from irtiming.records.wheel_calibration import WheelCalibration
-from irtiming.reduce import wheel_calibration
+from irtiming.reduce.wheel import wheel_calibration
 from irtiming.report import sheet
 from irtiming.report.sections import wheel as wheel_section
 

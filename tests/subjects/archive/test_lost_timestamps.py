@@ -15,7 +15,7 @@ from irtiming.measurement import analyse
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
-from irtiming.reduce import wheel_calibration
+from irtiming.reduce.wheel import wheel_calibration
 
 FIELD = "entry/instrument/trigger_generator/lost_after"
 LOST = 7_000_000 + 16_384_000 + 12_345_678  # the first trigger of the hand-made file is a turn after 7 000 000

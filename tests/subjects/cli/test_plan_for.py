@@ -79,6 +79,22 @@ def test_noise_and_contrast_count_as_their_ratio(run, tmp_path):
     assert found == pytest.approx([20 / 4770] * 3)
 
 
+@pytest.mark.parametrize("kind", ["photon", "microbolometer"])
+@pytest.mark.parametrize("readout", ["snapshot", "rolling"])
+def test_every_camera_can_be_planned_for(run, tmp_path, kind, readout):
+    """Oracle: by hand; a rolling camera has a row delay to ask for, and a snapshot has none."""
+    out, rows = tmp_path / "plan.json", ("--for", "row_delay=1us", "--row-delay", "30 us")
+    words = ("--camera", kind, "--readout", readout, "--for", "trigger_delay=1ms", "--wheel-hz", 5, "--json", out)
+    done = run(*words, *(rows if readout == "rolling" else ()))
+    assert done.exit_code == 0, done.output
+    written = json.loads(out.read_text())
+    assert (written["camera"]["camera"], written["camera"]["readout_mode"]) == (kind, readout)
+    assert written["camera"].get("row_delay") == (pytest.approx(30e-6) if readout == "rolling" else None)
+    assert written["predicted_uncertainty"]["trigger_delay"]["standard_uncertainty"] < 1e-3
+    if readout == "snapshot":
+        assert all(isinstance(run(*words, *rows[k : k + 2]).exception, PlanError) for k in (0, 2))
+
+
 @pytest.mark.parametrize(
     ("words", "error"),
     [

@@ -10,7 +10,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.published.slopes import fit, line_through
 from irtiming.physics.wheel import exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.records.exposed import ExposedFraction
-from irtiming.reduce import plateaus
+from irtiming.reduce.published import plateaus
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3

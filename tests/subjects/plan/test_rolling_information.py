@@ -1,4 +1,4 @@
-"""What a run of a rolling microbolometer can tell, against brute force."""
+"""What a run of a camera whose rows are summed can tell, against brute force."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
 from irtiming.plan.rolling_information import IMAGE, NAMES, RollingRun
-from irtiming.records.camera_description import Microbolometer
+from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 
 TURN = 2 * np.pi
@@ -18,6 +18,10 @@ MODEL = wheel_model(
     (0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.2682, opening_angle_rad=np.radians(75), centre_angle_rad=-np.pi / 2
 )
 CAMERA = Microbolometer(opening_pixels=600.0)
+OTHERS = (
+    Microbolometer(opening_pixels=600.0, row_delay_s=None),
+    PhotonCamera(opening_pixels=600.0, integration_time_s=4e-3, row_delay_s=20e-6),
+)
 ANGLES = AngleErrors(common=(("mask", 5e-4),), edge_rad=1e-4)
 
 
@@ -40,41 +44,72 @@ def image(sector):
     return rolling_information.sector_image(sector)
 
 
-def _row(run, y, six, shape=None):
-    """One row over 1000 even wheel angles, wave by wave."""
+def _row(run, y, numbers, shape=None):
+    """One row over 1000 even wheel angles, wave by wave: four delays, the response's number, the row delay."""
     omega, light = run.angular_frequency_rad_per_s, run.rows.harmonics[y] if shape is None else shape
     n = light.size - 1
     edges = wheel_harmonics.open_harmonics(MODEL, n)
     waves = sum(
-        edge * wheel_harmonics.later(omega * (delay + six[5] * run.rows.row_px[y]), n_harmonics=n)
-        for edge, delay in zip(edges, six[:4], strict=True)
+        edge * wheel_harmonics.later(omega * (delay + numbers[5] * run.rows.row_px[y]), n_harmonics=n)
+        for edge, delay in zip(edges, numbers[:4], strict=True)
     )
-    waves = waves * light * first_order_lag.transfer(omega, six[4], n_harmonics=n)
+    order = np.arange(n + 1) * omega
+    if isinstance(run.camera, PhotonCamera):
+        waves = waves * light * np.sinc(order * numbers[4] / TURN)
+    else:
+        waves = waves * light * first_order_lag.transfer(omega, numbers[4], n_harmonics=n)
     return wheel_harmonics.at_angles(waves, TURN / 1000 * np.arange(1000))
 
 
-def test_information_on_six_numbers_is_that_of_all_frames(run):
+@pytest.mark.parametrize("camera", [CAMERA, *OTHERS], ids=lambda c: f"{c.readout_mode} {c.camera_type}")
+def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     """Oracle: central differences of each row's 1000 samples; gain and offset of the row taken out by least squares."""
-    at = np.array([0.0, 0, 0, 0, CAMERA.time_constant_s, CAMERA.row_delay_s])
+    run, rolls = replace(run, camera=camera), camera.row_delay_s is not None
+    response_s = camera.integration_time_s if isinstance(camera, PhotonCamera) else camera.time_constant_s
+    at = np.array([0.0, 0, 0, 0, response_s, camera.row_delay_s or 0.0])
     steps = np.array([1e-7] * 4 + [1e-7, 1e-9])
-    normal, pull = np.zeros((6, 6)), np.zeros((6, 9))
+    k = 6 if rolls else 5
+    normal, pull = np.zeros((k, k)), np.zeros((k, 9))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
             (_row(run, y, at + step * unit) - _row(run, y, at - step * unit)) / (2 * step)
-            for step, unit in zip(steps, np.eye(6), strict=True)
+            for step, unit in zip(steps[:k], np.eye(6)[:k], strict=True)
         ]
         columns += [_row(run, y, at, shape=change) for change in run.rows.changes[:, y]]
         own = np.stack([np.ones(1000), _row(run, y, at)], axis=1)
         free = np.array(columns).T
         free = free - own @ np.linalg.lstsq(own, free, rcond=None)[0]
-        free /= CAMERA.noise_to_contrast * np.sqrt(summed)
-        normal += free[:, :6].T @ free[:, :6]
-        pull -= free[:, :6].T @ free[:, 6:]
+        free /= camera.noise_to_contrast * np.sqrt(summed)
+        normal += free[:, :k].T @ free[:, :k]
+        pull -= free[:, :k].T @ free[:, k:]
     found, effect = rolling_information.normal_and_effect(run, MODEL)
     scale = np.sqrt(np.diag(normal))
     np.testing.assert_allclose(found / np.outer(scale, scale), normal / np.outer(scale, scale), atol=1e-5)
     np.testing.assert_allclose(effect, np.linalg.solve(normal, pull), rtol=1e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("camera", "knows", "names"),
+    [
+        (OTHERS[0], False, ("trigger_delay", "time_constant")),
+        (OTHERS[1], False, ("trigger_delay", "integration_time", "row_delay")),
+        (OTHERS[1], True, ("trigger_delay", "row_delay")),
+    ],
+)
+def test_a_run_tells_what_its_camera_has(run, image, camera, knows, names):
+    """Oracle: by hand; a window that is known adds nothing to its start, and costs its middle nothing."""
+    other = replace(run, camera=camera, knows_response=knows)
+    assert rolling_information.timing_names(other) == names
+    errors = rolling_information.image_errors(other, image, model=MODEL)
+    told = rolling_information.one_run(other, model=MODEL, angles=ANGLES, image=errors)
+    assert told.names[: len(names)] == names
+    weights = {"trigger_delay": {"trigger_delay": 1.0}}
+    if "integration_time" in names:
+        weights["middle"] = {"trigger_delay": 1.0, "integration_time": 0.5}
+    found = {one.name: one.standard_uncertainty_s for one in information.uncertainties(told, weights)}
+    assert 0 < found["trigger_delay"] < 1e-3
+    assert found.get("middle", 0) < found["trigger_delay"]
 
 
 def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, image):

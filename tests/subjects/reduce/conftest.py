@@ -8,7 +8,7 @@ import pytest
 
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.reduce.edge_train import EdgeTrain, number_edges
+from irtiming.reduce.wheel.edge_train import EdgeTrain, number_edges
 from irtiming.twin.clockwork import spin
 from irtiming.twin.rig import draw, simulate
 from irtiming.twin.scene import Ripple, Scene, SpeedWander, paper_scene, with_wheel_speed

@@ -5,10 +5,10 @@ from typing import final
 import numpy as np
 
 from irtiming.records.reduced import Opening
-from irtiming.reduce import dead_pixels
 from irtiming.reduce.accumulators.weighted_rows import WeightedRows
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.opening import dead_pixels
 
 
 @final

@@ -1,0 +1,54 @@
+"""How much, and when, each pixel follows the wheel: its projection on the second harmonic of the wheel angle."""
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+from irtiming.records.reduced import ContrastImage, Opening
+from irtiming.reduce.accumulators.projection import Projection
+from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.opening import wheel_contrast
+
+
+def projection(wheel_angle_rad: Array, opening: Opening, *, share: Array | float = 1.0) -> Projection:
+    """Accumulator of the contrast image.
+
+    Parameters
+    ----------
+    wheel_angle_rad
+        Shape (n_frame,); nan where unknown.
+    opening
+        Whose region of interest is projected.
+    share
+        Weight of each frame, shape (n_frame,), mean 1.
+    """
+    row0, row1, column0, column1 = opening.roi
+    return Projection(share * np.exp(-2j * wheel_angle_rad), shape=(row1 - row0, column1 - column0))
+
+
+def of(
+    projected: Projection, opening: Opening, *, correct: Correction, drift_dn: Array, noise_dn: float
+) -> ContrastImage:
+    """The contrast image of the frames that were kept.
+
+    Parameters
+    ----------
+    projected
+        That took them in.
+    opening, correct
+        Whose region of interest it is; the correction of the whole image.
+    drift_dn
+        Shape (n,); level that is taken off all pixels of each kept frame, corrected DN.
+    noise_dn
+        Of one pixel from frame to frame, for where no still pixels tell the noise of the image.
+    """
+    weight = projected.frame_weight
+    value = projected.total * correct.within(opening.roi).gain * 2 / weight.size - np.sum(weight * drift_dn)
+    box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
+    u_still = wheel_contrast.noise_between_neighbours(value, ~opening.summed[box])
+    return ContrastImage(
+        projection_dn=value,
+        frame_weight=weight,
+        u_dn=noise_dn * float(np.sqrt(2 / weight.size)) if np.isnan(u_still) else u_still,
+        good=~opening.bad[box],
+        roi=opening.roi,
+    )

@@ -1,0 +1,211 @@
+"""Find the mask opening in the frames: region, threshold and weights, without a hand on the mouse (Schatz 2023, 3.1.3)."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy import ndimage
+
+from irtiming.errors import ReductionError
+from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.choices import Choices
+from irtiming.records.finding import Finding
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import Histogram, Opening
+from irtiming.reduce.nonuniformity import Correction, corrected
+from irtiming.reduce.opening import dead_pixels, mask_shape, sample_frames
+from irtiming.reduce.remarks import doubt
+
+_CLOSER_LOOK = 48  # frames that noise is taken from
+_PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sample:
+    """A sample of frames, and which of them show the opening wholly open and wholly covered."""
+
+    raw: Pixels
+    seeds: Mask
+    open_frames: Mask
+    covered_frames: Mask
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sighting:
+    """The opening, the histogram that its threshold stands in, and what is doubtful about them.
+
+    ``noise_dn`` is that of one raw pixel from frame to frame.
+    """
+
+    opening: Opening
+    histogram: Histogram
+    noise_dn: float
+    findings: tuple[Finding, ...]
+
+
+def find(recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None) -> Sighting:
+    """The opening, its region of interest, threshold and weights.
+
+    Parameters
+    ----------
+    recording
+        A few hundred of its frames are read.
+    correct
+        Non-uniformity correction.
+    choices
+        Region and threshold where a person set them.
+    before
+        The opening of an earlier recording of the same camera. Where it is still in place it is taken over: a border that
+        is drawn anew each time, a pixel more here or there, would shift the delays against each other.
+
+    Raises
+    ------
+    ReductionError
+        If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
+    """
+    seen = _sample(recording, correct)
+    open_dn = mean_frame(seen.raw[seen.open_frames], correct)
+    covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
+    step = float(np.median((open_dn - covered_dn)[seen.seeds]))
+    contrast = (open_dn - covered_dn) / step
+    contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
+    mask = mask_shape.largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
+    border_px = mask_shape.border_px(contrast, mask)
+    if before is not None and mask_shape.is_in_place(mask, before.mask):
+        mask, border_px = before.mask, before.border_px
+    border_px = border_px if choices.border_px is None else choices.border_px
+    roi = choices.roi or mask_shape.box(mask, margin=border_px + 4, name=recording.name)
+    mask_shape.check_roi(roi, mask, name=recording.name)
+    in_roi = np.zeros_like(mask)
+    in_roi[slice(*roi[:2]), slice(*roi[2:])] = True
+    plate, blackbody = _peaks(open_dn, mask, in_roi)
+    threshold = choices.threshold_dn
+    if threshold is None:
+        threshold = plate + choices.threshold_level * (blackbody - plate)
+    count, bins = np.histogram(open_dn[in_roi & ~correct.bad], bins=128)
+    histogram = Histogram(
+        threshold_dn=threshold, plate_dn=plate, blackbody_dn=blackbody, bin_edges_dn=bins, count=count.astype(np.int64)
+    )
+    summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
+    found = Opening(
+        roi=roi,
+        open_frame_dn=open_dn,
+        covered_frame_dn=covered_dn,
+        mask=mask,
+        summed=summed,
+        weight=dead_pixels.weights(summed, correct.bad),
+        border_px=border_px,
+        bad=correct.bad,
+        blackbody_is_colder=not blackbody > plate,
+        histogram=histogram,
+    )
+    noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
+    return Sighting(opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram))
+
+
+def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
+    """What is odd in the histogram of a recording."""
+    low, high = sorted((found.plate_dn, found.blackbody_dn))
+    if low < found.threshold_dn < high:
+        return ()
+    peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
+    what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
+    return (doubt(code="threshold-outside-peaks", recording=recording, what=what),)
+
+
+def _sample(recording: Recording, correct: Correction) -> _Sample:
+    raw = _alive(recording, recording.frames.pick(sample_frames.indices(recording.frames.shape)))
+    seeds = _changing_pixels(raw, correct, recording.name)
+    values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
+    low, high = float(values.min()), float(values.max())
+    near = 0.02 * (high - low)
+    tops, bottoms = values > high - near, values < low + near
+    for plateau, word in ((tops, "brightest"), (bottoms, "darkest")):
+        if plateau.mean() < _PLATEAU_SHARE or plateau.sum() < 3:
+            raise ReductionError(
+                f"{recording.name}: only {plateau.sum()} of {plateau.size} sampled frames are as bright as the {word} one "
+                f"(within 2 %), at least {max(3, int(np.ceil(_PLATEAU_SHARE * plateau.size)))} are needed: the opening is "
+                "never wholly open or covered; the mask must be narrower than the cutouts, the recording must span whole turns"
+            )
+    around = (
+        ndimage.binary_dilation(seeds, iterations=12) & ~ndimage.binary_dilation(seeds, iterations=5) & ~correct.bad
+    )
+    surroundings = corrected(raw[0], correct)[around].mean() if around.any() else low
+    _refuse_saturation(recording, raw[tops][:, seeds])
+    tops, bottoms = _level_part(tops, values), _level_part(bottoms, values)
+    bright_when_open = abs(high - surroundings) >= abs(low - surroundings)
+    return _Sample(
+        raw=raw,
+        seeds=seeds,
+        open_frames=tops if bright_when_open else bottoms,
+        covered_frames=bottoms if bright_when_open else tops,
+    )
+
+
+def _level_part(near: Mask, values: Array) -> Mask:
+    """The frames on the level part of a plateau, without those at its corners where an edge already shows."""
+    level = float(np.median(values[near]))
+    spread = float(np.median(np.abs(values[near] - level)))
+    return np.asarray(near & (np.abs(values - level) <= 4 * spread))
+
+
+def _alive(recording: Recording, raw: Pixels) -> Pixels:
+    """The sampled frames without those that are constant: blanks that stand for a lost or broken frame."""
+    alive = raw.reshape(len(raw), -1).min(axis=1) < raw.reshape(len(raw), -1).max(axis=1)
+    if alive.mean() < 0.8:
+        raise ReductionError(
+            f"{recording.name}: {np.sum(~alive)} of {alive.size} sampled frames are dead (all pixels alike), at most 20 % "
+            "may be; check the camera's window, integration time and transfer"
+        )
+    return raw[alive]
+
+
+def _refuse_saturation(recording: Recording, bright: Pixels) -> None:
+    full_scale = 2**recording.bit_depth - 1
+    share = float(np.mean(bright >= full_scale))
+    if share > 0.01:
+        raise ReductionError(
+            f"{recording.name}: {share:.0%} of the opening's pixels are saturated at {full_scale} DN in bright frames, at most "
+            "1 % may be; shorten the integration time or bring the blackbody nearer to room temperature"
+        )
+
+
+def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
+    """Pixels whose value swings with the wheel: those of the opening."""
+    total = np.zeros(raw.shape[1:])
+    squares = np.zeros(raw.shape[1:])
+    for frame in raw:
+        value = corrected(frame, correct).astype(float)
+        total += value
+        squares += value * value
+    swing = np.sqrt(np.maximum(squares / len(raw) - (total / len(raw)) ** 2, 0))
+    swing = ndimage.median_filter(swing, 3)
+    swing[correct.bad] = 0
+    quiet, loud = float(np.median(swing)), float(np.quantile(swing, 0.995))
+    seeds = mask_shape.largest_part(swing > 0.6 * loud)
+    if loud < 4 * quiet + 1 or seeds.sum() < 30:
+        raise ReductionError(
+            f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
+            f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
+            "check that the camera sees mask and blackbody and that they differ by some kelvin"
+        )
+    return seeds
+
+
+def mean_frame(raw: Pixels, correct: Correction) -> Array:
+    """Mean of corrected frames, shape (row, column), DN."""
+    mean = np.zeros(raw.shape[1:])
+    for frame in raw:
+        mean += corrected(frame, correct)
+    return mean / len(raw)
+
+
+def _peaks(open_dn: Array, mask: Mask, in_roi: Mask) -> tuple[float, float]:
+    """The histogram's two peaks in open frames: mask plate around the opening, blackbody inside it."""
+    inside = ndimage.binary_erosion(mask, iterations=3)
+    around = ~ndimage.binary_dilation(mask, iterations=3)
+    bright = open_dn[inside] if inside.any() else open_dn[mask]
+    dark = open_dn[around & in_roi] if (around & in_roi).any() else open_dn[around]
+    return float(np.median(dark)), float(np.median(bright))

@@ -1,0 +1,220 @@
+"""The mask opening found in frames that were rendered by brute force, and every reason to refuse."""
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from irtiming.errors import ReductionError
+from irtiming.records.choices import Choices
+from irtiming.reduce.nonuniformity import Correction, correction
+from irtiming.reduce.opening.in_plateau_frames import dead_pixels, find
+
+TURN = 2 * np.pi
+# 1000 nominal angles of the paper's scheme, every fourth frame of it
+_THETA = TURN * ((99 * np.arange(0, 1000, 4)) % 1000) / 1000
+_TIMES = _THETA / (TURN * 3)
+
+
+def _frames(camera, seed=0):
+    return camera.frames(lambda t: TURN * 3 * t, _TIMES, seed=seed)
+
+
+def _flat(shape):
+    return Correction(gain=np.ones(shape), offset_dn=np.zeros(shape), bad=np.zeros(shape, bool))
+
+
+@pytest.fixture(scope="module")
+def look(paper_wheel, recorded):
+    """Find the opening in frames: ``look(frames, choices=..., **fields of the recording).opening``."""
+    wheel = paper_wheel(duration_s=5.0)
+
+    def run(frames, *, choices=None, **fields):
+        recording = recorded(wheel, frames=frames, n_triggers=len(frames), **fields)
+        return find(recording, correction(recording), choices=choices or Choices())
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def hot(paper_camera):
+    """Frames before a hot blackbody."""
+    return _frames(paper_camera())
+
+
+def _peaks(found):
+    return found.histogram.plate_dn, found.histogram.blackbody_dn
+
+
+def _true_light(camera):
+    light, _ = camera.light_by_angle()
+    return light.sum(axis=0)
+
+
+@pytest.mark.parametrize("blur", [0.3, 0.7, 1.2])
+@pytest.mark.parametrize("blackbody", [6000.0, 4000.0])
+def test_opening_is_found_before_a_hot_and_a_cold_blackbody(look, paper_camera, blur, blackbody):
+    """Oracle: the rendered light of the mask; half of it is the mask's border, all of it lies in the summed region."""
+    wheel_dn = 5050.0 if blackbody < 5000 else 4950.0
+    camera = paper_camera(blur_px=blur, blackbody_dn=blackbody, wheel_dn=wheel_dn)
+    light = _true_light(camera)
+    seen = look(_frames(camera))
+    found = seen.opening
+    assert np.mean(found.mask != (light > 0.5)) < 0.012
+    assert _peaks(seen) == pytest.approx((5000, blackbody), abs=4)
+    assert seen.histogram.threshold_dn == pytest.approx((5000 + blackbody) / 2, abs=4)
+    assert found.blackbody_is_colder == (blackbody < 5000)
+    assert light[found.summed].sum() == pytest.approx(light.sum(), rel=1e-3)
+    assert 2 * blur < found.border_px < 4 * blur + 4
+    assert np.array_equal(dead_pixels.weights(found.summed, found.bad), found.summed.astype(float))
+    assert found.n_bad_pixels == 0
+    assert seen.findings == ()
+
+
+def test_region_holds_the_opening_with_a_margin(look, hot, paper_camera):
+    """Oracle: the box of the rendered light."""
+    lit = np.argwhere(_true_light(paper_camera()) > 0.5)
+    roi = look(hot).opening.roi
+    for side, first, last in ((0, roi[0], roi[1] - 1), (1, roi[2], roi[3] - 1)):
+        assert lit[:, side].min() - first >= 3
+        assert last - lit[:, side].max() >= 3 or last == (59, 79)[side]
+
+
+def test_open_and_covered_frames_are_the_scene(look, hot, paper_camera):
+    """Oracle: the levels that were rendered, 1000 DN apart in the middle of the opening."""
+    found = look(hot).opening
+    inside = ndimage.binary_erosion(found.mask, iterations=3)
+    np.testing.assert_allclose(found.open_frame_dn[inside], 6000, atol=5)
+    np.testing.assert_allclose(found.covered_frame_dn[inside], 4950, atol=5)
+    assert found.histogram.count.sum() == np.diff(found.roi)[[0, 2]].prod()
+    assert found.histogram.bin_edges_dn.size == found.histogram.count.size + 1
+
+
+def test_threshold_level_and_value_are_obeyed(look, hot):
+    """Oracle: by hand; 66 % of the way from 5000 to 6000 DN, and the value as told."""
+    assert look(hot, choices=Choices(threshold_level=0.66)).histogram.threshold_dn == pytest.approx(5660, abs=4)
+    told = look(hot, choices=Choices(threshold_dn=7000.0))
+    assert told.histogram.threshold_dn == 7000
+    assert "threshold 7000 DN lies outside the histogram peaks" in told.findings[-1].what
+    assert told.findings[-1].code == "threshold-outside-peaks"
+
+
+def test_region_of_interest_is_obeyed(look, hot):
+    """Oracle: the region as told; mask and summed region are the same pixels as found without it."""
+    automatic, told = look(hot).opening, look(hot, choices=Choices(roi=(0, 50, 2, 79))).opening
+    assert told.roi == (0, 50, 2, 79)
+    assert np.array_equal(told.summed, automatic.summed)
+    assert np.array_equal(told.mask, automatic.mask)
+
+
+def test_dead_pixels_are_stood_in_for_by_their_neighbours(look, paper_camera, flat_reference):
+    """Oracle: by hand; the weights keep their sum, dead pixels have none, and the opening is found as without them."""
+    gain = np.ones((60, 80))
+    dead = [(20, 40), (21, 41), (22, 30), (33, 38), (50, 5)]
+    for pixel in dead:
+        gain[pixel] = 0.0
+    frames = _frames(paper_camera())
+    clean = look(frames, nonuniformity=flat_reference(np.ones((60, 80)), np.zeros((60, 80)))).opening
+    for pixel in dead:
+        frames[(slice(None), *pixel)] = 200
+    seen = look(frames, nonuniformity=flat_reference(gain, np.zeros((60, 80))))
+    found = seen.opening
+    assert found.roi == clean.roi
+    assert np.array_equal(found.mask, clean.mask)
+    assert np.array_equal(found.summed, clean.summed)
+    weight = dead_pixels.weights(found.summed, found.bad)
+    assert weight.sum() == pytest.approx(found.summed.sum())
+    assert [weight[pixel] for pixel in dead[:4]] == [0, 0, 0, 0]
+    assert weight[22, 31] == pytest.approx(1 + 1 / 8)
+    assert found.n_bad_pixels == 4
+    assert seen.findings == ()
+
+
+def test_nonuniform_detector_gives_the_same_opening(look, paper_camera, flat_reference):
+    """Oracle: the same scene on a perfect detector; raw values are scene times gain plus offset."""
+    rng = np.random.default_rng(4)
+    gain, offset = rng.uniform(0.7, 1.3, (60, 80)), rng.normal(0, 150, (60, 80))
+    scene = _frames(paper_camera())
+    raw = np.rint(scene * gain + offset).astype(np.uint16)
+    found = look(raw, nonuniformity=flat_reference(gain, offset))
+    perfect = look(scene, nonuniformity=flat_reference(np.ones((60, 80)), np.zeros((60, 80))))
+    assert np.mean(found.opening.mask != perfect.opening.mask) < 1e-3
+    assert _peaks(found) == pytest.approx(_peaks(perfect), abs=8)
+
+
+def test_scouts_do_not_fall_in_step_with_the_wheel(paper_wheel, recorded, paper_camera):
+    """Oracle: frames numbered so that every 101st shows the same angle; evenly spaced looks would see one angle only."""
+    few = _frames(paper_camera())
+    order = np.argsort(_THETA)
+
+    class Endless:
+        shape = (101 * 239 + 1, 60, 80)
+
+        def pick(self, indices):
+            turns = np.mod(10 / 101 * np.asarray(indices), 1.0)
+            return few[order[np.floor(turns * len(few)).astype(int)]]
+
+    recording = recorded(paper_wheel(duration_s=5.0), n_triggers=10)
+    object.__setattr__(recording, "frames", Endless())
+    found = find(recording, _flat((60, 80)), choices=Choices())
+    assert _peaks(found) == pytest.approx((5000, 6000), abs=6)
+
+
+@pytest.mark.parametrize("shift", [(-29, 0), (0, -23), (0, 23), (24, 0)])
+def test_opening_cut_by_the_image_is_refused(look, paper_camera, shift):
+    """Oracle: by hand; the opening spans rows 12..36 and columns 18..62, and is moved out of the image."""
+    camera = paper_camera(axle=(48.0 + shift[0] + (0 if shift[0] <= 0 else 13), 40.3 + shift[1]))
+    with pytest.raises(
+        ReductionError, match=r"of a 60 x 80 image and is cut by its border; the whole opening with 2 pix"
+    ):
+        look(_frames(camera))
+
+
+def test_still_scene_is_refused(look):
+    """Oracle: by hand; noise of 3 DN everywhere, no opening."""
+    frames = np.rint(np.random.default_rng(5).normal(5000, 3, (250, 60, 80)))
+    with pytest.raises(
+        ReductionError, match=r"no opening found: the liveliest pixels vary by .* differ by some kelvin"
+    ):
+        look(frames)
+
+
+def test_saturated_opening_is_refused(look, paper_camera):
+    """Oracle: by hand; a blackbody at 20 000 DN before a camera that ends at 16 383."""
+    with pytest.raises(
+        ReductionError, match=r"opening's pixels are saturated at 16383 DN .* shorten the integration time"
+    ):
+        look(_frames(paper_camera(blackbody_dn=20_000.0)))
+
+
+def test_dead_frames_are_passed_over_or_refused(look, hot):
+    """Oracle: by hand; a tenth of blank frames does no harm, a third is refused."""
+    frames = hot.copy()
+    frames[::10] = 0
+    assert np.array_equal(look(frames).opening.mask, look(hot).opening.mask)
+    frames[::3] = 0
+    with pytest.raises(ReductionError, match=r"of 240 sampled frames are dead .all pixels alike., at most 20 % may be"):
+        look(frames)
+
+
+def test_mask_as_wide_as_the_cutouts_is_refused(look, paper_camera):
+    """Oracle: by hand; an opening of 90 deg is wholly open and wholly covered for an instant only."""
+    camera = paper_camera(opening_rad=float(np.radians(90)))
+    with pytest.raises(
+        ReductionError, match=r"never wholly open or covered; the mask must be narrower than the cutouts"
+    ):
+        look(_frames(camera))
+
+
+@pytest.mark.parametrize("roi", [(0, 61, 0, 80), (0, 50, 0, 81)])
+def test_region_outside_the_image_is_refused(look, hot, roi):
+    """Oracle: by hand; the image has 60 rows and 80 columns."""
+    with pytest.raises(
+        ReductionError, match=r"lies outside the image of 60 rows and 80 columns; give first row, end row"
+    ):
+        look(hot, choices=Choices(roi=roi))
+
+
+def test_region_that_cuts_the_opening_is_refused(look, hot):
+    """Oracle: by hand; the opening's left third lies outside."""
+    with pytest.raises(ReductionError, match=r"leaves out .* pixels of the opening; it must hold the whole opening"):
+        look(hot, choices=Choices(roi=(0, 60, 32, 80)))
