@@ -32,7 +32,8 @@ def of_edges(u_edge_rad: float) -> tuple[Finding, ...]:
         Finding(
             code="edges-disagree",
             severity="warning",
-            what=f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels are cut to "
+            what=f"the four wheel edges disagree by {1e3 * u_edge_rad:.1f} mrad (standard uncertainty of one edge), wheels "
+            "are cut to "
             f"better than {1e3 * _LARGEST_EDGE_RAD:.0f} mrad",
             cure="check [wheel] rotation and cutout_edges_rad",
         ),
@@ -152,7 +153,8 @@ def of_joint(joint: JointFit) -> tuple[Finding, ...]:
             Finding(
                 code="residuals-not-white",
                 severity="warning",
-                what=f"residuals of {int(np.sum(white < LEAST_WHITENESS))} of {white.size} recordings are not white along the wheel "
+                what=f"residuals of {int(np.sum(white < LEAST_WHITENESS))} of {white.size} recordings are not white along "
+                "the wheel "
                 f"angle (smallest probability {white.min():.1g})",
                 cure="their uncertainty is widened for it",
             )
@@ -170,7 +172,7 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
     """
     left_out = [
         Finding(
-            code="frames-left-out",
+            code="frames-wild",
             severity="warning",
             recording=fit.name,
             what=f"{fit.n_dropped} frames left out as outliers or at the ends",
@@ -186,7 +188,8 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
         Finding(
             code="residuals-correlated",
             severity="warning",
-            what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated along the wheel angle: the rig differs from "
+            what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated along the wheel angle: the rig "
+            "differs from "
             "the model by more than noise (figure of the residuals)",
             cure=f"their uncertainty was widened by up to {max(widened):.1f}",
         ),
@@ -208,9 +211,10 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
     if widened:
         doubts.append(
             Finding(
-                code="residuals-correlated",
+                code="row-residuals-correlated",
                 severity="warning",
-                what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated: the rig differs from the model by more "
+                what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated: the rig differs from the model "
+                "by more "
                 "than noise (figure of the residuals)",
                 cure=f"their uncertainty was widened by up to {max(widened):.1f}",
             )

@@ -1,13 +1,14 @@
 r"""One likelihood over all recordings of a camera on a rig, whatever the camera: its minimum, and what follows from it.
 
-Every recording f tells some local numbers x_f: one delay per wheel edge, and what the camera's response, its readout and the light
-that is summed have (`estimate.pixel_sums`, `estimate.row_fit`). They follow from the shared numbers p (`estimate.shared_numbers`):
-delay, response and row delay of the camera, and every error of the rig and of the images that is known to some uncertainty,
+Every recording f tells some local numbers x_f: one delay per wheel edge, and what the camera's response, its readout and the
+light that is summed have (`estimate.pixel_sums`, `estimate.row_fit`). They follow from the shared numbers p
+(`estimate.shared_numbers`): delay, response and row delay of the camera, and every error of the rig and of the images that is
+known to some uncertainty,
 
 .. math:: x_f = A_f p, \qquad D(p) = \sum_f D_f(A_f p) + \sum_k (p_k - p_{k0})^2 / u_k^2
 
-An angle acts as a time in proportion to 1 / omega, so several wheel speeds tell it from a delay; at one speed its prior decides, and
-its uncertainty goes into that of the delay. A further nuisance parameter is one more shared number.
+An angle acts as a time in proportion to 1 / omega, so several wheel speeds tell it from a delay; at one speed its prior decides,
+and its uncertainty goes into that of the delay. A further nuisance parameter is one more shared number.
 
 At the minimum all is linear algebra with the recordings' pieces of information (`inference.information`). The delay of falling or
 rising slopes alone comes from the same pieces after the delays of the other two edges may be anything in each recording.

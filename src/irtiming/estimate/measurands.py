@@ -46,8 +46,8 @@ class Reported:
 class Window:
     """What is known of the integration window beside the fit.
 
-    ``stated_s`` is its length as the recordings state it, None where they do not; ``u_beside_s`` what the fit's own uncertainty of it
-    does not hold; ``is_told`` whether the recordings can tell its length at all.
+    ``stated_s`` is its length as the recordings state it, None where they do not; ``u_beside_s`` what the fit's own
+    uncertainty of it does not hold; ``is_told`` whether the recordings can tell its length at all.
     """
 
     stated_s: float | None
@@ -61,8 +61,8 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     Parameters
     ----------
     joint
-        Shared numbers ``delay`` (of the window's middle), ``integration_time`` unless it was held, ``row_delay`` of a rolling readout.
-    window
+        Shared numbers ``delay`` (of the window's middle), ``integration_time`` unless it was held, ``row_delay`` of a rolling
+    readout. window
         What else is known of its length.
     degrees_of_freedom
         Of the frames' noise.

@@ -2,15 +2,16 @@ r"""The pixel sums of one recording: what they say of the numbers that they foll
 
 Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
 
-.. math:: \mathrm{covered} + \mathrm{step}\,(F(\theta_n) + \mathrm{drift}\,t_n + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n))
+.. math:: \mathrm{covered} + \mathrm{step}\,(F(\theta_n) + \mathrm{drift}\,t_n + \mathrm{skew}\,S(\theta_n) +
+\mathrm{plate}\,P(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
 passing of that edge shows it), the opening angle, the length of the window, and by how much the mask's radial edges miss the
 axle. Covered level, step, drift, skew and plate are the recording's own; they enter linearly and are projected out.
 
-The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two does
-no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`) begins, how
-large the noise is, and which frames are wild.
+The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two
+does no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`)
+begins, how large the noise is, and which frames are wild.
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
 """What all recordings of a camera on a rig share, one name each: what is sought, and every error that is known to a size.
 
-A nuisance parameter is one `SharedNumber`: its name, what is known of it, and by how much one unit of it changes the local numbers of
-each recording. It then takes part in the fit, the budget, the profiles and the report by itself.
+A nuisance parameter is one `SharedNumber`: its name, what is known of it, and by how much one unit of it changes the local
+numbers of each recording. It then takes part in the fit, the budget, the profiles and the report by itself.
 """
 
 from collections.abc import Mapping, Sequence

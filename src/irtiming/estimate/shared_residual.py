@@ -24,8 +24,10 @@ _LEAST_SHARE = 1e-4  # a recording given twice has no noise of its own
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SharedResidual:
-    """How much of each recording's residual variance is its own, ``own_share`` (n_fit,), and the covariance of the edges' angles that
-    the rest stands for, ``shared_rad2`` (4, 4).
+    """What of the residuals is each recording's own, and what all share.
+
+    ``own_share`` (n_fit,) of each recording's residual variance is its own; ``shared_rad2`` (4, 4) is the covariance of the
+    edges' angles that the rest stands for.
     """
 
     own_share: Array

@@ -48,8 +48,9 @@ _LEAST_U_LEAN_RAD = 1e-5
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Combination:
-    """What fits of single recordings say together: the joint fit, what is told of it, the result, and parameters of the latter that
-    are one sum of shared numbers.
+    """What fits of single recordings say together.
+
+    The joint fit, what a report shows of it, the result, and those of its parameters that are one sum of shared numbers.
     """
 
     joint: Joint

@@ -302,7 +302,8 @@ def _findings(
             Finding(
                 code="constants-one-temperature",
                 severity="warning",
-                what=f"the constants of substrate and scene are not separated: all recordings show a blackbody of {kelvin[0]:.1f} K",
+                what=f"the constants of substrate and scene are not separated: all recordings show a blackbody of "
+                f"{kelvin[0]:.1f} K",
                 cure="record at two temperatures or more, 20 K apart or wider",
             )
         )
@@ -314,7 +315,8 @@ def _findings(
             Finding(
                 code="constants-not-separated",
                 severity="warning",
-                what=f"the constants of substrate and scene are not separated: blackbodies from {kelvin[0]:.1f} K to {kelvin[-1]:.1f} "
+                what=f"the constants of substrate and scene are not separated: blackbodies from {kelvin[0]:.1f} K to "
+                f"{kelvin[-1]:.1f} "
                 f"K with u = {scatter:.2g} us of each time constant allow a share of the scene in the exchange of heat "
                 f"of {allowed[0]:.2f} to {allowed[-1]:.2f} (2 u)",
                 cure=f"{cure}; record wider apart, or longer",
@@ -327,7 +329,8 @@ def _findings(
             Finding(
                 code="constants-do-not-fit",
                 severity="warning",
-                what=f"time constants over the blackbody's temperature do not follow the two-constant model (chi squared {misfit:.1f} "
+                what=f"time constants over the blackbody's temperature do not follow the two-constant model (chi squared "
+                f"{misfit:.1f} "
                 f"with {freedom} degrees of freedom)",
                 cure="check the temperatures, and whether the camera changed between recordings",
             )

@@ -87,7 +87,8 @@ def _doubts(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:
             Finding(
                 code="mask-angle-without-uncertainty",
                 severity="warning",
-                what="rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's uncertainty is too "
+                what="rig.toml states no centre_angle_u_deg: phi_M is taken as exact, and the absolute delay's "
+                "uncertainty is too "
                 "small",
             )
         )

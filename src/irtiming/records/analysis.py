@@ -26,8 +26,8 @@ Fits: TypeAlias = tuple[EdgeDelayFit | RowTimingFit, ...]
 class Published:
     """By the procedure of Schatz 2023.
 
-    ``result`` is empty and there are no ``fits``, one per nominal delay and wheel speed, where it could not be run; ``geometry`` is
-    that with equal slots, which the fits used.
+    ``result`` is empty and there are no ``fits``, one per nominal delay and wheel speed, where it could not be run; ``geometry``
+    is that with equal slots, which the fits used.
     """
 
     result: Result

@@ -106,8 +106,8 @@ class JointFit:
     parameters
         Every number that the recordings share, with units and covariance: ``delay`` (to the reading of row 0, or the middle of
         the integration window), the camera's ``integration_time``, ``time_constant``, ``row_delay``, the opening's
-        ``opening_angle``, ``lean_low``, ``lean_high`` as far as it has them, and ``edge_angle_0`` .. ``edge_angle_3``, angles by which
-        the edges come earlier than rig.toml says.
+        ``opening_angle``, ``lean_low``, ``lean_high`` as far as it has them, and ``edge_angle_0`` .. ``edge_angle_3``, angles by
+        which the edges come earlier than rig.toml says.
     start
         Where the search began, by name.
     prior

@@ -40,7 +40,7 @@ def estimate(fits: Sequence[PublishedLagFit]) -> Result:
         findings=(
             *dict.fromkeys(one for fit in fits for one in fit.findings),
             Finding(
-                code="published-uncertainty-partial",
+                code="published-lag-uncertainty-partial",
                 severity="warning",
                 what="published method: the stated uncertainties hold the scatter of the line and of the parabola only, not "
                 "those of mask, gates, edges, slots and blur",

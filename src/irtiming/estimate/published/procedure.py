@@ -100,7 +100,8 @@ def _run(
         return Published(result=result, fits=lines, geometry=equal)
     if not is_for(first):
         raise EstimationError(
-            f"{first.name}: the paper has no procedure for a {first.readout_mode} {first.camera_type} camera; use the default method"
+            f"{first.name}: the paper has no procedure for a {first.readout_mode} {first.camera_type} camera; use the "
+            "default method"
         )
     lags = tuple(_lag_fit(one, equal, first=first) for one in averages if isinstance(one, ExposedRows))
     return Published(result=lag_timing.estimate(lags), fits=lags, geometry=equal)
