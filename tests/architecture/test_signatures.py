@@ -28,9 +28,6 @@ OFFENDERS = {
     "plan/prediction.py:sizes_s(runs)",
     "plan/prediction.py:uncertainties(runs)",
     "reduce/plateaus.py:inside(plateau)",
-    "report/bent_edge.py:draw(marked)",
-    "report/fraction_figures.py:_key(entry)",
-    "report/tables.py:_plateaus(plateaus)",
     "twin/lag.py:_add_nodes_past_wheel(table)",
     "twin/lag.py:_add_nodes_past_wheel(wheel)",
     "twin/nodes.py:_trace_pixel(place)",
@@ -55,13 +52,6 @@ WITHOUT_SHAPES = {
     "estimate/sector_image.py:first_guess",
     "estimate/sector_image.py:fitted",
     "plan/information.py:uncertainties",
-    "report/bent_edge.py:edges",
-    "report/drift_figures.py:frame_time_s",
-    "report/image_figures.py:picture",
-    "report/likelihood_figures.py:draw_whiteness",
-    "report/likelihood_figures.py:whiteness",
-    "report/sheet.py:points",
-    "report/sheet.py:robust_limits",
 }
 WITHOUT_RAISES = {
     "plan/information.py:covariance",

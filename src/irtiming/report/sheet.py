@@ -65,7 +65,7 @@ def svg(drawn: Figure, *, title: str) -> str:
 
 
 def points(axes: Axes, *, x: Array, y: Array, colour: str, label: str | None = None) -> None:
-    """Small points; as a picture where there are very many."""
+    """Small points, shapes (n,); as a picture where there are very many."""
     axes.plot(
         x, y, ".", color=colour, markersize=2.2, markeredgewidth=0, label=label, rasterized=np.size(x) > _MANY_POINTS
     )
@@ -86,7 +86,7 @@ def zero_line(axes: Axes) -> None:
 
 
 def robust_limits(axes: Axes, values: Sequence[Array], *, least: float = 0.0) -> None:
-    """Ordinate symmetric about zero that holds all values with some air."""
+    """Ordinate symmetric about zero that holds all values, of any shape, with some air."""
     largest = max((float(np.max(np.abs(v))) for v in values if np.size(v)), default=0.0)
     largest = max(1.15 * largest, least, 1e-12)
     axes.set_ylim(-largest, largest)
