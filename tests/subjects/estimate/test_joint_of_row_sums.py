@@ -1,12 +1,15 @@
 """One likelihood over several recordings of a rolling camera, against an independent minimiser and the parabola."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from iminuit import Minuit
 
-from irtiming.errors import EstimationError
-from irtiming.estimate import rolling_timing, row_fit, row_light, row_likelihood
-from irtiming.inference.condensed import condensed
+from irtiming.estimate import doubts, joint, profiles, row_fit, row_light, timing
+from irtiming.estimate.joint import Measurand
+from irtiming.estimate.shared_numbers import DELAY
+from irtiming.estimate.timing import Timing
 from irtiming.physics.camera import camera as bolometer
 from irtiming.physics.light.row_sum import timing_names
 from irtiming.physics.response.first_order_lag import HARMONICS
@@ -33,96 +36,113 @@ def geometry(camera):
         u_edge_rad=U_EDGE,
         edges_from="rig.toml",
         camera_roll_rad=None,
-        warnings=(),
+        findings=(),
     )
 
 
 @pytest.fixture(scope="module")
 def three(camera, brute_rows, sector_of):
-    """Fits of three recordings with noise, what each says of any six numbers, and the sector of all."""
+    """Three recordings with noise, their fits, what each says of any six numbers, and the sector of all."""
     sector = sector_of(camera)
     recordings = [brute_rows(camera, set_s=set_s, noise_dn=6.0, seed=k) for k, set_s in enumerate(SET_S)]
     light = row_light.row_light(recordings[0].rows.row_px, sector, n_harmonics=HARMONICS)
     fits = [row_fit.fit(one, camera.model, light=light) for one in recordings]
-    return fits, [row_fit.likelihood(one, camera.model, light=light) for one in recordings], [sector] * len(fits)
+    likelihoods = [row_fit.likelihood(one, camera.model, light=light) for one in recordings]
+    return recordings, fits, likelihoods, [sector] * len(fits)
+
+
+MEASURANDS = tuple(Measurand(name=name, weights={name: 1.0}) for name in (DELAY, "time_constant", "row_delay"))
 
 
 @pytest.fixture(scope="module")
-def given(three, geometry):
-    fits, likelihoods, sectors = three
-    return row_likelihood.problem(likelihoods, fits, geometry=geometry, sectors=sectors)
+def timed(three, geometry):
+    """Timing from parabolas, with the exact likelihoods beside."""
+    recordings, fits, likelihoods, sectors = three
+    exact = tuple(timing._exact(fit, one, names=SIX_NAMES) for fit, one in zip(fits, likelihoods, strict=True))
+    found = timing.of_row_fits(fits, geometry, sectors=sectors, n_rows=48)
+    return Timing(
+        recordings=tuple(recordings),
+        geometry=geometry,
+        sectors=tuple(sectors),
+        fits=tuple(fits),
+        exact=exact,
+        found=found,
+    )
 
 
 @pytest.fixture(scope="module")
-def told(three, geometry):
-    fits, _, sectors = three
-    return rolling_timing.estimate(fits, geometry, sectors=sectors, n_rows=48).estimate
+def minimum(timed):
+    """That of the exact likelihoods, in the numbers of the parabolas."""
+    return joint.fit(timed.exact, timed.found.joint.shared)
 
 
-def _deviance(given, shared):
-    """The likelihood of the docstring, written out."""
-    each = [
-        one(dict(zip(SIX_NAMES, own @ shared, strict=True))).deviance / factor
-        for one, own, factor in zip(given.likelihoods, given.maps, given.factor, strict=True)
-    ]
-    return sum(each) + np.sum(shared[-given.n_errors :] ** 2)
+def _values(found):
+    return found.estimate(MEASURANDS)
 
 
-def test_an_independent_minimiser_finds_the_same_minimum(given, three):
-    """Oracle: iminuit's MIGRAD on the deviance alone, without derivatives; and HESSE for its curvature."""
-    start = row_likelihood.begin(given, three[0])
-    found = row_likelihood.minimum(given, start)
-    u = 1 / np.sqrt(np.diag(found.normal))
-    minuit = Minuit(lambda x: _deviance(given, start + u * x) - found.deviance, np.zeros(start.size))
+def test_an_independent_minimiser_finds_the_same_minimum(timed, minimum, three):
+    """Oracle: iminuit's MIGRAD on the deviance written out, without derivatives: six numbers by hand from the shared ones."""
+    _, fits, likelihoods, _ = three
+    shared, names, start = minimum.shared, minimum.names, minimum.values
+    covariance = minimum.combined().covariance
+    scale = np.sqrt(np.diag(covariance))
+    root = scale[:, None] * np.linalg.cholesky(covariance / np.outer(scale, scale))
+
+    def deviance(x):
+        values = dict(zip(names, start + root @ x, strict=True))
+        total = sum(values[one.name] ** 2 for one in shared if one.u is not None)
+        for k, one in enumerate(likelihoods):
+            local = {name: sum(values[s.name] * s.effects[k].get(name, 0.0) for s in shared) for name in SIX_NAMES}
+            total += one(local).deviance
+        return total
+
+    best = minimum.found.at.deviance
+    assert deviance(np.zeros(start.size)) == pytest.approx(best, rel=1e-9)
+    minuit = Minuit(lambda x: deviance(x) - best, np.zeros(start.size))
     minuit.errordef = Minuit.LEAST_SQUARES
-    minuit.strategy = 1
+    minuit.strategy = 0
     minuit.migrad(ncall=20_000)
-    covariance = np.linalg.inv(found.normal)
-    apart = given.mix @ (start + u * np.array(minuit.values) - found.shared)
-    assert np.all(np.abs(apart) < 0.05 * np.sqrt(np.diag(given.mix @ covariance @ given.mix.T)))
     assert minuit.fval == pytest.approx(0, abs=0.02)
+    assert np.all(np.abs(np.array(minuit.values)[: len(MEASURANDS)]) < 0.1)
+    assert len(fits) == len(timed.exact)
 
 
-def test_the_result_is_the_minimum_to_a_fraction_of_its_uncertainty(given, three, told):
-    """Oracle: generalised least squares, which takes each likelihood for a parabola and weighs by the residuals' own scatter."""
-    found = row_likelihood.minimum(given, row_likelihood.begin(given, three[0]))
-    apart = (given.mix @ found.shared - told.values) / told.standard_uncertainties
+def test_the_result_is_the_minimum_to_a_fraction_of_its_uncertainty(timed, minimum):
+    """Oracle: the exact likelihoods; the result takes each for a parabola and weighs by the residuals' own scatter."""
+    told = timed.found.result.estimate
+    apart = (_values(minimum).values - told.values) / told.standard_uncertainties
+    assert told.names == ("trigger_delay", "time_constant", "row_delay")
     assert np.all(np.abs(apart) < 0.3)
 
 
-def test_the_minimum_does_not_remember_its_start(given, three):
+def test_the_minimum_does_not_remember_its_start(timed, minimum):
     """Oracle: the minimum from the usual start; begun 1 ms, 0.3 ms and 2 us beside it."""
-    start = row_likelihood.begin(given, three[0])
-    usual = row_likelihood.minimum(given, start)
-    u = np.sqrt(np.diag(given.mix @ np.linalg.inv(usual.normal) @ given.mix.T))
+    usual = _values(minimum)
+    beside = {DELAY: 1e-3, "time_constant": 3e-4, "row_delay": 2e-6}
     for sign in (-1, 1):
-        beside = start.copy()
-        beside[:3] += sign * np.array([1e-3, 2e-6, 3e-4])
-        other = row_likelihood.minimum(given, beside)
-        assert np.all(np.abs(given.mix @ (other.shared - usual.shared)) < 0.05 * u)
-        assert other.n_steps > 1
+        shared = [replace(one, start=one.start + sign * beside.get(one.name, 0.0)) for one in minimum.shared]
+        other = joint.fit(timed.exact, shared)
+        assert np.all(np.abs(_values(other).values - usual.values) < 0.05 * usual.standard_uncertainties)
+        assert other.found.n_steps > 1
 
 
-def test_profiles_are_the_parabola_of_the_stated_uncertainty(three, geometry, told):
+def test_profiles_are_the_parabola_of_the_stated_uncertainty(timed):
     """Oracle: a deviance of 1 and 4 at one and two standard uncertainties; the frames' noise is white here."""
-    fits, likelihoods, sectors = three
-    found = row_likelihood.estimate(likelihoods, fits, geometry=geometry, sectors=sectors, told=told)
-    assert [one.name for one in found.profiles] == list(told.names)
-    for one in found.profiles:
-        np.testing.assert_allclose(one.deviation[[0, 1, 2, 3, 4]], [4, 1, 0, 1, 4], atol=1.0)
+    found = profiles.profiles(timed)
+    assert [one.name for one in found] == list(timed.found.result.estimate.names)
+    for one in found:
+        np.testing.assert_allclose(one.deviation, [4, 1, 0, 1, 4], atol=1.0)
         np.testing.assert_allclose(one.deviation[[1, 3]], 1, atol=0.25)
         assert one.lower < one.value < one.upper
-    assert np.all(found.whiteness >= 0)
-    assert np.all(found.whiteness <= 1)
-    assert found.n_steps >= 2
-    assert np.any(found.start != found.values)
+    record = timed.found.joint_fit
+    assert np.all((record.whiteness >= 0) & (record.whiteness <= 1))
+    assert record.n_steps >= 2
+    assert any(record.start[name] != record.parameters.value(name) for name in record.start)
 
 
-def test_a_likelihood_without_minimum_is_told():
-    """Oracle: a slope that never ends; there is no step that would settle."""
-    endless = condensed(deviance=6.0, gradient=np.ones(6), normal=np.eye(6))
-    given = row_likelihood.Problem(
-        likelihoods=(lambda _: endless,), maps=np.eye(6)[None], mix=np.eye(3, 6), factor=np.ones(1), n_errors=0
-    )
-    with pytest.raises(EstimationError, match="did not settle"):
-        row_likelihood.minimum(given, np.zeros(6))
+def test_a_minimum_that_was_not_reached_is_told(timed):
+    """Oracle: the limit of one standard uncertainty; the search itself ends far closer than that."""
+    record = replace(timed.found.joint_fit, whiteness=np.ones(1))
+    assert record.decrement < 0.01
+    assert [one.code for one in doubts.of_joint(replace(record, decrement=1.1))] == ["minimum-not-reached"]
+    assert doubts.of_joint(replace(record, decrement=0.9)) == ()
