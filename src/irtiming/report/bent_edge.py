@@ -9,7 +9,7 @@ from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import sheet
 
 
-def draw(axes: Axes, analysis: Analysis, *, marked: list[tuple[int, str]]) -> None:
+def draw(axes: Axes, analysis: Analysis, *, marked: dict[int, str]) -> None:
     """The frame, the edge as read row by row and as a snapshot would show it, and lines at the marked rows.
 
     Parameters
@@ -19,7 +19,7 @@ def draw(axes: Axes, analysis: Analysis, *, marked: list[tuple[int, str]]) -> No
     analysis
         Its first recording.
     marked
-        Image rows and their colours.
+        Colours of image rows.
     """
     recording, fit = analysis.recordings[0], analysis.fits[0]
     if recording.rows is None or not isinstance(fit, RowTimingFit):
@@ -29,7 +29,7 @@ def draw(axes: Axes, analysis: Analysis, *, marked: list[tuple[int, str]]) -> No
     row0, row1, column0, column1 = recording.opening.roi
     low, high = (float(v) for v in np.quantile(frame[row0:row1, column0:column1], [0.01, 0.99]))
     axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    for marked_row, hue in marked:
+    for marked_row, hue in marked.items():
         axes.axhline(marked_row, color=hue, linewidth=1)
     for rolling, line in ((True, "-"), (False, "--"))[: 2 if fit.row_delay_s else 1]:
         for row, column in edges(analysis, fit, wheel_angle_rad=angle, rolling=rolling):

@@ -86,7 +86,7 @@ def zero_line(axes: Axes) -> None:
 
 
 def robust_limits(axes: Axes, values: Sequence[Array], *, least: float = 0.0) -> None:
-    """Ordinate symmetric about zero that holds all values, any shapes, with some air."""
+    """Ordinate symmetric about zero that holds all values, of any shape, with some air."""
     largest = max((float(np.max(np.abs(v))) for v in values if np.size(v)), default=0.0)
     largest = max(1.15 * largest, least, 1e-12)
     axes.set_ylim(-largest, largest)

@@ -110,7 +110,7 @@ def _label(*panels: Axes) -> None:
 
 
 def picture(axes: Axes, frame: Array, *, label: str = "corrected value (DN)") -> None:
-    """Grey picture of a frame, shape (row, column), black to white over all but the rarest values, with its scale beside it."""
+    """Grey picture (row, column), black to white over all but the rarest values, with its scale beside it."""
     low, high = (float(v) for v in np.quantile(frame, [0.002, 0.998]))
     shades = axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
     axes.figure.colorbar(shades, ax=axes, label=label, shrink=0.8, pad=0.02)

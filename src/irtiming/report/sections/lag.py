@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
-from irtiming.records.lag_estimate import PublishedLagFit
 from irtiming.records.result import Profile
 from irtiming.report import camera_noise, sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table
@@ -55,54 +54,42 @@ def scan(analysis: Analysis) -> Figure:
         drawn = sheet.figure(height_in=3.5)
         panels = drawn.subplots(2, 2 if profile is not None and published else 1, height_ratios=[2.6, 1], squeeze=False)
         if profile is not None:
-            _likelihood((panels[0, 0], panels[1, 0]), profile)
+            value, u = profile.value, profile.standard_uncertainty
+            parabola = np.array([value**2, -2 * value, 1.0]) / u**2
+            points = np.stack([profile.values, profile.deviation])
+            _valley(panels[:, 0], points, parabola=parabola, found=(value, u), unit="1", hue=sheet.BLUE)
+            panels[0, 0].set_title("Row sums")
+            panels[0, 0].set_ylabel("2 · log-likelihood lost (1)")
         if published:
-            _published((panels[0, -1], panels[1, -1]), published[0])
+            fit = published[0]
+            points, found = (
+                np.stack([fit.time_constants_s, 1e3 * fit.rms]),
+                (fit.timing.time_constant_s, fit.u_timing.time_constant_s),
+            )
+            _valley(panels[:, -1], points, parabola=1e3 * fit.parabola, found=found, unit="10⁻³", hue=sheet.ORANGE)
+            panels[0, -1].set_title("As published")
+            panels[0, -1].set_ylabel("rms deviation (10⁻³)")
     return drawn
 
 
-def _likelihood(pair: tuple[Axes, Axes], profile: Profile) -> None:
-    top, below = pair
-    tau, deviation = profile.values / MS, profile.deviation
-    parabola = ((tau - profile.value / MS) / (profile.standard_uncertainty / MS)) ** 2
+def _valley(
+    pair: np.ndarray, points: Array, *, parabola: Array, found: tuple[float, float], unit: str, hue: str
+) -> None:
+    """Points (2, n), time constants and deviations, with a parabola p0 + p1 tau + p2 tau^2 and the estimate; below, the rest."""
+    (top, below), (tau, deviation) = pair, points
     dense = np.linspace(tau[0], tau[-1], 200)
-    expected = ((dense - profile.value / MS) / (profile.standard_uncertainty / MS)) ** 2
-    top.plot(dense, expected, color=sheet.INK, linewidth=0.9, label="parabola of u")
-    top.plot(tau, deviation, "o", color=sheet.BLUE, markersize=3.5, label="fits at fixed τ")
-    _estimate(top, profile.value / MS, profile.standard_uncertainty / MS)
-    top.set_ylabel("2 · log-likelihood lost (1)")
-    top.set_title("Row sums")
+    top.plot(dense / MS, np.polyval(parabola[::-1], dense), color=sheet.INK, linewidth=0.9, label="parabola")
+    top.plot(tau / MS, deviation, "o", color=hue, markersize=3.5, label="at fixed τ")
+    top.axvspan((found[0] - found[1]) / MS, (found[0] + found[1]) / MS, color=sheet.RED, alpha=0.15, linewidth=0)
+    top.axvline(found[0] / MS, color=sheet.RED, linewidth=1, label="estimate ± u")
+    top.tick_params(labelbottom=False)
     top.legend(loc="upper center", frameon=True, framealpha=0.92, edgecolor="none")
-    _rest(below, tau, deviation - parabola, sheet.BLUE)
-    below.set_ylabel("points −\nparabola (1)", fontsize=8)
-
-
-def _published(pair: tuple[Axes, Axes], fit: PublishedLagFit) -> None:
-    top, below = pair
-    tau, rms = fit.time_constants_s, 1e3 * fit.rms
-    dense = np.linspace(tau[0], tau[-1], 200)
-    level = 1e3 * np.polyval(fit.parabola[::-1], dense)
-    top.plot(dense / MS, level, color=sheet.INK, linewidth=0.9, label="parabola")
-    top.plot(tau / MS, rms, "s", color=sheet.ORANGE, markersize=3.5, label="simulations")
-    _estimate(top, fit.timing.time_constant_s / MS, fit.u_timing.time_constant_s / MS)
-    top.set_ylabel("rms deviation (10⁻³)")
-    top.set_title("As published")
-    top.legend(loc="upper center", frameon=True, framealpha=0.92, edgecolor="none")
-    _rest(below, tau / MS, rms - 1e3 * np.polyval(fit.parabola[::-1], tau), sheet.ORANGE)
-    below.set_ylabel("points −\nparabola (10⁻³)", fontsize=8)
-
-
-def _estimate(axes: Axes, value: float, u: float) -> None:
-    axes.axvspan(value - u, value + u, color=sheet.RED, alpha=0.15, linewidth=0)
-    axes.axvline(value, color=sheet.RED, linewidth=1, label="estimate ± u")
-    axes.tick_params(labelbottom=False)
-
-
-def _rest(axes: Axes, tau_ms: Array, rest: Array, hue: str) -> None:
-    sheet.zero_line(axes)
-    axes.plot(tau_ms, rest, "o", color=hue, markersize=3)
-    sheet.robust_limits(axes, [rest])
-    axes.set_xlabel("time constant (ms)")
+    rest = deviation - np.polyval(parabola[::-1], tau)
+    sheet.zero_line(below)
+    below.plot(tau / MS, rest, "o", color=hue, markersize=3)
+    sheet.robust_limits(below, [rest])
+    below.set_xlabel("time constant (ms)")
+    below.set_ylabel(f"points −\nparabola ({unit})", fontsize=8)
 
 
 def _ellipse_panel(analysis: Analysis) -> Panel:

@@ -1,7 +1,5 @@
 """Pixel sums over the wheel angle: the fit with its residuals, and the paper's figure 5."""
 
-from itertools import groupby
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -144,13 +142,12 @@ def fitted(analysis: Analysis) -> Figure:
 
 def _groups(analysis: Analysis) -> list[tuple[tuple[float, float], list[EdgeDelayFit]]]:
     """Fits of the same wheel speed and nominal delay, in order."""
-    speeds = [round(recording.rotation_speed_hz, 6) for recording in analysis.recordings]
-    keyed = [((s, round(f.trigger_delay_time_set_s, 9)), f) for s, f in zip(speeds, pixel_fits(analysis), strict=True)]
-    return [(key, [f for _, f in part]) for key, part in groupby(sorted(keyed, key=_key), key=_key)]
-
-
-def _key(entry: tuple[tuple[float, float], EdgeDelayFit]) -> tuple[float, float]:
-    return entry[0]
+    found: dict[tuple[float, float], list[EdgeDelayFit]] = {}
+    for recording, fit in zip(analysis.recordings, pixel_fits(analysis), strict=True):
+        found.setdefault((round(recording.rotation_speed_hz, 6), round(fit.trigger_delay_time_set_s, 9)), []).append(
+            fit
+        )
+    return [(key, found[key]) for key in sorted(found)]
 
 
 def _fitted_points(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:

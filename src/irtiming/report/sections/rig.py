@@ -74,6 +74,6 @@ def _middle(axes: Axes, angle_rad: float, edge: int) -> None:
 
 
 def dense_rad(wheel: WheelModel) -> Array:
-    """Angles of a turn with the corners among them, shape (729,), rad."""
+    """Angles of a turn with the corners among them, shape (n,), rad."""
     corners = np.mod(corner_angles_rad(wheel).ravel(), TURN)
     return np.sort(np.concatenate([np.linspace(0, TURN, 721), corners]))

@@ -119,7 +119,9 @@ def figure_6(analysis: Analysis) -> Figure:
         )
         pair = drawn.add_subplot(grid[0, 0]), drawn.add_subplot(grid[1, 0])
         _curve(pair, row_curves.whole(fit), sheet.BLUE, "(a) whole opening")
-        bent_edge.draw(drawn.add_subplot(grid[0:2, 1]), analysis, marked=list(zip(fit.row_px[rows], hues, strict=True)))
+        bent_edge.draw(
+            drawn.add_subplot(grid[0:2, 1]), analysis, marked=dict(zip(fit.row_px[rows].tolist(), hues, strict=True))
+        )
         for k, (index, hue) in enumerate(zip(rows, hues, strict=True)):
             place = 3 * (1 + k // 2)
             pair = drawn.add_subplot(grid[place, k % 2]), drawn.add_subplot(grid[place + 1, k % 2])
