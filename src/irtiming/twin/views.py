@@ -36,16 +36,15 @@ class View(Protocol):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowView:
-    """The turning wheel as pixels see it that average over instants_s, shape (n_instant,), after their row's turn."""
+    """The turning wheel as pixels see it that average over instants_s, shape (n_instant,), all rows at once."""
 
     shot: Picture
     motion: Turning
     instants_s: Array
 
     def show(self, row_time_s: Array, *, out: Values) -> None:
-        """Signal, DN, shape (row, column), of rows whose windows begin at these times, shape (row,), s."""
-        begin_s = row_time_s if np.ptp(row_time_s) > 0 else row_time_s[:1]
-        expose(self.shot, self.motion.angle_at(begin_s[:, None] + self.instants_s), out=out)
+        """Signal, DN, shape (row, column), of windows that begin at the middle of these times, shape (row,), s."""
+        expose(self.shot, self.motion.angle_at(np.median(row_time_s) + self.instants_s), out=out)
 
 
 @final

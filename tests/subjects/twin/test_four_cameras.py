@@ -12,6 +12,7 @@ from irtiming.archive import reader, verify, writer
 from irtiming.errors import PlanError
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin import rig as twin
+from irtiming.twin import window
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import BolometerTiming, CameraTiming, Ripple, Scene, SpeedWander
 
@@ -134,7 +135,22 @@ def test_each_row_is_exposed_at_its_own_time(photon: Scene, row_delay_s: float) 
     rolling = _frames(scene)
     for row, at_once in _rows_at_once(scene):
         assert rolling[:, row] == pytest.approx(at_once, abs=1.01)
-    assert np.abs(rolling - _frames(_timed(scene, row_delay_s=0.0))).max() > 500
+    assert np.abs(rolling - _frames(_timed(scene, row_delay_s=0.0))).max() > 100
+
+
+@pytest.mark.parametrize("window_rad", [0.002, 0.08, 1.7])
+def test_the_passing_wheel_is_counted(photon: Scene, window_rad: float) -> None:
+    """Oracle: the open share of a window in closed form, within one instant; per speed, its derivative within a tenth."""
+    seen = window.response(photon.wheel, window_rad, n_instants=500)
+    begin = np.linspace(0, 2 * math.pi, seen.level.size)
+
+    def share(length: float) -> np.ndarray:
+        return (_open_before(photon, begin + length) - _open_before(photon, begin)) / length
+
+    assert np.abs(seen.level - share(window_rad)).max() <= 1 / 500 + 1e-9
+    assert np.abs(seen.level - share(window_rad)).mean() < 1e-3 * window_rad
+    slope = (share(window_rad * 1.001) - share(window_rad * 0.999)) / 0.002
+    assert seen.per_speed @ slope / (slope @ slope) == pytest.approx(1, abs=0.1)
 
 
 def test_without_row_delay_a_rolling_photon_camera_is_a_snapshot(photon: Scene) -> None:
