@@ -140,6 +140,12 @@ def test_every_test_names_its_oracle_and_every_function_is_a_test(path):
             assert ast.get_docstring(function), f"{where}: no oracle named"
 
 
+def test_no_two_test_files_have_one_name():
+    """Oracle: the names; pytest imports each file by its own, and refuses a second one."""
+    names = [path.name for path in TESTS]
+    assert sorted({name for name in names if names.count(name) > 1}) == []
+
+
 def test_nothing_points_outside_the_project():
     """Oracle: a search of the tracked text for paths and hosts that mean nothing to a user."""
     forbidden = ("../" + "shared", "/wo" + "rk/", "pypi" + ".org", "files.python" + "hosted")

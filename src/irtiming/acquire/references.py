@@ -9,7 +9,8 @@ import numpy as np
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.rig import Rig
 from irtiming.acquire.temperature import celsius, settled
-from irtiming.archive.reference_file import reference_of
+from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.archive.reader import nonuniformity_of
 from irtiming.errors import InstrumentError
 from irtiming.records.arrays import Pixels
 from irtiming.records.recording import NonuniformityReference
@@ -80,7 +81,8 @@ async def _two_stacks(
         attendant.says(f"recording {wishes.frames} frames of the bare blackbody at {celsius(state.temperature_k)}")
         stacks.append(await _bare_frames(rig, run, wishes.frames))
         temperatures.append(state.temperature_k)
-    found = reference_of(stacks[0], stacks[1], low_k=temperatures[0], high_k=temperatures[1])
+    low, high = map(ArrayFrames, stacks)
+    found = nonuniformity_of(low, high, low_k=temperatures[0], high_k=temperatures[1])
     step = float(np.median(found.high_dn - found.low_dn))
     noise = float(np.hypot(np.median(found.low_noise_dn), np.median(found.high_noise_dn)))
     if not step > _CLEARLY * noise:

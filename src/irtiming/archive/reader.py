@@ -76,8 +76,12 @@ def recording_of(path: str | Path, found: Checked, *, sha256: str = "", is_growi
 
     nonuniformity = None
     if contents[layout.REFERENCE_LOW] is not None:
-        both = (layout.REFERENCE_LOW, layout.REFERENCE_HIGH)
-        nonuniformity = _nonuniformity(*map(_frames, both), temperatures=found.temperatures)
+        nonuniformity = nonuniformity_of(
+            _frames(layout.REFERENCE_LOW),
+            _frames(layout.REFERENCE_HIGH),
+            low_k=found.temperatures[layout.REFERENCE_LOW],
+            high_k=found.temperatures[layout.REFERENCE_HIGH],
+        )
     return replace(
         _recording(Path(path), contents, frames=_frames(layout.FRAMES, found.kept)),
         nonuniformity=nonuniformity,
@@ -189,9 +193,23 @@ def _mean_and_deviation(frames: FrameStack) -> tuple[Array, Array]:
     return mean, np.sqrt(np.maximum(variance, 0.0))
 
 
-def _nonuniformity(
-    low_frames: FrameStack, high_frames: FrameStack, *, temperatures: dict[Field, float | None]
+def nonuniformity_of(
+    low_frames: FrameStack, high_frames: FrameStack, *, low_k: float | None, high_k: float | None
 ) -> NonuniformityReference:
+    """Reference from raw frames of the bare blackbody, streamed.
+
+    Parameters
+    ----------
+    low_frames, high_frames
+        Frames at the colder and at the warmer temperature.
+    low_k, high_k
+        These temperatures, None where they are not known.
+
+    Raises
+    ------
+    ArchiveError
+        If a frame cannot be read.
+    """
     low, high, low_noise, high_noise = (read_only(a) for a in reduce_reference(low_frames, high_frames))
     return NonuniformityReference(
         low_dn=low,
@@ -199,8 +217,8 @@ def _nonuniformity(
         low_noise_dn=low_noise,
         high_noise_dn=high_noise,
         n_frames=min(low_frames.shape[0], high_frames.shape[0]),
-        low_temperature_k=temperatures[layout.REFERENCE_LOW],
-        high_temperature_k=temperatures[layout.REFERENCE_HIGH],
+        low_temperature_k=low_k,
+        high_temperature_k=high_k,
         low_frames=low_frames,
         high_frames=high_frames,
     )

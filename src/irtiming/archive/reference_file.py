@@ -12,35 +12,10 @@ from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import create_stack, set_temperature
-from irtiming.archive.reader import read, reduce_reference
+from irtiming.archive.reader import nonuniformity_of, read
 from irtiming.errors import ArchiveError
-from irtiming.records.arrays import Pixels, read_only
+from irtiming.records.arrays import Pixels
 from irtiming.records.recording import NonuniformityReference
-
-
-def reference_of(low: Pixels, high: Pixels, *, low_k: float, high_k: float) -> NonuniformityReference:
-    """Reference from raw frames of the bare blackbody.
-
-    Parameters
-    ----------
-    low, high
-        Frames at the colder and at the warmer temperature, shape (frame, row, column).
-    low_k, high_k
-        These temperatures.
-    """
-    low_frames, high_frames = ArrayFrames(low), ArrayFrames(high)
-    low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low_frames, high_frames)
-    return NonuniformityReference(
-        low_dn=read_only(low_dn),
-        high_dn=read_only(high_dn),
-        low_noise_dn=read_only(low_noise_dn),
-        high_noise_dn=read_only(high_noise_dn),
-        n_frames=min(len(low), len(high)),
-        low_temperature_k=low_k,
-        high_temperature_k=high_k,
-        low_frames=low_frames,
-        high_frames=high_frames,
-    )
 
 
 def write_reference(reference: NonuniformityReference, path: str | Path) -> None:
@@ -94,7 +69,7 @@ def read_reference(path: str | Path) -> NonuniformityReference:
         raise ArchiveError(f"{source}: does not exist; check the name") from error
     except (OSError, KeyError, ValueError, BadZipFile) as error:
         raise ArchiveError(f"{source}: cannot be read ({reason_of(error)}); record the references again") from error
-    return reference_of(low, high, low_k=float(low_k), high_k=float(high_k))
+    return nonuniformity_of(ArrayFrames(low), ArrayFrames(high), low_k=float(low_k), high_k=float(high_k))
 
 
 def add_reference(reference: NonuniformityReference, path: str | Path) -> None:

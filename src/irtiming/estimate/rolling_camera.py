@@ -128,9 +128,7 @@ def _in_turns(
             _View(
                 members=members,
                 sector=sector,
-                light=row_light.row_light(
-                    recordings[members[0]].row_sums.row_px, sector, n_harmonics=kind.response.HARMONICS
-                ),
+                light=row_light.row_light(recordings[members[0]].row_sums.row_px, sector, n_harmonics=kind.n_harmonics),
                 timing=timing,
             )
             for members, sector, timing in zip(groups, sectors, timings, strict=True)

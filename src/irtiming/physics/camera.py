@@ -20,7 +20,7 @@ from irtiming.records.recording import CameraType, ReadoutMode
 class Response(Protocol):
     """How a pixel follows what it sees: a factor on each harmonic of the wheel angle, with one parameter, s.
 
-    ``HARMONICS`` is the highest order that a fit needs.
+    ``HARMONICS`` is the highest order that a fit of rows needs that are read one after the other.
     """
 
     PARAMETER: str
@@ -52,6 +52,11 @@ class Camera:
 
     response: Response
     readout: Readout
+
+    @property
+    def n_harmonics(self) -> int:
+        """Highest order that a fit of rows needs: twice as high in a snapshot, for what is beyond adds up over all rows."""
+        return self.response.HARMONICS * (1 if self.readout.PARAMETERS else 2)
 
 
 _RESPONSES: dict[CameraType, Response] = {"photon": integration_window, "microbolometer": first_order_lag}

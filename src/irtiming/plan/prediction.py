@@ -131,7 +131,7 @@ def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerSche
 def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Information]:
     camera = setting.camera
     sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
-    n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).response.HARMONICS
+    n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).n_harmonics
     rows = rolling_information.rows_of(sector, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector)
 

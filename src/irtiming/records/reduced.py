@@ -1,6 +1,7 @@
 """What the reduction hands to the estimation: sums of each frame over the wheel angle, and a contrast image."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, final
 
 from irtiming.errors import ReductionError
@@ -221,6 +222,9 @@ class ReducedRecording:
         Of every other camera.
     contrast
         How each pixel follows the wheel; None where nobody made it.
+    pixel_maps
+        What else is known of each pixel of the region of interest over the kept frames, by name: ``mean_dn``, corrected DN, with
+        any drift; shape (roi rows, roi columns).
     axle
         Wheel centre and mask in the image; None where they were not, or are not yet, found.
     integration_time_s, blackbody_temperature_k
@@ -243,6 +247,7 @@ class ReducedRecording:
     pixels: PixelSums | None = None
     rows: RowSums | None = None
     contrast: ContrastImage | None = None
+    pixel_maps: Mapping[str, Array] = field(default_factory=dict)
     axle: AxleView | None = None
     shutter_events: tuple[ShutterEvent, ...] = ()
     integration_time_s: float | None = None

@@ -57,14 +57,14 @@ def weighted_sum(frames: Pixels, weights: np.ndarray) -> Array:
     return sums
 
 
-@njit(parallel=True, cache=True)
-def count_at_limits(frames: Pixels, full_scale: int) -> Ticks:
-    """Pixels at zero and at full scale in each frame, shape (2, frame)."""
+@njit(cache=True)
+def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
+    """Pixels at zero and at full scale in each frame (frame, row, column), looking at every nth row, shape (2, frame)."""
     n_frames, n_rows, n_columns = frames.shape
     counts = np.zeros((2, n_frames), np.int64)
     top = np.uint16(full_scale)
-    for frame in prange(n_frames):
-        for row in range(n_rows):
+    for frame in range(n_frames):
+        for row in range(0, n_rows, every):
             values = frames[frame, row]
             zeros, full = np.uint16(0), np.uint16(0)
             for column in range(n_columns):
@@ -73,23 +73,6 @@ def count_at_limits(frames: Pixels, full_scale: int) -> Ticks:
             counts[0, frame] += zeros
             counts[1, frame] += full
     return counts
-
-
-@njit(parallel=True, cache=True, fastmath=True)
-def add_harmonic(frames: Pixels, cosine: np.ndarray, sine: np.ndarray, into: np.ndarray) -> None:
-    """Add cosine[frame] * value and sine[frame] * value to ``into``, shape (2, row, column), float32 per block.
-
-    Here rows are shared among threads, so that no two add to the same place.
-    """
-    n_frames, n_rows, n_columns = frames.shape
-    for row in prange(n_rows):
-        for frame in range(n_frames):
-            values = frames[frame, row]
-            c, s = np.float32(cosine[frame]), np.float32(sine[frame])
-            for column in range(n_columns):
-                value = np.float32(values[column])
-                into[0, row, column] += c * value
-                into[1, row, column] += s * value
 
 
 @njit(cache=True)

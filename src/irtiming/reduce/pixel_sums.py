@@ -79,6 +79,7 @@ def reduce(
         opening=settled,
         pixels=PixelSums(pixel_sum=sums.total_dn[kept], pixel_count=above[kept].astype(float)),
         contrast=contrast,
+        pixel_maps={"mean_dn": contrast_image.mean_dn(projection, settled, correct=correct)},
         axle=axle_view.locate(contrast, settled, rig=rig),
         findings=(*sighting.findings, *dropped),
     )

@@ -98,6 +98,7 @@ def reduce(
         contrast=contrast_image.of(
             projection, found, correct=correct, drift_dn=sums.drift_dn, noise_dn=sighting.noise_dn
         ),
+        pixel_maps={"mean_dn": contrast_image.mean_dn(projection, found, correct=correct)},
         shutter_events=events,
         findings=(*sighting.findings, *dropped),
     )

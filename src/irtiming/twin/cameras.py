@@ -12,7 +12,7 @@ _ROLLING_SUBSTEPS = 64
 def camera_scene(
     camera_type: CameraType, readout_mode: ReadoutMode | None = None, *, rows: int | None = None, columns: int = 640
 ) -> Scene:
-    """Experiment of the paper with a camera of this kind.
+    """Experiment of the paper with a camera of this kind; a rolling photon camera is not cold, so nothing mirrors it.
 
     Parameters
     ----------
@@ -31,7 +31,8 @@ def camera_scene(
     scene = paper_scene(rows or 512, columns) if camera_type == "photon" else microbolometer_scene(rows or 480, columns)
     timing = scene.timing
     if readout_mode == "snapshot":
-        timing = replace(timing, row_delay_s=None)
-    elif readout_mode == "rolling" and isinstance(timing, CameraTiming):
-        timing = replace(timing, row_delay_s=_PHOTON_ROW_DELAY_S, substeps=_ROLLING_SUBSTEPS)
-    return replace(scene, timing=timing)
+        return replace(scene, timing=replace(timing, row_delay_s=None))
+    if readout_mode == "rolling" and isinstance(timing, CameraTiming):
+        rolling = replace(timing, row_delay_s=_PHOTON_ROW_DELAY_S, substeps=_ROLLING_SUBSTEPS)
+        return replace(scene, timing=rolling, radiance=replace(scene.radiance, narcissus_dn=0.0))
+    return scene

@@ -13,7 +13,7 @@ import numpy as np
 
 from irtiming.records.arrays import Array, Pixels
 from irtiming.twin.frames import BlackbodyShots
-from irtiming.twin.lag import LaggingPicture, response
+from irtiming.twin.node_picture import NodePicture
 from irtiming.twin.noise import Values, generator
 from irtiming.twin.readout import (
     Exposure,
@@ -28,10 +28,19 @@ from irtiming.twin.readout import (
 )
 from irtiming.twin.scene import CameraTiming, Scene
 from irtiming.twin.shutter import Shutter, covers
-from irtiming.twin.views import LaggingView, View, WindowView, instants_s, lagging_view, settled_dn, still_picture
+from irtiming.twin.views import (
+    RowsView,
+    View,
+    WindowView,
+    instants_s,
+    response_of,
+    rows_view,
+    settled_dn,
+    still_picture,
+)
 
-_STANDING_RAD = 0.005
-"""A wheel that turns by less within a time constant stands, for pixels: it is a fraction of one of them."""
+_STANDING_RAD, _STANDING_IN_WINDOW_RAD = 0.005, 1e-6
+"""A wheel that turns by less within a time constant stands, for pixels: it is a fraction of one of them. So within a window."""
 
 _SAME_SPEED = 0.005
 _COARSEST = 1 / 8
@@ -126,11 +135,11 @@ class LiveRun:
         self._first_cycle: int | None = None
         self._last_cycle: int | None = None
         self._patterns = patterns_of(scene, seed)
-        self._views: _WindowViews | _LaggingViews
-        if isinstance(scene.timing, CameraTiming):
+        self._views: _WindowViews | _RowsViews
+        if isinstance(scene.timing, CameraTiming) and scene.timing.row_delay_s is None:
             self._views = _WindowViews(scene, instants_s(scene.timing))
         else:
-            self._views = _LaggingViews(scene)
+            self._views = _RowsViews(scene)
         self._to_come = [event for event in scene.correction.events if event.kind == "closed"]
         self._shutter: Shutter | None = None
         self._shown: tuple[Readout, Exposure] | None = None
@@ -215,8 +224,8 @@ class _WindowViews:
 
 
 @final
-class _LaggingViews:
-    """What lagging pixels see at each speed and temperature, traced once and altered where that is enough."""
+class _RowsViews:
+    """What pixels that are looked up see at each speed and temperature, traced once and altered where that is enough."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -225,13 +234,17 @@ class _LaggingViews:
 
     def at(self, rad_per_s: float, wheel: WheelSince, *, blackbody_k: float) -> View:
         """What the pixels see of a wheel of this nominal speed before a blackbody of this temperature."""
-        if rad_per_s * self._view.time_constant_s < _STANDING_RAD:
-            settled = _WindowViews(self._scene, np.zeros(1))
-            return settled.at(rad_per_s, wheel, blackbody_k=blackbody_k)
+        timing = self._scene.timing
+        if isinstance(timing, CameraTiming):
+            standing_rad, instants = _STANDING_IN_WINDOW_RAD, instants_s(timing)
+        else:
+            standing_rad, instants = _STANDING_RAD, np.zeros(1)
+        if rad_per_s * self._view.span_s < standing_rad:
+            return _WindowViews(self._scene, instants).at(rad_per_s, wheel, blackbody_k=blackbody_k)
         other_speed = abs(rad_per_s / self._view.nominal_rad_per_s - 1) > _SAME_SPEED
         warmer_k = abs(blackbody_k - self._blackbody_k)
         traced = self._traced.shot
-        if not isinstance(traced, LaggingPicture):
+        if not isinstance(traced, NodePicture):
             if other_speed or warmer_k > _SAME_WIDE_K:
                 self._view = self._traced = self._trace(rad_per_s, blackbody_k)
                 self._blackbody_k = blackbody_k
@@ -244,17 +257,16 @@ class _LaggingViews:
             self._blackbody_k = blackbody_k
         return replace(self._view, motion=wheel)
 
-    def _altered(self, traced: LaggingPicture, rad_per_s: float, blackbody_k: float) -> LaggingPicture:
+    def _altered(self, traced: NodePicture, rad_per_s: float, blackbody_k: float) -> NodePicture:
         """Linear pixels at another speed before another blackbody."""
         radiance = self._scene.radiance
         warmer_dn = radiance.level_dn(blackbody_k) - radiance.level_dn(radiance.blackbody_k)
         gain_dn = traced.gain_dn + traced.nodes.share * (traced.nodes.behind == 0) * np.float32(warmer_dn)
-        passing = response(self._scene.wheel, rad_per_s * self._view.time_constant_s)
-        return replace(traced, gain_dn=gain_dn.astype(np.float32), response=passing)
+        return replace(traced, gain_dn=gain_dn.astype(np.float32), response=response_of(self._scene, rad_per_s))
 
-    def _trace(self, rad_per_s: float, blackbody_k: float) -> LaggingView:
+    def _trace(self, rad_per_s: float, blackbody_k: float) -> RowsView:
         scene = replace(self._scene, radiance=replace(self._scene.radiance, blackbody_k=blackbody_k))
-        return lagging_view(scene, WheelSince(_Nowhere(), 0, 1), rad_per_s=rad_per_s)
+        return rows_view(scene, WheelSince(_Nowhere(), 0, 1), rad_per_s=rad_per_s)
 
 
 @final

@@ -83,26 +83,25 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
     shot
         The scene.
     wheel_angles_rad
-        Shape (row, n_instant): wheel angle at equally spaced instants of each row's integration window, in order; of all
-        rows at once, (1, n_instant) or (n_instant,).
+        Shape (n_instant,): wheel angle at equally spaced instants of the integration window, in order.
     out
         Shape (row, column), DN of a mean pixel.
     """
     out[...] = shot.closed_dn
     table = shot.table
-    angles = np.atleast_2d(np.asarray(wheel_angles_rad, dtype=np.float64))
+    angles = np.asarray(wheel_angles_rad, dtype=np.float64)
     _add_open_rays(
-        out,
+        out.reshape(-1),
         (angles + shot.gate_rad, shot.open_rad),
         (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad),
         (shot.span_rad, shot.group_span_rad),
-        (shot.opening_dn, shot.plate_dn, 1.0 / (table.rays_per_pixel * angles.shape[1])),
+        (shot.opening_dn, shot.plate_dn, 1.0 / (table.rays_per_pixel * angles.size)),
     )
 
 
 @njit(cache=True, nogil=True)
 def _add_open_rays(
-    out: Values,
+    flat: Weights,
     wheel: tuple[Array, Array],
     table: tuple[Indices, Array, Indices, Indices, Offsets],
     spans: tuple[Offsets, Array],
@@ -112,16 +111,13 @@ def _add_open_rays(
 
     Most groups of pixels see no edge: they gain all that is behind a cutout, or nothing.
     """
-    all_angles, opened = wheel
+    angles, opened = wheel
     pixel, reference, n_opening, n_plate, offset = table
     opening_dn, plate_dn, share = gain
+    middle, swing = 0.5 * (angles[0] + angles[-1]), 0.5 * (angles[-1] - angles[0])
     span, group_span = spans
-    flat, last_window = out.reshape(-1), all_angles.shape[0] - 1
     for group in range(group_span.shape[0]):
         begin, end = group * _GROUP, min((group + 1) * _GROUP, pixel.size)
-        first_row, last_row = pixel[begin] // out.shape[1], pixel[end - 1] // out.shape[1]
-        low, high = _limits(all_angles[min(first_row, last_window)], all_angles[min(last_row, last_window)])
-        middle, swing = 0.5 * (low + high), 0.5 * (high - low)
         mean = _in_turn(middle - reference[begin])
         seen = _sight(opened, mean - group_span[group, 1], mean - group_span[group, 0], swing)
         if seen == _CLOSED:
@@ -134,19 +130,12 @@ def _add_open_rays(
                 alone = _sight(opened, mean - span[live, 1], mean - span[live, 0], swing)
             if alone == _CLOSED:
                 continue
-            angles = all_angles[min(pixel[live] // out.shape[1], last_window)]
             if alone == _OPEN:
                 past_opening, past_plate = angles.size * first, angles.size * n_plate[live]
             else:
                 past_opening = _count_open(offset[live, :first], opened, angles, reference[live])
                 past_plate = _count_open(offset[live, first:second], opened, angles, reference[live])
             flat[pixel[live]] += share * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
-
-
-@njit(cache=True, nogil=True)
-def _limits(one: Array, other: Array) -> tuple[float, float]:
-    """Smallest and largest angle of two windows, each in order, and of all between them."""
-    return min(one[0], one[-1], other[0], other[-1]), max(one[0], one[-1], other[0], other[-1])
 
 
 @njit(cache=True, nogil=True)

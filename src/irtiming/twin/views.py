@@ -9,10 +9,11 @@ import numpy as np
 
 from irtiming.errors import PlanError
 from irtiming.records.arrays import Array
-from irtiming.twin.lag import LaggingPicture, lagging_picture, read_rows
+from irtiming.twin import lag, window
+from irtiming.twin.node_picture import NodePicture, Response, node_picture, read_rows
 from irtiming.twin.noise import Values
 from irtiming.twin.pixels import Picture, expose, picture
-from irtiming.twin.scene import BolometerTiming, CameraTiming, Detector, Scene
+from irtiming.twin.scene import BolometerTiming, CameraTiming, Detector, Scene, Timing
 from irtiming.twin.wide_range import WidePicture, read_wide_rows, wide_picture, wide_pixel
 
 
@@ -35,41 +36,52 @@ class View(Protocol):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowView:
-    """The turning wheel as pixels see it that average over instants_s, shape (n_instant,), after their row's turn."""
+    """The turning wheel as pixels see it that average over instants_s, shape (n_instant,), all rows at once."""
 
     shot: Picture
     motion: Turning
     instants_s: Array
 
     def show(self, row_time_s: Array, *, out: Values) -> None:
-        """Signal, DN, shape (row, column), of rows whose windows begin at these times, shape (row,), s."""
-        begin_s = row_time_s if np.ptp(row_time_s) > 0 else row_time_s[:1]
-        expose(self.shot, self.motion.angle_at(begin_s[:, None] + self.instants_s), out=out)
+        """Signal, DN, shape (row, column), of windows that begin at the middle of these times, shape (row,), s."""
+        expose(self.shot, self.motion.angle_at(np.median(row_time_s) + self.instants_s), out=out)
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LaggingView:
-    """The turning wheel as lagging pixels see it."""
+class RowsView:
+    """The turning wheel as pixels see it that are looked up row by row; they look from ``looks_s`` to ``until_s``.
 
-    shot: LaggingPicture | WidePicture
+    Both are counted from the row's turn, s; the wheel's speed in between is what counts.
+    """
+
+    shot: NodePicture | WidePicture
     motion: Turning
     nominal_rad_per_s: float
-    time_constant_s: float
+    looks_s: float
+    until_s: float = 0.0
+
+    @property
+    def span_s(self) -> float:
+        """Time constant of the pixels, or their window."""
+        return self.until_s - self.looks_s
 
     def show(self, row_time_s: Array, *, out: Values) -> None:
-        """Signal, DN, shape (row, column), of rows that are read at these times, shape (row,), s."""
+        """Signal, DN, shape (row, column), of rows whose turn comes at these times, shape (row,), s."""
         if isinstance(self.shot, WidePicture):
             read_wide_rows(self.shot, self.motion.angle_at(row_time_s), out=out)
             return
-        middle = np.median(row_time_s) - np.array([0.0, self.time_constant_s])
+        middle = np.median(row_time_s) + np.array([self.until_s, self.looks_s])
         now, before = self.motion.angle_at(middle)
-        speed = (now - before) / (self.time_constant_s * self.nominal_rad_per_s) - 1
+        speed = (now - before) / (self.span_s * self.nominal_rad_per_s) - 1
         read_rows(self.shot, self.motion.angle_at(row_time_s), speed=speed, out=out)
 
 
 def view_of_wheel(scene: Scene, motion: Turning) -> View:
     """The wheel at its nominal speed as the pixels of this scene's camera see it.
+
+    Rays of a photon camera's snapshot are counted for each frame; a row by itself wants more of them where an edge of the
+    opening crosses it, as `irtiming.twin.nodes` has them.
 
     Parameters
     ----------
@@ -78,9 +90,9 @@ def view_of_wheel(scene: Scene, motion: Turning) -> View:
     motion
         Of its wheel.
     """
-    if isinstance(scene.timing, CameraTiming):
+    if isinstance(scene.timing, CameraTiming) and scene.timing.row_delay_s is None:
         return WindowView(shot=still_picture(scene), motion=motion, instants_s=instants_s(scene.timing))
-    return lagging_view(scene, motion, rad_per_s=2 * math.pi * scene.trigger.wheel_hz)
+    return rows_view(scene, motion, rad_per_s=2 * math.pi * scene.trigger.wheel_hz)
 
 
 def instants_s(timing: CameraTiming) -> Array:
@@ -88,26 +100,36 @@ def instants_s(timing: CameraTiming) -> Array:
     return (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
 
 
-def lagging_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> LaggingView:
-    """Linear pixels, or those that radiate.
+def rows_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> RowsView:
+    """Pixels that average over a window or follow with a lag, linear ones or those that radiate.
 
     Parameters
     ----------
     scene
-        Whose camera lags.
+        The rig as it truly is.
     motion
         Of its wheel.
     rad_per_s
         Its nominal speed.
     """
-    timing = lag_of(scene)
-    lag_s = settling_s(scene)
-    if timing.radiative is None:
-        shot: LaggingPicture | WidePicture = _lagging_picture(_still(scene), rad_per_s * lag_s)
+    timing = scene.timing
+    if isinstance(timing, CameraTiming):
+        window_s = timing.integration_time_s
+        alone: Timing = CameraTiming(integration_time_s=window_s, substeps=timing.substeps)
+        looks_s, until_s = 0.0, window_s
     else:
         alone = BolometerTiming(time_constant_s=timing.time_constant_s, radiative=timing.radiative)
-        shot = _wide_picture(replace(_still(scene), timing=alone), rad_per_s)
-    return LaggingView(shot=shot, motion=motion, nominal_rad_per_s=rad_per_s, time_constant_s=lag_s)
+        looks_s, until_s = -settling_s(scene), 0.0
+    shot = _rows_picture(replace(_still(scene), timing=alone), rad_per_s)
+    return RowsView(shot=shot, motion=motion, nominal_rad_per_s=rad_per_s, looks_s=looks_s, until_s=until_s)
+
+
+def response_of(scene: Scene, rad_per_s: float) -> Response:
+    """What linear pixels make of the wheel that passes at this speed."""
+    timing = scene.timing
+    if isinstance(timing, CameraTiming):
+        return window.response(scene.wheel, rad_per_s * timing.integration_time_s, n_instants=timing.substeps)
+    return lag.response(scene.wheel, rad_per_s * timing.time_constant_s)
 
 
 def lag_of(scene: Scene) -> BolometerTiming:
@@ -147,15 +169,13 @@ def _picture(scene: Scene) -> Picture:
 
 
 @lru_cache(maxsize=2)
-def _lagging_picture(scene: Scene, lag_rad: float) -> LaggingPicture:
-    """Light of each pixel at one speed."""
-    return lagging_picture(scene, lag_rad)
-
-
-@lru_cache(maxsize=2)
-def _wide_picture(scene: Scene, rad_per_s: float) -> WidePicture:
-    """The same for pixels that radiate."""
-    return wide_picture(scene, rad_per_s)
+def _rows_picture(scene: Scene, rad_per_s: float) -> NodePicture | WidePicture:
+    """Light of each pixel at one speed; the scene's timing is the response alone."""
+    timing = scene.timing
+    if isinstance(timing, BolometerTiming) and timing.radiative is not None:
+        return wide_picture(scene, rad_per_s)
+    span_s = timing.integration_time_s if isinstance(timing, CameraTiming) else timing.time_constant_s
+    return node_picture(scene, response_of(scene, rad_per_s), span_rad=rad_per_s * span_s)
 
 
 def _still(scene: Scene) -> Scene:

@@ -51,6 +51,8 @@ def test_sums_counts_and_projection_are_those_of_corrected_frames(reduced, paper
     shown = found.contrast.good
     np.testing.assert_allclose(found.contrast.projection_dn[shown], projection[shown], atol=1e-8)
     assert np.array_equal(shown, good[rows, columns])
+    mean = corrected[:, rows, columns].mean(axis=0)
+    np.testing.assert_allclose(found.pixel_maps["mean_dn"], mean, atol=1e-8)
     assert opening.weight[22, 30] == 0
     assert opening.weight.sum() == pytest.approx(opening.summed.sum())
 

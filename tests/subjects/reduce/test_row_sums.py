@@ -538,3 +538,4 @@ def test_references_make_rows_even(reduced, turning, paper_bolometer, flat_refer
     projection = np.einsum("n,nij->ij", found.contrast.frame_weight, steady)
     shown = found.contrast.good
     np.testing.assert_allclose(found.contrast.projection_dn[shown], projection[shown], atol=1e-6)
+    np.testing.assert_allclose(found.pixel_maps["mean_dn"], corrected[:, *box].mean(axis=0), atol=1e-8)

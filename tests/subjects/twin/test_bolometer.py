@@ -12,7 +12,6 @@ import pytest
 from irtiming.archive import reader, writer
 from irtiming.errors import GeometryError, PlanError
 from irtiming.twin import rig as twin
-from irtiming.twin.clockwork import spin
 from irtiming.twin.nodes import trace_nodes
 from irtiming.twin.scene import (
     BolometerTiming,
@@ -24,7 +23,7 @@ from irtiming.twin.scene import (
     with_wheel_speed,
 )
 from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
-from irtiming.twin.views import lagging_view
+from irtiming.twin.views import settling_s
 
 _PERIOD_S = 0.033
 _TAU_S = 4.819e-3
@@ -304,7 +303,7 @@ def test_impossible_scenes_are_refused(short: Scene) -> None:
         replace(paper_scene(64, 80), drift=Drift(per_second_dn=1.0))
     photon = paper_scene(64, 80)
     with pytest.raises(PlanError, match="pixels without lag in a photon camera"):
-        lagging_view(photon, spin(short, seed=1), rad_per_s=1.0)
+        settling_s(photon)
 
 
 def test_opening_follows_the_other_simulator(shared_recordings: Path) -> None:

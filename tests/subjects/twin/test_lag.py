@@ -10,16 +10,21 @@ from scipy.integrate import solve_ivp
 from scipy.special import ndtr
 
 from irtiming.twin.clockwork import Motion
-from irtiming.twin.lag import Fading, lagging_picture, read_rows, response
+from irtiming.twin.lag import Fading, response
+from irtiming.twin.node_picture import NodePicture, node_picture, read_rows
 from irtiming.twin.nodes import pixel_spread, trace_nodes
 from irtiming.twin.scene import ChopperWheel, Scene, microbolometer_scene
-from irtiming.twin.views import LaggingView
+from irtiming.twin.views import RowsView
 
 _TAU_S, _RATE = 4.819e-3, 6 * math.pi
 _UNEVEN = ChopperWheel(
     ring_edges_rad=(0.0, math.pi / 2 + 4e-4, math.pi + 5e-4, 1.5 * math.pi - 3e-4),
     cutout_errors_rad=(-2e-4, -1e-4, 0.0, 3e-4),
 )
+
+
+def _lagging_picture(scene: Scene, lag_rad: float) -> NodePicture:
+    return node_picture(scene, response(scene.wheel, lag_rad), span_rad=lag_rad)
 
 
 def _solved(wheel: ChopperWheel, lag_rad: float, alpha: np.ndarray) -> np.ndarray:
@@ -119,9 +124,8 @@ def test_light_of_the_opening_lags_behind_the_wheel_as_it_really_turned(
     """Oracle: the open share of an ideal opening, by hand, its past weighted by exp(-age / tau): 0.2 us, a frame 2.5."""
     grid_s = np.arange(-0.6, 0.8, 1e-4)
     motion = Motion(time_s=grid_s, angle_rad=1.0 + _RATE * (grid_s + wander * 0.08 * np.sin(grid_s / 0.08)))
-    lens = LaggingView(
-        shot=lagging_picture(scene, _RATE * tau_s), motion=motion, nominal_rad_per_s=_RATE, time_constant_s=tau_s
-    )
+    shot = _lagging_picture(scene, _RATE * tau_s)
+    lens = RowsView(shot=shot, motion=motion, nominal_rad_per_s=_RATE, looks_s=-tau_s)
     age_s = (np.arange(60_000) + 0.5) * tau_s / 2000
     weight = np.exp(-age_s / tau_s) / np.exp(-age_s / tau_s).sum()
     full = math.radians(75) / 2 * (40.2e-3**2 - 8.1e-3**2) / scene.optics.pixel_pitch_m**2
@@ -140,7 +144,7 @@ def test_light_of_the_opening_lags_behind_the_wheel_as_it_really_turned(
 def test_light_of_each_row_comes_from_where_the_blur_takes_it(scene: Scene) -> None:
     """Oracle: points of the opening, 1600 to a pixel, dealt to rows by the Gaussian; rows within 5 us, 2 us rms."""
     optics, mask, shape = scene.optics, scene.mask, (120, 160)
-    shot = lagging_picture(scene, _RATE * _TAU_S)
+    shot = _lagging_picture(scene, _RATE * _TAU_S)
     row, column = np.meshgrid(np.arange(0, 62, 1 / 40) + 1 / 80, np.arange(20, 140, 1 / 40) + 1 / 80, indexing="ij")
     down, right = row - optics.wheel_centre_row_px, column - optics.wheel_centre_column_px
     phi = np.arctan2(down, right) - optics.roll_rad
@@ -168,7 +172,7 @@ def test_light_of_each_row_comes_from_where_the_blur_takes_it(scene: Scene) -> N
 
 def test_each_row_is_read_at_its_own_angle(scene: Scene) -> None:
     """Oracle: the same row of a frame whose rows are all read at that angle; equality."""
-    shot = lagging_picture(scene, _RATE * _TAU_S)
+    shot = _lagging_picture(scene, _RATE * _TAU_S)
     angle = 2.0 + 0.003 * np.arange(120)
     read_rows(shot, angle, speed=0.0, out=(rolling := np.empty((120, 160), np.float32)))
     for row in (10, 25, 40):
@@ -201,7 +205,7 @@ def test_nodes_keep_light_and_direction(scene: Scene) -> None:
 
 def test_wide_and_narrow_gathering_see_the_same(scene: Scene) -> None:
     """Oracle: the same rays gathered 40 times finer; the sum within 0.1 us, a pixel within a quarter of its noise."""
-    shot, lag_rad = lagging_picture(scene, _RATE * _TAU_S), _RATE * _TAU_S
+    shot, lag_rad = _lagging_picture(scene, _RATE * _TAU_S), _RATE * _TAU_S
     fine = trace_nodes(scene, lag_rad / 1280)
     gain = fine.share * (scene.radiance.dn_per_k * (scene.radiance.blackbody_k - scene.radiance.wheel_k))
     finer = replace(shot, nodes=fine, gain_dn=np.where(fine.behind == 0, gain, 0).astype(np.float32))

@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from irtiming.errors import PlanError
-from irtiming.twin.lag import lagging_picture, read_rows
+from irtiming.twin.lag import response
+from irtiming.twin.node_picture import node_picture, read_rows
 from irtiming.twin.nodes import trace_nodes
 from irtiming.twin.scene import BolometerTiming, RadiativeExchange, Scene, microbolometer_scene
 from irtiming.twin.wide_range import read_wide_rows, wide_picture, wide_pixel
@@ -71,7 +72,8 @@ def test_a_small_range_is_the_linear_twin() -> None:
     linear = replace(wide, timing=BolometerTiming(time_constant_s=tau_s))
     shape = (wide.detector.rows, wide.detector.columns)
     radiating, lagging = np.empty(shape, np.float32), np.empty(shape, np.float32)
-    curved, straight = wide_picture(wide, _RATE), lagging_picture(linear, _RATE * tau_s)
+    curved = wide_picture(wide, _RATE)
+    straight = node_picture(linear, response(linear.wheel, _RATE * tau_s), span_rad=_RATE * tau_s)
     for start in np.linspace(0, 2 * math.pi, 7):
         angle = start + np.arange(shape[0]) * 38.76e-6 * _RATE
         read_wide_rows(curved, angle, out=radiating)

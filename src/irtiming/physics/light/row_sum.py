@@ -85,7 +85,7 @@ def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray
 
 def point(model: WheelModel, camera: Camera, *, omega: float, timing: Timing) -> ComplexArray:
     """Harmonics of a pixel of row 0 at the opening's bisector, shape (M + 1,); ``omega`` in rad/s."""
-    n = camera.response.HARMONICS
+    n = camera.n_harmonics
     one = RowSum(
         camera=camera,
         open_harmonics=open_harmonics(model, n),

@@ -16,7 +16,7 @@ from irtiming.records.arrays import ComplexArray
 PARAMETER = "time_constant"
 
 HARMONICS = 64
-"""Highest order that a fit needs: at tau = 3 ms and 3 Hz what is beyond has a hundredth of the power of a row's noise."""
+"""Highest order that rolling rows need: at tau = 3 ms and 3 Hz what is beyond has a hundredth of the power of a row's noise."""
 
 
 def transfer(angular_frequency_rad_per_s: float, time_constant_s: float, *, n_harmonics: int) -> ComplexArray:

@@ -17,7 +17,7 @@ from irtiming.records.arrays import ComplexArray
 PARAMETER = "integration_time"
 
 HARMONICS = 256
-"""Highest order that a fit needs: no lag dampens them, only blur; with 128 corners of the rows stay visible in the residuals."""
+"""Highest order that rolling rows need: no lag dampens them, only blur; with 128 corners stay visible in the residuals."""
 
 _SMALL = 1e-3  # of x, below which the series is exact to rounding
 

@@ -29,6 +29,5 @@ class Limits:
 
     def add(self, block: Block) -> None:
         """Look at some frames."""
-        some = block.part[:, ::_SOME_ROWS]
-        most = kernels.count_at_limits(some, self._full_scale).max(axis=0)
-        self.is_dead[block.now] = most > _MOSTLY * some[0].size
+        most = kernels.count_at_limits(block.part, self._full_scale, _SOME_ROWS).max(axis=0)
+        self.is_dead[block.now] = most > _MOSTLY * block.part[0, ::_SOME_ROWS].size

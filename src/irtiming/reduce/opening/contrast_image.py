@@ -25,6 +25,20 @@ def projection(wheel_angle_rad: Array, opening: Opening, *, share: Array | float
     return Projection(share * np.exp(-2j * wheel_angle_rad), shape=(row1 - row0, column1 - column0))
 
 
+def mean_dn(projected: Projection, opening: Opening, *, correct: Correction) -> Array:
+    """Mean of each pixel over the frames that were kept, shape (roi rows, roi columns), corrected DN.
+
+    Parameters
+    ----------
+    projected
+        That took them in.
+    opening, correct
+        Whose region of interest it is; the correction of the whole image.
+    """
+    within = correct.within(opening.roi)
+    return within.offset_dn + within.gain * projected.level / projected.frame_weight.size
+
+
 def of(
     projected: Projection, opening: Opening, *, correct: Correction, drift_dn: Array, noise_dn: float
 ) -> ContrastImage:

@@ -90,7 +90,7 @@ def find(
     live = seen.values[picked]
     bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed) | (correct.bad & summed)
     _refuse_few_rows(outline.mask & ~bad, name)
-    _refuse_saturation(seen.raw[picked][:, outline.mask & ~bad], recording)
+    _refuse_saturation(live if correct.is_none else seen.raw[picked], outline.mask & ~bad, recording)
     expected = _expected(seen, outline.mask & ~bad, name)
     surroundings = 0.0 if quiet.any() else float(np.median(live[:, ~summed]))
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
@@ -163,7 +163,8 @@ def _refuse_few_rows(mask: Mask, name: str) -> None:
         )
 
 
-def _refuse_saturation(values: Pixels, recording: Recording) -> None:
+def _refuse_saturation(frames: Pixels, lit: Mask, recording: Recording) -> None:
+    values = frames[:, lit]
     full_scale = 2**recording.bit_depth - 1
     for limit, share in ((0, float(np.mean(values == 0))), (full_scale, float(np.mean(values >= full_scale)))):
         if share > _MOST_SATURATED:
