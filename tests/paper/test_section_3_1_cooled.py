@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate import published, slopes
+from irtiming.estimate.published import slope_delays, slopes
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.exposed import ExposedFraction
 from irtiming.reduce import plateaus
@@ -21,8 +21,9 @@ def _averaged(angle, fraction, set_delay_s, *, rate_hz=3.0):
     return ExposedFraction(
         trigger_delay_time_set_s=set_delay_s,
         rotation_speed_hz=rate_hz,
+        angular_frequency_rad_per_s=TURN * rate_hz,
         names=(f"{1e3 * set_delay_s:.0f} ms",),
-        files=(),
+        files=(f"{1e3 * set_delay_s:.0f}.nxs",),
         wheel_angle_rad=angle,
         fraction=fraction,
         u_wheel_angle_rad=None,
@@ -58,7 +59,7 @@ def _delays_us(threshold, *, window_s=250e-6, rate_hz=3.0):
         angular_frequency_rad_per_s=TURN * rate_hz,
         limits=(0.05, 0.95),
     )
-    found = published.estimate([fit], MODEL, integration_time_s=window_s).estimate
+    found = slope_delays.estimate([fit], MODEL, integration_time_s=window_s).estimate
     return {n: 1e6 * v for n, v in zip(found.names, found.values, strict=True)}
 
 
@@ -75,7 +76,7 @@ def test_deviations_of_table_1_have_an_rms_of_2_us():
                 limits=(0.05, 0.95),
             )
         )
-    relative = published.relative_delays(fits)
+    relative = slope_delays.relative_delays(fits)
     deviations = np.array([1e6 * (r.value_s - r.nominal_s) for r in relative[1:]])
     np.testing.assert_allclose(deviations, TABLE_1_US, atol=0.1)
     assert np.sqrt(np.mean(deviations**2)) == pytest.approx(2.034, abs=0.05)

@@ -320,7 +320,7 @@ def _of_camera(
     names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
     several = len(blackbodies) > 1 and LAG in names
     found = [
-        shared_numbers.same(name, fits, start=first.estimate.value(name))
+        shared_numbers.same(name, fits, start=first.timing[name])
         for name in names
         if name != LAG or not several
     ]

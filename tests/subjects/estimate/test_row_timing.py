@@ -10,7 +10,7 @@ from scipy.stats import norm
 from irtiming.errors import EstimationError
 from irtiming.estimate import row_timing
 from irtiming.estimate.harmonic_data import basis, compress, packed
-from irtiming.estimate.row_timing import profile, solve
+from irtiming.estimate.row_timing import solve
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, linearised, timing_names
@@ -296,7 +296,10 @@ def test_profile_of_the_time_constant_is_its_uncertainty():
     u = np.sqrt(np.linalg.inv(found.normal)[4, 4])
     for steps in (-2, -1, 1, 2):
         held = {"time_constant": _values(found)[4] + steps * u}
-        lost = profile(data, MODEL, near=found.timing, held=held) - found.minimum.at.deviance
+        lost = (
+            solve(data, MODEL, start={**found.timing, **held}, held=held).minimum.at.deviance
+            - found.minimum.at.deviance
+        )
         assert lost == pytest.approx(steps**2, rel=0.05)
 
 
