@@ -71,7 +71,7 @@ def test_one_speed_says_what_it_cannot_tell(place) -> None:
     said = _run(
         "calibrate-wheel", folder / "slow.nxs", "--rig", folder / "rig.toml", "--out", folder / "one.json"
     )  # fmt: skip
-    assert "cannot be told from the slots" in " ".join(said.split())
+    assert "cannot be separated from the slots" in " ".join(said.split())
     assert said.count("not separable") == 6
     assert read_wheel_calibration(folder / "one.json").ripple is None
 
