@@ -71,7 +71,7 @@ def reduce(
     Parameters and errors as for `analyse`.
     """
     choices, total = choices or Choices(), recording.frames.shape[0]
-    _check_fits_with(recording, before, choices)
+    recipes.check_goes_with(recording, before, choices=choices)
 
     def done(n_frames: int) -> None:
         if progress is not None:
@@ -129,28 +129,6 @@ def _average(runs: Sequence[ReducedRecording], choices: Choices) -> procedure.Av
     if runs[0].rows is not None:
         return row_averages.average(list(runs))
     return average_runs.average(list(runs), plateau_margin=choices.plateau_margin)
-
-
-def _check_fits_with(recording: Recording, before: Sequence[ReducedRecording], choices: Choices) -> None:
-    """Refuse what cannot be analysed together."""
-    size = recording.frames.shape[1:]
-    same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
-    if same is not None:
-        raise EstimationError(
-            f"{recording.source} and {same.source} are the same recording (sha256 {recording.sha256[:12]}…): counted twice it "
-            "would make the uncertainty too small; name each recording once"
-        )
-    if before and choices.reference_edge != "automatic":
-        raise EstimationError(
-            f"the {choices.reference_edge} application edge was named as reference, which may be another edge in "
-            f"{recording.name} than in {before[0].name}; name it for one recording at a time"
-        )
-    if before and before[0].opening.mask.shape != size:
-        raise EstimationError(
-            f"{recording.name} has frames of {size[0]} x {size[1]} pixels, {before[0].name} of "
-            f"{before[0].opening.mask.shape[0]} x {before[0].opening.mask.shape[1]}: all must be of one camera with one window; "
-            "analyse them apart"
-        )
 
 
 @contextmanager

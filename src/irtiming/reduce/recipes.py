@@ -1,8 +1,8 @@
 """Which recipe reduces a recording: pixel sums where all pixels are read at once and do not lag, else row sums."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-from irtiming.errors import ReductionError
+from irtiming.errors import EstimationError, ReductionError
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
@@ -44,3 +44,40 @@ def reduce(
     is_instant = (recording.camera_type, recording.readout_mode) == ("photon", "snapshot")
     recipe = pixel_sums if is_instant else row_sums
     return recipe.reduce(recording, rig, choices=choices, progress=progress, before=before)
+
+
+def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *, choices: Choices) -> None:
+    """Refuse what cannot be analysed together.
+
+    Parameters
+    ----------
+    recording
+        The next one.
+    before
+        Those that it is to go with.
+    choices
+        What a person decided.
+
+    Raises
+    ------
+    EstimationError
+        If it is one of them again, of another size, or has a reference edge named that may be another one in it.
+    """
+    size = recording.frames.shape[1:]
+    same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
+    if same is not None:
+        raise EstimationError(
+            f"{recording.source} and {same.source} are the same recording (sha256 {recording.sha256[:12]}…): counted twice it "
+            "would make the uncertainty too small; name each recording once"
+        )
+    if before and choices.reference_edge != "automatic":
+        raise EstimationError(
+            f"the {choices.reference_edge} application edge was named as reference, which may be another edge in "
+            f"{recording.name} than in {before[0].name}; name it for one recording at a time"
+        )
+    if before and before[0].opening.mask.shape != size:
+        raise EstimationError(
+            f"{recording.name} has frames of {size[0]} x {size[1]} pixels, {before[0].name} of "
+            f"{before[0].opening.mask.shape[0]} x {before[0].opening.mask.shape[1]}: all must be of one camera with one window; "
+            "analyse them apart"
+        )
