@@ -221,7 +221,7 @@ class ReducedRecording:
     rows
         Of every other camera.
     contrast
-        How each pixel follows the wheel; None where nobody made it.
+        How each pixel follows the wheel; None where it was not made.
     pixel_maps
         What else is known of each pixel of the region of interest over the kept frames, by name: ``mean_dn``, corrected DN, with
         any drift; shape (roi rows, roi columns).

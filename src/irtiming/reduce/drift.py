@@ -1,4 +1,4 @@
-"""Slow drift of a microbolometer's level, told from what the wheel does to it."""
+"""Slow drift of a camera's level, separated from what the wheel does to it."""
 
 from dataclasses import dataclass
 from typing import final
