@@ -204,7 +204,7 @@ def test_a_file_that_cannot_be_read_says_why(tmp_path: Path, monkeypatch: pytest
 def test_the_example_rigs_are_read(shared_recordings: Path) -> None:
     """Oracle: the beams of the example rigs are 9 whole slots apart, their masks 75 deg wide.
 
-    A rig that states latencies is refused by the name of the key: half of what a laboratory measured is never left out in silence.
+    A rig that states latencies is refused by the name of the key: what a laboratory measured is never left out in silence.
     """
     for path in shared_recordings.glob("*/rig.toml"):
         if "[latency]" in path.read_text():
