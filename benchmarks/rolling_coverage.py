@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from irtiming.errors import IrTimingError
-from irtiming.measurement import analyse
+from irtiming.measurement import Extra, analyse
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
 from irtiming.records.rig import CameraOptics, Measured
 from irtiming.twin import rig as twin
@@ -33,7 +33,8 @@ RATES_HZ = (1.5, 2.0, 3.0, 4.0, 5.0)
 WITHIN_US = {"time_constant": 10.0, "row_delay": 0.3}
 ROWS, COLUMNS = 120, 160
 DISTORTIONS, U_DISTORTION = (-0.08, 0.02), 0.02
-METHODS = {"best": "row sums", "as_published": "as published"}
+BEST, PUBLISHED = "row sums", "as published"
+EXTRAS: tuple[Extra, ...] = ("published",)
 
 Pairs = dict[tuple[str, str], list[tuple[float, float]]]
 """Error and standard uncertainty, s, by parameter and method."""
@@ -121,13 +122,11 @@ def one_rig(options: argparse.Namespace, seed: int) -> tuple[int, Pairs | str]:
     rig = draw(Kind(camera=options.camera, readout=options.readout), seed)
     truth, found = twin.truth(rig.scene), Pairs()
     try:
-        analysis = analyse(recordings(rig.scene, options, seed), rig.measured)
+        analysis = analyse(recordings(rig.scene, options, seed), rig.measured, extras=EXTRAS)
     except (IrTimingError, ValueError) as error:
         return seed, f"{type(error).__name__}: {error}"
-    for attribute, method in METHODS.items():
-        result = getattr(analysis, attribute, None)
-        if result is None:
-            continue
+    results = {BEST: analysis.best} | ({PUBLISHED: analysis.published.result} if analysis.published else {})
+    for method, result in results.items():
         estimate = result.estimate
         for name, value, u in zip(estimate.names, estimate.values, estimate.standard_uncertainties, strict=True):
             true = truth.get(f"{name}_s")
@@ -168,7 +167,7 @@ def main() -> None:
                 continue
             for key, pairs in told.items():
                 found.setdefault(key, []).extend(pairs)
-                if options.each and key[1] == METHODS["best"]:
+                if options.each and key[1] == BEST:
                     print(seed, key[0], [f"{1e6 * error:.3f} us, {error / u:.2f} u" for error, u in pairs], flush=True)
     print(
         f"\n{options.rigs - failed} rigs of {options.rigs}, {options.camera}, {options.readout}, {COLUMNS} x {ROWS} pixels, "
@@ -180,11 +179,11 @@ def main() -> None:
         print(table_row(name, method, pairs))
     for (name, method), pairs in sorted(found.items()):
         error, u = np.array(pairs).T
-        if method == METHODS["best"] and name in WITHIN_US:
+        if method == BEST and name in WITHIN_US:
             print(
                 f"{method}: {name} within {WITHIN_US[name]} us on {np.mean(np.abs(error) < 1e-6 * WITHIN_US[name]):.0%}"
             )
-        if method == METHODS["best"] and name == "trigger_delay":
+        if method == BEST and name == "trigger_delay":
             print(f"{method}: {name} within 3 u on {np.mean(np.abs(error) < 3 * u):.0%} of the rigs; {failed} failed")
 
 

@@ -82,7 +82,9 @@ def test_errors_are_estimate_minus_truth(monkeypatch, kind):
     values = np.array([truth.get(f"{name}_s", 0.0) + 1e-6 for name in names])
     estimate = SimpleNamespace(names=names, values=values, standard_uncertainties=np.full(len(names), 1e-6))
     monkeypatch.setattr(
-        coverage, "analyse", lambda recordings, rig: SimpleNamespace(best=SimpleNamespace(estimate=estimate))
+        coverage,
+        "analyse",
+        lambda recordings, rig, extras: SimpleNamespace(best=SimpleNamespace(estimate=estimate), published=None),
     )
     options = argparse.Namespace(camera=kind.camera, readout=kind.readout, speeds=1, delays_ms="0")
     seed, found = coverage.one_rig(options, 1)
