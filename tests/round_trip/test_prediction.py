@@ -9,6 +9,7 @@ from irtiming.measurement import analyse
 from irtiming.report import certificate
 from irtiming.session.camera import Described, camera
 from irtiming.twin import rig as twin
+from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 
 
@@ -63,3 +64,23 @@ def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
     assert stated["row_delay"] == pytest.approx(found["row_delay"], rel=0.15)
     assert 0.9 < stated["time_constant"] / found["time_constant"] < 1.3
     assert "Prediction and outcome" in certificate.report(done).page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "readout"), [("photon", "rolling"), ("microbolometer", "snapshot")])
+def test_cameras_whose_rows_are_summed_state_what_noise_gains_and_rig_allow(kind, readout):
+    """Oracle: the Fisher information of row sums and contrast image; correlated residuals widen what is stated."""
+    rig = twin.draw(camera_scene(kind, readout, rows=60, columns=80), seed=3)
+    recordings = [
+        recording
+        for k, speed in enumerate((3.0, 12.0))
+        for recording in twin.series(with_wheel_speed(rig.scene, speed, samples=500), (0.0,), repeats=1, seed=5 + k)
+    ]
+    done = analyse(recordings, rig.measured, extras=("prediction",))
+    estimate = done.best.estimate
+    stated = dict(zip(estimate.names, estimate.standard_uncertainties, strict=True))
+    found = {each.name: each.standard_uncertainty_s for each in done.prediction.uncertainties}
+    assert set(found) <= set(stated)
+    assert ("row_delay" in found) == (readout == "rolling")
+    for name, u in found.items():
+        assert 0.8 < stated[name] / u < 1.35, name

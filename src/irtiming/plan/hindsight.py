@@ -4,27 +4,29 @@ The report holds this against what the estimation states. A ratio of 1 says that
 residuals are correlated, runs scatter more than their noise, or something else was found that noise and rig do not explain.
 """
 
-from collections.abc import Sequence
-from typing import TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from irtiming.errors import PlanError
+from irtiming.physics.camera import camera
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.information import Information
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
-from irtiming.plan.rolling_information import NAMES, RollingRun
+from irtiming.plan.rolling_information import RollingRun
 from irtiming.records.analysis import Analysis
-from irtiming.records.camera_description import Microbolometer
+from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.prediction import AngleErrors, PredictedRelativeDelay, Prediction
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import WheelModel
 
 _UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9
+_SHORTEST_S = 1e-6
 
 _Groups: TypeAlias = dict[tuple[float, float], list[Information]]
 
@@ -45,10 +47,7 @@ def predict(analysis: Analysis) -> Prediction | None:
     if sums:
         structure = SHARED_SHAPE if recordings[0].integration_time_s is None else KNOWN_WINDOW
         return photon(recordings, sums, model=model, angles=angles, structure=structure)
-    if (analysis.camera_type, analysis.readout_mode) != ("microbolometer", "rolling"):
-        return None
-    rows = [fit for fit in fits if isinstance(fit, RowTimingFit)]
-    return rolling(rows, analysis.sectors[0], model=model, angles=angles)
+    return row_sums(analysis, angles)
 
 
 def photon(
@@ -99,31 +98,43 @@ def photon(
         return None
 
 
-def rolling(
-    fits: Sequence[RowTimingFit], sector: SectorFit, *, model: WheelModel, angles: AngleErrors
-) -> Prediction | None:
-    """Prediction for the recordings of a rolling microbolometer camera; parameters as for `photon`."""
-    rows = rolling_information.rows_of(sector.shape)
+def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
+    """Prediction for the recordings of a camera whose rows are summed; None where they tell too little for one.
+
+    Parameters
+    ----------
+    analysis
+        Its fits tell noise, timing and what counted as known, its sector the light of the rows.
+    angles
+        Sizes of the angle errors.
+    """
+    fits, sector = [fit for fit in analysis.fits if isinstance(fit, RowTimingFit)], analysis.sectors[0]
+    n_harmonics = camera(analysis.camera_type, analysis.readout_mode).response.HARMONICS
+    rows = rolling_information.rows_of(sector.shape, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector.shape)
-    parts, noises = [], []
-    for fit in fits:
-        noise = _pixel_noise(fit, rows)
-        run = RollingRun(
-            camera=Microbolometer(
-                noise_to_contrast=noise,
-                time_constant_s=max(fit.timing["time_constant"], 1e-6),
-                row_delay_s=fit.row_delay_s,
-                gain_scatter=sector.gain_scatter,
-            ),
+    noises = [_pixel_noise(fit, rows) for fit in fits]
+    runs = [
+        RollingRun(
+            camera=_described(analysis, fit, noise_to_contrast=noise, gain_scatter=sector.gain_scatter),
             rows=rows,
             angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
             n_frames=fit.wheel_angle_rad.size,
+            knows_response=all(one.held for one in fits),
         )
-        errors = rolling_information.image_errors(run, image, model=model)
-        parts.append(rolling_information.one_run(run, model=model, angles=angles, image=errors))
-        noises.append(noise)
+        for fit, noise in zip(fits, noises, strict=True)
+    ]
+    model = analysis.geometry.model
+    told = [
+        rolling_information.one_run(
+            run, model=model, angles=angles, image=rolling_information.image_errors(run, image, model=model)
+        )
+        for run in runs
+    ]
+    weights = {name: {name: 1.0} for name in rolling_information.timing_names(runs[0])}
+    if analysis.camera_type == "photon":
+        weights |= _window(analysis, weights)
     try:
-        found = information.uncertainties(information.total(parts), {name: {name: 1.0} for name in NAMES})
+        found = information.uncertainties(information.total(told), weights)
     except (PlanError, np.linalg.LinAlgError):
         return None
     return Prediction(
@@ -131,6 +142,28 @@ def rolling(
         opening_pixels=float(image.light.sum()),
         uncertainties=found,
     )
+
+
+def _window(analysis: Analysis, weights: Mapping[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    """The window's middle, and its start half the stated window earlier; without a statement the start is a result of its own."""
+    middle = {"trigger_delay": 1.0, **({"integration_time": 0.5} if "integration_time" in weights else {})}
+    is_stated = all(one.integration_time_s is not None for one in analysis.recordings)
+    return {"exposure_midpoint_delay": middle, **({"trigger_delay": middle} if is_stated else {})}
+
+
+def _described(
+    analysis: Analysis, fit: RowTimingFit, *, noise_to_contrast: float, gain_scatter: float
+) -> PhotonCamera | Microbolometer:
+    """The camera as one recording's fit shows it."""
+    row_delay_s = None if analysis.readout_mode == "snapshot" else fit.row_delay_s
+    shared: dict[str, Any] = {
+        "noise_to_contrast": noise_to_contrast,
+        "gain_scatter": gain_scatter,
+        "row_delay_s": row_delay_s,
+    }
+    if analysis.camera_type == "photon":
+        return PhotonCamera(**shared, integration_time_s=max(fit.timing["integration_time"], _SHORTEST_S))
+    return Microbolometer(**shared, time_constant_s=max(fit.timing["time_constant"], _SHORTEST_S))
 
 
 def _pixel_noise(fit: RowTimingFit, rows: rolling_information.Rows) -> float:

@@ -25,9 +25,6 @@ from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
-NAMES = ("trigger_delay", "time_constant", "row_delay")
-"""What is asked of a rolling microbolometer."""
-
 IMAGE = "axle, mask and blur in the image"
 
 _HARMONICS = 64

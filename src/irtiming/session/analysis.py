@@ -1,9 +1,9 @@
 """Recordings in files analysed, and what was found written as result and report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import final
+from typing import Any, final
 
 from irtiming.archive import reader
 from irtiming.archive.json_file import require_place, write_atomically
@@ -34,13 +34,6 @@ class AnalysisOrder:
 def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analysis:
     """Timing of a camera from its recordings.
 
-    Parameters
-    ----------
-    order
-        What to read, and what to write.
-    progress
-        Called as frames are read.
-
     Raises
     ------
     IrTimingError
@@ -53,32 +46,25 @@ def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analys
     found = analyse_recordings(
         _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel, extras=extras
     )
-    write(found, result=order.result, report=order.report)
+    if extras:
+        write(found, result=order.result, report=order.report)
     return found
 
 
-def write(found: Analysis, *, result: Path | None = None, report: Path | None = None) -> None:
-    """Write what was found as JSON, as a page, or both.
-
-    Parameters
-    ----------
-    found
-        By an analysis.
-    result, report
-        Where to; None: not.
+def write(found: Analysis, *, result: Path | None = None, report: Path | None = None) -> Mapping[str, Any]:
+    """Write what was found as JSON, as a page, or both; gives the result as plain data.
 
     Raises
     ------
     ArchiveError
         If a file cannot be written.
     """
-    if result is None and report is None:
-        return
     told = certificate.report(found)
     if result is not None:
         write_result(told.result, result)
     if report is not None:
         write_atomically(told.page, report)
+    return told.result
 
 
 def _require_places(order: AnalysisOrder) -> None:

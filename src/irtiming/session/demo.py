@@ -1,17 +1,16 @@
 """The paper's experiments on simulated rigs, from planning to report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
 from irtiming.archive import reader, rig_file, writer
-from irtiming.archive.json_file import make_folder, write_atomically
-from irtiming.archive.result_file import write_result
+from irtiming.archive.json_file import make_folder
 from irtiming.measurement import ALL_EXTRAS, Progress, analyse
 from irtiming.records.analysis import Analysis
 from irtiming.records.recording import CameraType, Recording
-from irtiming.report import certificate
+from irtiming.session.analysis import write
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import Scene, microbolometer_scene, paper_scene
 from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
@@ -47,20 +46,13 @@ class Demonstration:
     """What was found of one camera, its result as plain data, what is true of it, by name and in seconds, and its report."""
 
     analysis: Analysis
-    result: dict[str, Any]
+    result: Mapping[str, Any]
     truth_s: dict[str, float]
     report: Path
 
 
 def demonstrate(order: DemoOrder, *, progress: Progress | None = None) -> Demonstration:
     """Simulate a camera, analyse it by both methods, and write rig, result and report.
-
-    Parameters
-    ----------
-    order
-        What to simulate.
-    progress
-        Called as frames are made.
 
     Raises
     ------
@@ -70,15 +62,14 @@ def demonstrate(order: DemoOrder, *, progress: Progress | None = None) -> Demons
     make_folder(order.folder)
     rig = twin.draw(_scene(order), seed=order.seed)
     analysis = analyse(_recordings(rig.scene, order), rig.measured, progress=progress, extras=ALL_EXTRAS)
-    suffix, found = _SUFFIX[order.camera], certificate.report(analysis)
+    suffix = _SUFFIX[order.camera]
     page = order.folder / f"report{suffix}.html"
     rig_file.write_rig(rig.measured, order.folder / f"rig{suffix}.toml")
-    write_result(found.result, order.folder / f"result{suffix}.json")
-    write_atomically(found.page, page)
+    result = write(analysis, result=order.folder / f"result{suffix}.json", report=page)
     true = {name: value for name, value in twin.truth(rig.scene).items() if isinstance(value, float)}
     return Demonstration(
         analysis=analysis,
-        result=found.result,
+        result=result,
         truth_s={name.removesuffix("_s"): value for name, value in true.items()},
         report=page,
     )

@@ -235,13 +235,7 @@ def _unknown(finding: Finding) -> LiveEstimate:
 
 
 def told_of(found: Analysis) -> LiveEstimate:
-    """What an analysis says, in short.
-
-    Parameters
-    ----------
-    found
-        Of all recordings so far.
-    """
+    """What an analysis says, in short."""
     estimate = found.result.estimate
     uncertainties = dict(zip(estimate.names, map(float, estimate.standard_uncertainties), strict=True))
     apart = [each.standard_uncertainty_s for each in found.result.relative_delays if each.nominal_s > 0]

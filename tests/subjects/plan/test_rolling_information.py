@@ -9,10 +9,11 @@ from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics.response import first_order_lag
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
-from irtiming.plan.rolling_information import IMAGE, NAMES, RollingRun
+from irtiming.plan.rolling_information import IMAGE, RollingRun
 from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 
+NAMES = ("trigger_delay", "time_constant", "row_delay")
 TURN = 2 * np.pi
 MODEL = wheel_model(
     (0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.2682, opening_angle_rad=np.radians(75), centre_angle_rad=-np.pi / 2
