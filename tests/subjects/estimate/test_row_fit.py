@@ -7,6 +7,7 @@ import pytest
 
 from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.inference.optimiser import minimise
 from irtiming.physics import blurred_sector
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel import wheel_model
@@ -198,18 +199,20 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
         )
 
 
-def test_scan_is_a_parabola_of_four_standard_uncertainties(camera, exact, light):
-    """Oracle: twice the log-likelihood of white noise; steps^2 at each standard uncertainty."""
+def test_likelihood_is_a_parabola_to_four_standard_uncertainties(camera, exact, light):
+    """Oracle: twice the log-likelihood of white noise; steps^2 at each standard uncertainty of the time constant."""
     rows = _noisy(exact, _white(150.0), seed=5)
     fit = row_fit.fit(rows, camera.model, light=light)
-    found = row_fit.scan(rows, camera.model, light=light, found=fit)
-    u = np.sqrt(fit.estimate.covariance[4, 4])
-    steps = (found.time_constant_s - fit.timing["time_constant"]) / u
-    np.testing.assert_allclose(steps[[0, 10, -1]], [-4, 0, 4], atol=1e-6)
-    assert found.deviation.min() == 0
-    assert found.deviation[10] < 0.05
-    white = np.polyfit(steps, found.deviation, 2)[0]
-    np.testing.assert_allclose(found.deviation, white * steps**2, atol=0.7)
+    likelihood = row_fit.likelihood(rows, camera.model, light=light)
+    steps = np.linspace(-4, 4, 9)
+    deviance = []
+    for step in steps:
+        start = fit.timing | {"time_constant": fit.timing["time_constant"] + step * fit.estimate.u("time_constant")}
+        deviance.append(minimise(likelihood, start=start, held=("time_constant",)).at.deviance)
+    lost = np.array(deviance) - min(deviance)
+    assert lost[4] < 0.05
+    white = np.polyfit(steps, lost, 2)[0]
+    np.testing.assert_allclose(lost, white * steps**2, atol=0.7)
     assert 0.95 < white < 2.0  # the stated uncertainty is never below that of white noise
 
 
