@@ -17,9 +17,8 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.physics.camera import Camera
-from irtiming.physics.wheel_harmonics import later, open_harmonics
+from irtiming.physics.wheel_harmonics import later
 from irtiming.records.arrays import Array, ComplexArray
-from irtiming.records.wheel_geometry import WheelModel
 
 EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
 """Delays of row 0 as the passing of each wheel edge gives them."""
@@ -81,19 +80,6 @@ def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray
     by_response = _edges(rows, timing).sum(axis=0) * slope * turned
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
     return np.asarray(edges.sum(axis=0) * turned), np.concatenate([by_edge, by_response[None], by_readout])
-
-
-def point(model: WheelModel, camera: Camera, *, omega: float, timing: Timing) -> ComplexArray:
-    """Harmonics of a pixel of row 0 at the opening's bisector, shape (M + 1,); ``omega`` in rad/s."""
-    n = camera.n_harmonics
-    one = RowSum(
-        camera=camera,
-        open_harmonics=open_harmonics(model, n),
-        row_harmonics=np.ones((1, n + 1), complex),
-        row_px=np.zeros(1),
-        angular_frequency_rad_per_s=omega,
-    )
-    return harmonics(one, timing)[0]
 
 
 def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
