@@ -9,6 +9,8 @@ from irtiming.errors import ArchiveError
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.recording import USUAL_READOUT
 
+_USUAL_ROW_DELAY_S = 20e-6
+
 
 def read_camera(path: str | Path) -> Camera:
     """The camera in the prediction of a result JSON of ``irtiming analyse``.
@@ -45,5 +47,5 @@ def _camera(found: dict[str, Any]) -> Camera:
     return replace(
         cooled,
         integration_time_s=found.get("integration_time") or cooled.integration_time_s,
-        row_delay_s=found.get("row_delay") if rolls else None,
+        row_delay_s=(found.get("row_delay") or _USUAL_ROW_DELAY_S) if rolls else None,
     )

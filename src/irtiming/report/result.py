@@ -215,6 +215,8 @@ def _predicted(analysis: Analysis) -> dict[str, Any] | None:
         camera["time_constant"] = stated["time_constant"][0] if "time_constant" in stated else None
     else:
         camera["integration_time"] = analysis.recordings[0].integration_time_s
+    if "row_delay" in stated:
+        camera["row_delay"] = stated["row_delay"][0]
     return {
         "camera": camera,
         "parameters": {

@@ -1,5 +1,6 @@
 """What a person orders checks itself: contradictions are refused before any work."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -79,3 +80,16 @@ def test_a_described_camera_is_the_papers_but_for_what_is_said():
     assert camera(Described(opening_pixels=5.0)).opening_pixels == 5.0
     with pytest.raises(PlanError, match="time_constant_s with a photon camera"):
         camera(Described(time_constant_s=0.0))
+
+
+@pytest.mark.parametrize("told", [{}, {"row_delay": 30e-6}])
+@pytest.mark.parametrize("kind", ["photon", "microbolometer"])
+def test_the_camera_of_a_result_keeps_its_readout(tmp_path, kind, told):
+    """Oracle: by hand; also where the result tells no row delay."""
+    found = {"camera": kind, "readout_mode": "rolling", "noise_to_contrast": 0.01, "opening_pixels": 300.0, **told}
+    for mode in ("rolling", "snapshot"):
+        (tmp_path / "r.json").write_text(json.dumps({"prediction": {"camera": {**found, "readout_mode": mode}}}))
+        seen = camera(Described(like=tmp_path / "r.json"))
+        assert (seen.camera_type, seen.readout_mode) == (kind, mode)
+        if told and mode == "rolling":
+            assert seen.row_delay_s == 30e-6
