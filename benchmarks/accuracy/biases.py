@@ -22,13 +22,10 @@ from distortion import beside_the_middle
 from irtiming import measurement
 from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
 from irtiming.records.rig import CameraOptics, Measured, Rig
-from irtiming.reduce.opening import axle_view
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
 from irtiming.twin.scene import BolometerTiming, Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed
-
-_DEGREE = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,37 +51,8 @@ def without_shares() -> Any:
 
 
 def field_taken_for_light() -> Any:
-    """The mask's edges are traced in the contrast as it is, mirror image and plate included."""
-    return patch.object(axle_view.opening_share, "of_pixels", lambda contrast, **_: (contrast, np.zeros_like(contrast)))
-
-
-@contextmanager
-def plateau_frames() -> Iterator[None]:
-    """Contrast from open and covered frames, evened out by a polynomial that is fitted within the opening."""
-    locate, seen = axle_view.locate, []
-
-    def located(harmonic: Any, opening: Any, **named: Any) -> Any:
-        seen[:] = [opening]
-        return locate(harmonic, opening, **named)
-
-    def contrast(*_: Any) -> np.ndarray:
-        row0, row1, column0, column1 = seen[0].roi
-        step = seen[0].open_frame_dn - seen[0].covered_frame_dn
-        peaks = seen[0].histogram
-        return np.asarray((step / (peaks.blackbody_dn - peaks.plate_dn))[row0:row1, column0:column1])
-
-    def evened(light: np.ndarray, *, inside: np.ndarray, **_: Any) -> tuple[np.ndarray, np.ndarray]:
-        rows, columns = (np.linspace(-1, 1, n) for n in light.shape)
-        terms = [np.multiply.outer(rows**a, columns**b) for a in range(_DEGREE + 1) for b in range(_DEGREE + 1 - a)]
-        found, *_ = np.linalg.lstsq(np.array([term[inside] for term in terms]).T, light[inside], rcond=None)
-        return light / np.einsum("k,kij->ij", found, np.array(terms)), np.zeros_like(light)
-
-    with (
-        patch.object(axle_view, "locate", located),
-        patch.object(axle_view, "_contrast", contrast),
-        patch.object(axle_view.opening_share, "of_pixels", evened),
-    ):
-        yield
+    """What the wheel reflects of the camera is taken for even."""
+    return patch.object(sector_fit, "_FIELD_PRIORS", (1e-9, 1e-9))
 
 
 @contextmanager
@@ -116,15 +84,9 @@ def sharp_with_dead_pixels() -> Scene:
 BIASES = (
     Bias(name="mask beside the axle", quantities=("trigger_delay",), before=without_mask_shift),
     Bias(
-        name="mirror image on one end of the opening",
+        name="reflection on one end of the opening",
         quantities=("trigger_delay",),
         before=field_taken_for_light,
-        scene=lambda: beside_the_middle(paper_scene(256, 320)),
-    ),
-    Bias(
-        name="mask traced on plateau frames",
-        quantities=("trigger_delay",),
-        before=plateau_frames,
         scene=lambda: beside_the_middle(paper_scene(256, 320)),
     ),
     Bias(

@@ -12,16 +12,16 @@ from irtiming.estimate import (
     row_fit,
     row_light,
     sector_fit,
+    shape,
     wheel_geometry,
 )
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.inference.optimiser import Linearised
-from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing, timing_names
-from irtiming.records.arrays import Array, ComplexArray
-from irtiming.records.reduced import AxleView, ReducedRecording
+from irtiming.records.arrays import ComplexArray
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
@@ -83,7 +83,10 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
         row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
-    seen = tuple(replace(one, axle=_axle(view.sector)) for one, view in zip(recordings, view_of, strict=True))
+    seen = tuple(
+        replace(one, axle=shape.view(view.sector, one.opening.summed))
+        for one, view in zip(recordings, view_of, strict=True)
+    )
     return FittedRows(
         recordings=seen,
         geometry=wheel_geometry.geometry(seen, rig, slots="learned", off_axle_mask=False),
@@ -121,7 +124,7 @@ def _in_turns(
     for n_round in range(_MOST_ROUNDS):
         starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(groups)
         sectors = [
-            sector_fit.fit([recordings[k] for k in members], model, rig=rig, lag=_lag(timing), start=start)
+            sector_fit.fit([recordings[k] for k in members], model, rig=rig, timing=timing, start=start)
             for members, timing, start in zip(groups, timings, starts, strict=True)
         ]
         views = [
@@ -168,12 +171,8 @@ def _rows_fitted(
 def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: WheelModel, rig: Rig) -> ComplexArray:
     """Derivatives of the light to the sector's numbers."""
     members = [recordings[k] for k in view.members]
-    varied = sector_fit.variations(members, model, rig=rig, lag=_lag(view.timing), found=view.sector)
+    varied = sector_fit.variations(members, model, rig=rig, timing=view.timing, found=view.sector)
     return row_light.changes(view.light, varied)
-
-
-def _lag(timing: Timing) -> tuple[Array, float]:
-    return np.array([timing[name] for name in EDGE_DELAYS]), timing.get("time_constant", 0.0)
 
 
 def _mean(timings: list[dict[str, float]]) -> Timing:
@@ -190,22 +189,3 @@ def _agree(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> b
         if name not in EDGE_DELAYS
     ]
     return max(moves, default=0.0) < _AGREED
-
-
-def _axle(sector: SectorFit) -> AxleView:
-    """Axle and mask as the report shows them, polar angles in the image as it is."""
-    shape, covariance = sector.shape, sector.covariance
-    light = sector.model_contrast
-    bisector = float(np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad)
-    apart, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
-    sense = -1.0 if shape.mirrored else 1.0
-    return AxleView(
-        row_px=shape.axle_row_px,
-        column_px=shape.axle_column_px,
-        u_centre_px=float(np.sqrt(max(covariance[0, 0], covariance[1, 1]))),
-        bisector_rad=bisector,
-        u_bisector_rad=float(np.sqrt(covariance[6, 6])),
-        mean_angle_rad=bisector + sense * float(np.sum(light * apart) / np.sum(light)),
-        distortion=shape.distortion,
-        u_distortion=float(np.sqrt(covariance[9, 9])),
-    )

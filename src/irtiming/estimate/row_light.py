@@ -1,6 +1,6 @@
 """How the opening's light lies over polar angle, row by row: the sector of the contrast image, and what it leaves over."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import final
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
-from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
+from irtiming.records.arrays import ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
@@ -90,9 +90,9 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
     return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
 
 
-def shape_of(numbers: Array, mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
-    """Sector with these numbers, shape (10,) or more, in the order of SHAPE_NUMBERS, in an image of so many rows and columns."""
-    named = dict(zip(SHAPE_NUMBERS, map(float, numbers[: len(SHAPE_NUMBERS)]), strict=True))
+def shape_of(numbers: Mapping[str, float], mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
+    """Sector with these numbers, among others, in an image of so many rows and columns."""
+    named = {name: float(numbers[name]) for name in SHAPE_NUMBERS}
     return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
 
 

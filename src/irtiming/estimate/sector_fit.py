@@ -12,7 +12,7 @@ A lens that distorts moves the phases where the axle is not in the middle of the
 nor does the lens matter; then what rig.toml states holds, or that few lenses distort more than tenths.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -22,20 +22,11 @@ from scipy.optimize import least_squares
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, shape_of
-from irtiming.estimate.sector_image import (
-    BLUR,
-    DISTORTION,
-    PHASE,
-    RING_INNER,
-    RING_OUTER,
-    ROW_DELAY,
-    SCALES,
-    Look,
-    SeenContrast,
-    View,
-)
-from irtiming.physics import lens
-from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.estimate.sector_image import NUMBERS, Look, SeenContrast, View
+from irtiming.physics import blurred_sector, lens
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import Timing
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Measured, Rig
 from irtiming.records.row_timing import SectorFit
@@ -48,27 +39,58 @@ _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
 _FIRST_SCATTER = 0.02
 _MOST_EVALUATIONS = 30
+_FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
-_N_PRIORS = 3
+_N_PRIORS = 4
+_CLUSTER_PX = 3.0
+_INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
+_SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
+_ODD = 10  # times the standard deviation
+_BLUR_SHAPE = (
+    0.2  # of the blur's width: where the light of a pixel on the border may lie beside the middle that a Gaussian gives
+)
+_SCALES = dict.fromkeys(NUMBERS, 1.0) | {
+    "bisector_rad": 0.05,
+    "opening_angle_rad": 0.05,
+    "blur_px": 0.5,
+    "distortion": 0.02,
+    "row_delay_s": 1e-5,
+    "turn_rad": 0.02,
+    "ring_inner_px": 2.0,
+    "ring_outer_px": 2.0,
+    "plate_reflection": 0.3,
+}
+_LIMITS = {
+    "inner_radius_px": (0.0, np.inf),
+    "ring_inner_px": (0.0, np.inf),
+    "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
+    "distortion": (lens.LOWEST, lens.HIGHEST),
+    "plate_reflection": (0.0, 1.0),
+}
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Images:
-    """Contrast images, one per wheel speed, the region to look at, and uncertainties along each pixel's phase, DN."""
+    """Contrast images, one per wheel speed, the region, and uncertainties along (real) and across each pixel's phase, DN."""
 
     seen: list[Look]
     view: View
-    along: list[Array]
+    u_dn: list[ComplexArray]
 
-    def contrast(self, numbers: Array) -> SeenContrast:
-        return sector_image.contrast(self.seen, numbers, view=self.view, u_along_dn=self.along)
+    def contrast(self, numbers: Mapping[str, float]) -> SeenContrast:
+        return sector_image.contrast(self.seen, numbers, view=self.view, u_dn=self.u_dn)
+
+    def misfit(self, numbers: Mapping[str, float]) -> list[Array]:
+        return [
+            sector_image.fitted(look, numbers, view=self.view, u_dn=u).misfit
+            for look, u in zip(self.seen, self.u_dn, strict=True)
+        ]
 
 
 def fit(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float],
-    start: SectorFit | None = None,
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit | None = None
 ) -> SectorFit:  # fmt: skip
     """Sector fitted to the contrast images of all recordings.
 
@@ -80,8 +102,8 @@ def fit(
         Geometry of wheel and gates.
     rig
         Which way the wheel turns, and what is known of the lens.
-    lag
-        Edge delays (4,) and time constant as known so far, s; they matter only where frames are missing.
+    timing
+        As known so far.
     start
         An earlier fit; without one it starts at what the image shows.
 
@@ -90,34 +112,66 @@ def fit(
     EstimationError
         If the image shows no sector.
     """
-    images = _images(recordings, wheel, rig=rig, lag=lag, known=start)
-    seen, view, along = images.seen, images.view, images.along
-    begin = _begin(seen[0], view, rig) if start is None else _numbers(start)
+    images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
+    begin = _begin(images.seen[0], images.view, rig) if start is None else _numbers(start)
+    is_rolling = camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS
+    free = [name for name in NUMBERS if is_rolling or name != "row_delay_s"]
 
-    def misfit(numbers: Array) -> Array:
-        fits = [
-            sector_image.fitted(look, numbers, view=view, u_along_dn=u) for look, u in zip(seen, along, strict=True)
-        ]
-        return np.concatenate([_priors(numbers, rig.camera.distortion), *(one.misfit for one in fits)])
+    def misfit(at: Array) -> Array:
+        numbers = begin | dict(zip(free, at, strict=True))
+        return np.concatenate([_priors(numbers, rig.camera.distortion), *images.misfit(numbers)])
 
-    low, high = np.full(SCALES.size, -np.inf), np.full(SCALES.size, np.inf)
-    low[[4, RING_INNER]], low[BLUR], high[BLUR] = 0.0, _SHARPEST_PX, _MOST_BLURRED_PX
-    low[DISTORTION], high[DISTORTION] = lens.LOWEST, lens.HIGHEST
-    begin = np.clip(begin, low + 1e-6, high - 1e-6)
-    found = least_squares(misfit, begin, x_scale=SCALES, bounds=(low, high), max_nfev=_MOST_EVALUATIONS, ftol=1e-6)
-    numbers, residual = np.asarray(found.x), np.asarray(found.fun)
-    _check(numbers, recordings[0])
-    n_good = int(view.good.sum())
-    pixels = np.concatenate(
-        [_N_PRIORS + np.arange(2 * n_good) + k * ((residual.size - _N_PRIORS) // len(seen)) for k in range(len(seen))]
+    inward = np.array([_INWARD * _SCALES[name] for name in free])
+    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
+    found = least_squares(
+        misfit,
+        np.clip([begin[name] for name in free], low + inward, high - inward),
+        x_scale=[_SCALES[name] for name in free],
+        bounds=(low, high),
+        max_nfev=_MOST_EVALUATIONS,
+        ftol=_FIRST_GAIN if start is None else _GAIN,
     )
-    covariance = _covariance(np.asarray(found.jac), residual, pixels.reshape(2 * len(seen), n_good))
-    told = _told(images, numbers, known=(covariance, float(np.mean(residual[pixels] ** 2))))
+    numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
+    _check(numbers, recordings[0])
+    covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
+    at = [NUMBERS.index(name) for name in free]
+    clusters = _clusters(images, numbers, residual.size)
+    covariance[np.ix_(at, at)] = _covariance(np.asarray(found.jac), residual, clusters)
+    told = _told(images, numbers, known=(covariance, _chi_square(images, residual[clusters >= 0])))
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
 
 
+def _chi_square(images: _Images, residual: Array) -> float:
+    """Mean square of the pixels' residuals, without those across the phase where the blur's shape is not known."""
+    good = images.view.good
+    parts = [
+        np.concatenate([good[good], (u.imag < _SURE * look.u_dn)[good]])
+        for look, u in zip(images.seen, images.u_dn, strict=True)
+    ]
+    return float(np.mean(residual[np.concatenate(parts)] ** 2))
+
+
+def _clusters(images: _Images, numbers: Mapping[str, float], n_residual: int) -> Ticks:
+    """Number of the cluster of each residual, -1 for priors, shape (n_residual,).
+
+    Along its phase a pixel has gain and light of its own; across it, the errors of the wheel's angle in the frames in which an
+    edge passes, which it shares with all pixels of its sector of a few pixels' width.
+    """
+    view = images.view
+    angle, radius = blurred_sector.pixel_places(shape_of(numbers, view.mirrored, image=view.image), roi=view.roi)
+    width = _CLUSTER_PX / float(radius[view.good].mean())
+    sector = np.unique((angle[view.good] / width).astype(np.int64), return_inverse=True)[1]
+    n_good = sector.size
+    own = np.concatenate([np.arange(n_good), n_good + sector])
+    length, out = (n_residual - _N_PRIORS) // len(images.seen), np.full(n_residual, -1)
+    for k in range(len(images.seen)):
+        first = _N_PRIORS + k * length
+        out[first : first + own.size] = own + k * (own.max() + 1)
+    return out
+
+
 def variations(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, lag: tuple[Array, float], found: SectorFit
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, found: SectorFit
 ) -> tuple[Variation, ...]:
     """The fitted sector with each number of its shape a little larger and smaller, and what the same images then leave over.
 
@@ -128,28 +182,23 @@ def variations(
     -------
     One for each number of the shape, in the order of its covariance.
     """
-    images = _images(recordings, wheel, rig=rig, lag=lag, known=found)
+    images = _images(recordings, wheel, rig=rig, timing=timing, known=found)
     numbers = _numbers(found)
     varied = []
-    for step, one in zip(SHAPE_STEPS, np.eye(len(SHAPE_STEPS), numbers.size), strict=True):
+    for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True):
         ahead, behind = (
             replace(found, **_light(images.contrast(moved), moved, view=images.view))
-            for moved in (numbers + step * one, numbers - step * one)
+            for moved in (numbers | {name: numbers[name] + way * step} for way in (1, -1))
         )
         varied.append(Variation(ahead=ahead, behind=behind, distance=2 * step))
     return tuple(varied)
 
 
 def _images(
-    recordings: Sequence[ReducedRecording],
-    wheel: WheelModel,
-    *,
-    rig: Rig,
-    lag: tuple[Array, float],
-    known: SectorFit | None,
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, known: SectorFit | None
 ) -> _Images:
     first = recordings[0]
-    seen = sector_image.looks(recordings, wheel, lag=lag)
+    seen = sector_image.looks(recordings, wheel, timing=timing)
     good = np.asarray(np.all([one.contrast_image.good for one in recordings], axis=0))
     view = View(
         roi=first.contrast_image.roi,
@@ -159,42 +208,53 @@ def _images(
         mirrored=rig.wheel.rotation == "counterclockwise",
         field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.unevenness, *_FIELD_PRIORS)),
     )
-    imperfect = np.full(good.shape, _FIRST_SCATTER) if known is None else _imperfect(known)
-    return _Images(seen=seen, view=view, along=[np.hypot(look.u_dn, imperfect * look.full_dn) for look in seen])
+    if known is not None:
+        seen = [sector_image.turned(look, _numbers(known), view=view) for look in seen]
+    imperfect = complex(_FIRST_SCATTER) if known is None else _imperfect(known)
+    u_dn = [
+        np.hypot(look.u_dn, imperfect.real * look.full_dn) + 1j * np.hypot(look.u_dn, imperfect.imag * look.full_dn)
+        for look in seen
+    ]
+    return _Images(seen=seen, view=view, u_dn=[u + np.zeros(good.shape) for u in u_dn])
 
 
-def _begin(seen: Look, view: View, rig: Rig) -> Array:
+def _begin(seen: Look, view: View, rig: Rig) -> dict[str, float]:
     """What the image shows, through the lens that rig.toml states."""
-    numbers = sector_image.first_guess(seen, view)
-    numbers[DISTORTION] = rig.camera.distortion.value
-    return numbers
+    return sector_image.first_guess(seen, view) | {"distortion": rig.camera.distortion.value}
 
 
-def _told(images: _Images, numbers: Array, *, known: tuple[Array, float]) -> SectorFit:
+def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, float]) -> SectorFit:
     """The measured contrast, split into sector, plate and excess, with the covariance and how well all fits."""
     view, seen = images.view, images.contrast(numbers)
     inside = view.good & (seen.light > _WELL_INSIDE)
     border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
+    weight = _border_weight(seen.light, numbers["blur_px"])
+    gains = _scatter(seen.residual[inside], seen.u)
+    burrs = _scatter((seen.residual / weight)[border], seen.u)
     covariance, chi_square = known
+    row_delay = NUMBERS.index("row_delay_s")
     return SectorFit(
         **_light(seen, numbers, view=view),
+        names=SHAPE_NUMBERS,
         covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
         contrast=seen.model + seen.residual,
         model_contrast=seen.light,
         unevenness=seen.unevenness,
-        gain_scatter=_scatter(seen.residual[inside], seen.u),
-        border_scatter=_scatter((seen.residual / _border_weight(seen.light))[border], seen.u),
-        phase_rad=float(numbers[PHASE]),
-        ring_radii_px=(float(numbers[RING_INNER]), float(numbers[RING_OUTER])),
-        row_delay_s=float(numbers[ROW_DELAY]),
-        u_row_delay_s=float(np.sqrt(covariance[ROW_DELAY, ROW_DELAY])),
+        gain_scatter=gains,
+        border_scatter=burrs,
+        odd=_odd(seen, weight, gain_scatter=gains, border_scatter=burrs),
+        turn_rad=numbers["turn_rad"],
+        ring_radii_px=(numbers["ring_inner_px"], numbers["ring_outer_px"]),
+        plate_reflection=numbers["plate_reflection"],
+        row_delay_s=numbers["row_delay_s"],
+        u_row_delay_s=float(np.sqrt(covariance[row_delay, row_delay])),
         reduced_chi_square=chi_square,
         roi=view.roi,
         n_rounds=1,
     )
 
 
-def _light(seen: SeenContrast, numbers: Array, *, view: View) -> dict[str, Any]:
+def _light(seen: SeenContrast, numbers: Mapping[str, float], *, view: View) -> dict[str, Any]:
     """Where the light comes from: the fields of a `SectorFit` that say so."""
     summed = np.where(view.summed, 1.0, 0.0)
     return {
@@ -224,33 +284,52 @@ def _scatter(residual: Array, u: float) -> float:
     return float(np.sqrt(max(beyond, 0.0)))
 
 
-def _border_weight(light: Array) -> Array:
-    """1 where half of a pixel is in the light, 0 well inside and well outside."""
-    return np.asarray(np.maximum(4 * light * (1 - light), 1e-6))
+def _odd(seen: SeenContrast, border: Array, *, gain_scatter: float, border_scatter: float) -> Mask:
+    """Pixels that stray from the model far more than noise, gains and the border's weight (roi rows, roi columns) let them."""
+    usual = np.hypot(np.hypot(seen.u, gain_scatter), border_scatter * border)
+    return np.asarray(np.abs(seen.residual) > _ODD * usual)
 
 
-def _imperfect(found: SectorFit) -> Array:
-    """Standard deviation of a pixel's contrast because pixels differ in gain, and masks from sectors at their border."""
+def _border_weight(light: Array, blur_px: float) -> Array:
+    """Standard deviation of the light of pixels on the border; 1 where half of a pixel is in the light, 0 far from there.
+
+    Its square goes as the slope of the light: then all pixels across a border count alike in where the border lies, which is
+    where their light adds up to, whatever the shape of the blur.
+    """
+    slope = np.hypot(*np.gradient(light)) * np.sqrt(2 * np.pi) * blurred_sector.reach_px(blur_px)
+    return np.asarray(np.sqrt(np.maximum(slope, 1e-6)))
+
+
+def _imperfect(found: SectorFit) -> ComplexArray:
+    """Standard deviation of a pixel's contrast because pixels differ in gain, and masks from sectors at their border.
+
+    Along the phase, real, and across, imaginary. Where the light ends within a pixel, its middle depends on the blur's shape, and
+    the phase is twice its polar angle.
+    """
     light = np.clip(found.model_contrast, 0, 1)
-    return np.asarray(np.hypot(found.gain_scatter * light, found.border_scatter * _border_weight(light)))
+    border = _border_weight(light, found.shape.blur_px)
+    across = 2 * _BLUR_SHAPE * border * blurred_sector.angular_reach(found.shape, roi=found.roi)
+    along = np.hypot(found.gain_scatter * light, found.border_scatter * border)
+    return np.asarray(np.where(found.odd, 1 + 1j, along + 1j * across))
 
 
-def _numbers(found: SectorFit) -> Array:
-    return np.array(
-        [
-            *(getattr(found.shape, name) for name in SHAPE_NUMBERS),
-            found.row_delay_s,
-            found.phase_rad,
-            *found.ring_radii_px,
-        ]
-    )
+def _numbers(found: SectorFit) -> dict[str, float]:
+    return {name: getattr(found.shape, name) for name in SHAPE_NUMBERS} | {
+        "row_delay_s": found.row_delay_s,
+        "turn_rad": found.turn_rad,
+        "ring_inner_px": found.ring_radii_px[0],
+        "ring_outer_px": found.ring_radii_px[1],
+        "plate_reflection": found.plate_reflection,
+    }
 
 
-def _priors(numbers: Array, distortion: Measured) -> Array:
-    """A loose word on the radii of the cutouts, for where the plate does not show, and what is known of the lens."""
-    margin = np.array([numbers[4] - numbers[RING_INNER], numbers[RING_OUTER] - numbers[5]])
-    off = (numbers[DISTORTION] - distortion.value) / max(distortion.standard_uncertainty, _FIRMEST_DISTORTION)
-    return np.array([*(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX, off])
+def _priors(numbers: Mapping[str, float], distortion: Measured) -> Array:
+    """A loose word on the radii of the cutouts and the plate's reflection, for where they do not show, and on the lens."""
+    inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
+    outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
+    off = (numbers["distortion"] - distortion.value) / max(distortion.standard_uncertainty, _FIRMEST_DISTORTION)
+    margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
+    return np.array([*margins, numbers["plate_reflection"], off])
 
 
 def _summed(rows: ReducedRecording) -> Mask:
@@ -258,27 +337,28 @@ def _summed(rows: ReducedRecording) -> Mask:
     return rows.opening.summed[first_row:end_row, first_column:end_column]
 
 
-def _check(numbers: Array, rows: ReducedRecording) -> None:
-    width, off = numbers[5] - numbers[4], float(np.hypot(numbers[2], numbers[3]))
-    if not (width > 3 and 0.1 < numbers[7] < np.pi and off < 0.3 * numbers[5]):
+def _check(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
+    inner, outer, angle = (numbers[name] for name in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
+    off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"]))
+    if not (outer - inner > 3 and 0.1 < angle < np.pi and off < 0.3 * outer):
         raise EstimationError(
-            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {numbers[4]:.1f} .. "
-            f"{numbers[5]:.1f} px, {np.degrees(numbers[7]):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
+            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
+            f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
             "must be in view, sharp, and covered by the wheel alone"
         )
 
 
-def _covariance(jacobian: Array, residual: Array, pixels: Ticks) -> Array:
-    """Covariance that holds for pixels that differ from the model by more than noise, each a cluster of its own.
+def _covariance(jacobian: Array, residual: Array, clusters: Ticks) -> Array:
+    """Covariance that holds for residuals that differ from the model by more than noise, alike within a cluster.
 
-    ``pixels`` (n, n_good) are the places in the residual that belong to each pixel. In no direction is it smaller than noise
-    and priors alone would make it.
+    ``clusters`` (m,) numbers those of the residuals, -1 for priors. In no direction is it smaller than noise and priors alone
+    would make it.
     """
     scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     scaled = jacobian / np.where(scale > 0, scale, 1)
     sizes, axes = np.linalg.eigh(scaled.T @ scaled)
     white = axes / np.sqrt(np.maximum(sizes, 1e-12 * sizes[-1]))  # its square is the covariance of white noise
-    scores = (scaled * residual[:, None])[pixels].sum(axis=0) @ white
-    spread, turn = np.linalg.eigh(scores.T @ scores)
+    scores = np.array([np.bincount(clusters + 1, one)[1:] for one in ((scaled * residual[:, None]) @ white).T])
+    spread, turn = np.linalg.eigh(scores @ scores.T)
     root = white @ turn * np.sqrt(np.maximum(spread, 1.0)) / np.where(scale > 0, scale, 1)[:, None]
     return np.asarray(root @ root.T)

@@ -1,13 +1,13 @@
 """The contrast image that a blurred sector would give, and what a measured one says of it.
 
-Fourteen numbers are searched for: the ten of the sector's shape, the row delay in s, the phase of the image, and the radii in
-px of the ring that the wheel's cutouts sweep. Others enter linearly and are solved for at each step: the contrast of the
-opening; that of the mask plate beside it, seen where the wheel is cut out, for it need not be as warm as the wheel; and a
-smooth field over the ring, since the solid wheel mirrors the camera unevenly.
+The numbers that are searched for go by name: those of the sector's shape, the row delay, the phase of the image, the radii of the
+ring that the wheel's cutouts sweep, and how much of the wheel's reflection the mask plate shows too. Others enter linearly and
+are solved for at each step: the contrast of the opening; that of the mask plate beside it, seen where the wheel is cut out, for
+it need not be as warm as the wheel; and a smooth field over the ring, since the solid wheel reflects the camera unevenly.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -15,20 +15,24 @@ import numpy as np
 from scipy import ndimage
 from scipy.special import ndtr
 
-from irtiming.estimate.row_light import shape_of
-from irtiming.physics import blurred_sector, smooth_field, wheel_harmonics
-from irtiming.physics.response import first_order_lag
-from irtiming.physics.response.first_order_lag import HARMONICS
+from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
+from irtiming.physics.smooth_field import SmoothField
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
-SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.05, 0.05, 0.5, 0.02, 1e-5, 0.05, 2.0, 2.0])
-BLUR, DISTORTION, ROW_DELAY, PHASE, RING_INNER, RING_OUTER = 8, 9, 10, 11, 12, 13
+NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_outer_px", "plate_reflection")
+"""Names of all numbers that are searched for."""
+
 _TABLE = 8192
+_HARMONICS = 256  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _CENTRE_STEPS = 9
+_HERMITE = np.sqrt(3.0)  # place of the outer two of the three nodes of a Gauss-Hermite quadrature, of weight 1/6
 _FIRST_BLUR_PX = 0.7
 _CUTOUT_MARGIN_PX = 1.5
 
@@ -38,8 +42,8 @@ _CUTOUT_MARGIN_PX = 1.5
 class View:
     """Region of interest, good pixels and summed pixels in it, shape (roi rows, roi columns); mirrored or not.
 
-    ``image`` is the number of rows and columns of the whole image, ``field_prior`` how high, roughly, the hills of the smooth
-    field may be, as a share of the contrast.
+    ``image`` is the number of rows and columns of the whole image, ``field_prior`` how high, roughly, the basis functions of the
+    smooth field may be, as a share of the contrast.
     """
 
     roi: tuple[int, int, int, int]
@@ -50,9 +54,9 @@ class View:
     field_prior: float
 
     @cached_property
-    def field_terms(self) -> Array:
-        """Hills over the region, of which a smooth field is made; shape (n, roi rows, roi columns)."""
-        return smooth_field.hills(self.rows.ravel(), self.columns.ravel())
+    def field(self) -> SmoothField:
+        """Over the region."""
+        return SmoothField.over(self.rows.ravel(), self.columns.ravel())
 
     @cached_property
     def stand_ins(self) -> list[tuple[int, int, list[int]]]:
@@ -81,8 +85,9 @@ class Look:
 
     ``table`` (8192,) is the projection of a point of light over its polar angle from the bisector, made with the weights of
     the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
-    ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors shift it at each speed by
-    another angle, and the phase among the numbers is that of the first image.
+    ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
+    another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
+    far as known.
     """
 
     projection: ComplexArray
@@ -91,6 +96,7 @@ class Look:
     omega: float
     full_dn: float
     own_phase: bool = False
+    turn_rad: float = 0.0
 
     def values(self, angle_rad: Array) -> ComplexArray:
         """The table at any angle, by linear interpolation; same shape."""
@@ -105,10 +111,10 @@ class Look:
 class Fitted:
     """The model at some numbers.
 
-    ``misfit`` (2 n_good + prior,) holds the deviations of the good pixels along and across their phase, and of the field from
+    ``misfit`` (2 n_good + n_basis,) holds the deviations of the good pixels along and across their phase, and of the field from
     its prior, over their uncertainties; ``left_dn`` (roi rows, roi columns) those along the phase, measured minus model, DN.
     ``full_dn`` is a pixel wholly in the light, ``plate`` the plate's contrast as a share of it, ``field`` (roi rows, roi
-    columns) the smooth one and ``unevenness`` its standard deviation over the ring.
+    columns) the smooth one where the wheel turns, with its ``coverage``, and ``unevenness`` its standard deviation over the ring.
     """
 
     misfit: Array
@@ -116,6 +122,7 @@ class Fitted:
     full_dn: float
     plate: float
     field: Array
+    coverage: Array
     unevenness: float
 
 
@@ -125,7 +132,7 @@ class SeenContrast:
     """Contrast in the terms of the sector; arrays of shape (roi rows, roi columns).
 
     ``light`` is the sector's share in each pixel, ``ring`` that of the ring that the cutouts sweep, ``plate`` the plate's
-    contrast as a share of the opening's, ``field`` the smooth one with ``unevenness`` as its standard deviation over the ring,
+    contrast as a share of the opening's, ``field`` the smooth one as it shows, with ``unevenness`` as its standard deviation,
     ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty ``u``; ``light_angle_rad`` is
     the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of its centre, both from the bisector.
     """
@@ -143,7 +150,7 @@ class SeenContrast:
     @property
     def over_ring(self) -> Array:
         """What plate and field add wherever the cutouts pass."""
-        return self.ring * (self.plate + self.field)
+        return self.ring * self.plate + self.field
 
     @property
     def model(self) -> Array:
@@ -151,8 +158,8 @@ class SeenContrast:
         return (1 - self.plate) * self.light + self.over_ring
 
 
-def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, lag: tuple[Array, float]) -> list[Look]:
-    """Contrast images added up by wheel speed; ``lag`` holds edge delays (4,) and time constant, s."""
+def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:
+    """Contrast images added up by wheel speed; ``timing``, as known so far, matters only where frames are missing."""
     found = list[Look]()
     for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
         group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
@@ -161,7 +168,7 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, lag: tup
             Look(
                 projection=projection,
                 u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
-                table=_point_table(group, wheel, lag),
+                table=_point_table(group, wheel, timing),
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.quantile(np.abs(projection), 0.9)),
                 own_phase=bool(found),
@@ -170,17 +177,16 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, lag: tup
     return found
 
 
-def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, lag: tuple[Array, float]) -> ComplexArray:
+def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: Timing) -> ComplexArray:
     """Projection of a point of light at each polar angle from the bisector, with the weights of the recordings."""
-    delays, tau = lag
-    order = np.arange(HARMONICS + 1)
+    order, delay_s = np.arange(_HARMONICS + 1), np.array([timing[name] for name in EDGE_DELAYS])
     spectrum = np.zeros(_TABLE, complex)
     for one in recordings:
-        omega = one.track.angular_frequency_rad_per_s
-        by_edge = wheel_harmonics.open_harmonics(wheel, HARMONICS) * wheel_harmonics.later(
-            omega * delays, n_harmonics=HARMONICS
+        omega, response = one.track.angular_frequency_rad_per_s, camera(one.camera_type, one.readout_mode).response
+        by_edge = wheel_harmonics.open_harmonics(wheel, _HARMONICS) * wheel_harmonics.later(
+            omega * delay_s, n_harmonics=_HARMONICS
         )
-        point = by_edge.sum(axis=0) * first_order_lag.transfer(omega, tau, n_harmonics=HARMONICS)
+        point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
         angle = wheel_angle_rad(one.trigger_delay_time_set_s, one.track, at_ticks=one.trigger_ticks)
         waves = np.exp(1j * np.multiply.outer(order, angle))
         np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
@@ -188,53 +194,94 @@ def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, lag: tup
     return np.fft.ifft(spectrum) * _TABLE
 
 
-def fitted(look: Look, numbers: Array, *, view: View, u_along_dn: Array) -> Fitted:
-    """Model for these numbers, shape (n_number,); what is linear is solved for by weighted least squares over the good pixels."""
-    shape, row_turn = shape_of(numbers, view.mirrored, image=view.image), look.omega * numbers[ROW_DELAY]
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Parts:
+    """What the sector (complex) and the whole ring would show with a contrast of 1, turned back by each pixel's own phase.
+
+    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast.
+    """
+
+    lit: ComplexArray
+    ring: Array
+    seen: ComplexArray
+    size: Array
+
+
+def fitted(look: Look, numbers: Mapping[str, float], *, view: View, u_dn: ComplexArray) -> Fitted:
+    """Model for these numbers; what is linear is solved for by weighted least squares over the good pixels.
+
+    ``u_dn``, shape (row, column) of the region, holds the standard uncertainties of each pixel along its phase, real, and
+    across, imaginary.
+    """
+    parts = _parts(look, numbers, view)
+    lit, beside = parts.lit, parts.ring - parts.lit
+    cover = parts.ring - numbers["plate_reflection"] * beside.real
+    along: Array = view.good / np.square(u_dn.real)
+    across: Array = view.good / np.square(u_dn.imag)
+    levels = np.array([lit, beside])
+    light = np.asarray(lit.real, dtype=float)
+    mean = view.field.sums(light) / light.sum()  # an even field is the contrast, which lies where the light does
+
+    def told(image: Array) -> Array:
+        """Weighted sums of the field's terms, counted from their mean over the light, times an image along the phase."""
+        weighted = along * cover * image
+        return np.asarray(view.field.sums(weighted) - mean * weighted.sum())
+
+    mixed = np.array([told(np.asarray(level.real, dtype=float)) for level in levels])
+    weighted = np.array([level.real * along + 1j * (level.imag * across) for level in levels])
+    level_level = np.einsum("kij,lij->kl", weighted.conj(), levels).real
+    seen_level = np.einsum("kij,ij->k", weighted.conj(), parts.seen).real
+    plain = view.field.sums(along * cover**2)
+    total = float(np.sum(along * cover**2))
+    field_field = view.field.products(along * cover**2) - np.outer(mean, plain) - np.outer(plain - total * mean, mean)
+    prior = 1 / (view.field_prior * abs(seen_level[0] / level_level[0, 0]))
+    normal = np.block([[level_level, mixed], [mixed.T, field_field + prior**2 * np.eye(mean.size)]])
+    found = np.linalg.solve(normal, np.concatenate([seen_level, told(np.asarray(parts.seen.real, dtype=float))]))
+    field = view.field.at(found[2:]) - found[2:] @ mean
+    off = np.einsum("k,kij->ij", found[:2], levels) + field * cover - parts.seen
+    good = view.good
+    return Fitted(
+        misfit=np.concatenate([(off.real / u_dn.real)[good], (off.imag / u_dn.imag)[good], prior * found[2:]]),
+        left_dn=-off.real / parts.size,
+        full_dn=float(found[0]),
+        plate=float(found[1] / found[0]),
+        field=field / found[0],
+        coverage=cover / parts.size,
+        unevenness=_unevenness(field / found[0], parts.ring * good),
+    )
+
+
+def _parts(look: Look, numbers: Mapping[str, float], view: View) -> _Parts:
+    shape, turn = shape_of(numbers, view.mirrored, image=view.image), numbers["turn_rad"] + look.turn_rad
+    row_turn = look.omega * numbers["row_delay_s"]
     points = blurred_sector.border_points(shape)
-    value = look.values(points.angle_rad - row_turn * points.row_px) * np.exp(-2j * row_turn * points.row_px)
+    value = look.values(points.angle_rad - turn - row_turn * points.row_px) * np.exp(-2j * row_turn * points.row_px)
     border = blurred_sector.image(points, value, blur_px=shape.blur_px, roi=view.roi) * np.exp(
         2j * row_turn * view.rows
     )
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
-    point = look.values(angle - row_turn * view.rows)
-    point *= blurred_sector.pixel_smear(radius, blur_px=shape.blur_px, order=2)
+    smear = blurred_sector.angular_reach(shape, roi=view.roi)
+    at, aside = angle - turn - row_turn * view.rows, _HERMITE * smear
+    point = (look.values(at - aside) + 4 * look.values(at) + look.values(at + aside)) / 6
     sector = np.where(blurred_sector.well_inside(shape, roi=view.roi), point, border)
     size = np.abs(point)
     back = point.conj() / size
-    ring = _ring(radius, numbers) * size
-    lit = sector * back
-    phase = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else numbers[PHASE]
-    seen = look.projection * back * np.exp(-1j * phase)
-    along, across = 1 / u_along_dn[view.good], 1 / look.u_dn
-    two = np.stack([lit, ring - lit])[:, view.good]
-    levels = np.concatenate([two.real * along, two.imag * across], axis=1)
-    terms = _about_their_mean(view.field_terms, lit.real)
-    hills = (terms * ring)[:, view.good] * along  # they lie along the phase
-    target = np.concatenate([seen[view.good].real * along, seen[view.good].imag * across])
-    n_good, scale = along.size, float(levels[0] @ target) / float(levels[0] @ levels[0])
-    prior = 1 / (view.field_prior * abs(scale))
-    mixed = levels[:, :n_good] @ hills.T
-    normal = np.block([[levels @ levels.T, mixed], [mixed.T, hills @ hills.T + prior**2 * np.eye(len(hills))]])
-    found = np.linalg.solve(normal, np.concatenate([levels @ target, hills @ target[:n_good]]))
-    misfit = found[:2] @ levels - target
-    misfit[:n_good] += found[2:] @ hills
-    model = np.einsum("k,kij->ij", found[2:], terms)
-    left = seen.real - (found[0] * lit + found[1] * (ring - lit)).real - model * ring
-    return Fitted(
-        misfit=np.concatenate([misfit, prior * found[2:]]),
-        left_dn=left / size,
-        full_dn=float(found[0]),
-        plate=float(found[1] / found[0]),
-        field=model / found[0],
-        unevenness=_unevenness(model / found[0], ring * view.good),
+    own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
+    return _Parts(
+        lit=sector * back,
+        ring=_ring(radius, numbers) * size,
+        seen=look.projection * back * np.exp(-1j * own),
+        size=size,
     )
 
 
-def _about_their_mean(terms: Array, light: Array) -> Array:
-    """Terms less their mean over the light: a field that is even is the contrast, which lies where the sector's light does."""
-    mean = terms.reshape(len(terms), -1) @ light.ravel() / light.sum()
-    return np.asarray(terms - mean[:, None, None])
+def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
+    """The image with what its phase says of its own turn, if it has one."""
+    if not look.own_phase:
+        return look
+    parts = _parts(replace(look, own_phase=False), numbers, view)
+    own = float(np.angle(np.sum((parts.lit.conj() * parts.seen)[view.good])))
+    return replace(look, turn_rad=look.turn_rad + own / 2)
 
 
 def _unevenness(field: Array, ring: Array) -> float:
@@ -243,19 +290,22 @@ def _unevenness(field: Array, ring: Array) -> float:
     return float(np.sqrt(np.average((field - mean) ** 2, weights=ring)))
 
 
-def _ring(radius: Array, numbers: Array) -> Array:
-    width = float(np.hypot(numbers[BLUR], np.sqrt(1 / 12)))
-    return np.asarray(ndtr((radius - numbers[RING_INNER]) / width) * ndtr((numbers[RING_OUTER] - radius) / width))
+def _ring(radius: Array, numbers: Mapping[str, float]) -> Array:
+    width = float(np.hypot(numbers["blur_px"], np.sqrt(1 / 12)))
+    inner, outer = (
+        ndtr(side / width) for side in (radius - numbers["ring_inner_px"], numbers["ring_outer_px"] - radius)
+    )
+    return np.asarray(inner * outer)
 
 
-def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[Array]) -> SeenContrast:
-    """What the images say of each pixel beyond the model with these numbers, shape (n_number,)."""
+def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
+    """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = shape_of(numbers, view.mirrored, image=view.image)
     points = blurred_sector.light_points(shape)
     light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=view.roi).real
     moment = blurred_sector.image(points, points.angle_rad.astype(complex), blur_px=shape.blur_px, roi=view.roi).real
     centre, radius = blurred_sector.pixel_places(shape, roi=view.roi)
-    models = [fitted(look, numbers, view=view, u_along_dn=u) for look, u in zip(seen, u_along_dn, strict=True)]
+    models = [fitted(look, numbers, view=view, u_dn=u) for look, u in zip(seen, u_dn, strict=True)]
     weights = np.array([
         (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
@@ -265,7 +315,7 @@ def contrast(seen: list[Look], numbers: Array, *, view: View, u_along_dn: list[A
         light=np.asarray(light),
         ring=_ring(radius, numbers),
         plate=float(share @ [model.plate for model in models]),
-        field=np.sum([w * model.field for w, model in zip(share, models, strict=True)], axis=0),
+        field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),
         residual=_stood_in(np.asarray(left), view),
         u=float(1 / np.sqrt(weights.sum())),
@@ -282,11 +332,8 @@ def _stood_in(value: Array, view: View) -> Array:
     return out
 
 
-def first_guess(look: Look, view: View) -> Array:
-    """Numbers of the sector, shape (n_number,), about the centre that makes the phases twice the polar angles.
-
-    It is as large as the pixels of more than half contrast.
-    """
+def first_guess(look: Look, view: View) -> dict[str, float]:
+    """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast."""
     size = ndimage.median_filter(np.where(view.good, np.abs(look.projection), 0.0), 3)
     mask = (size > 0.5 * np.quantile(size, 0.9)) & view.summed & view.good
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
@@ -299,11 +346,19 @@ def first_guess(look: Look, view: View) -> Array:
     angle = min(2 * mask.sum() / max(outer**2 - inner**2, 1.0), 3.0)
     down, across = down / radius, across / radius
     turned = look.projection[mask] * look.values(np.arctan2(down, across) - middle).conj()
-    ring = (max(0.0, inner - _CUTOUT_MARGIN_PX), outer + _CUTOUT_MARGIN_PX)
-    phase = float(np.angle(np.sum(turned)))
-    return np.array([
-        centre[0], sense * centre[1], 0, 0, inner, outer, middle, angle, _FIRST_BLUR_PX, 0.0, 0.0, phase, *ring
-    ])  # fmt: skip
+    return dict.fromkeys(NUMBERS, 0.0) | {
+        "axle_row_px": float(centre[0]),
+        "axle_column_px": sense * float(centre[1]),
+        "inner_radius_px": inner,
+        "outer_radius_px": outer,
+        "bisector_rad": middle,
+        "opening_angle_rad": angle,
+        "blur_px": _FIRST_BLUR_PX,
+        "turn_rad": float(np.angle(np.sum(turned))) / 2,
+        "ring_inner_px": max(0.0, inner - _CUTOUT_MARGIN_PX),
+        "ring_outer_px": outer + _CUTOUT_MARGIN_PX,
+        "plate_reflection": 0.5,
+    }
 
 
 def _phase_centre(row: Array, column: Array, phase: Array) -> Array:

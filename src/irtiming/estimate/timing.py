@@ -15,6 +15,7 @@ from irtiming.estimate import (
     pixel_sums,
     rolling_camera,
     scatter,
+    shape,
     shared_numbers,
     shared_residual,
     wheel_geometry,
@@ -97,6 +98,8 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 
 def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     stated_s = common_integration_time(recordings)
+    bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
+    recordings = shape.estimate(recordings, bare, rig=rig)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))

@@ -135,5 +135,5 @@ def _mask_shift(recordings: Sequence[ReducedRecording]) -> tuple[float, float | 
     if not views:
         return 0.0, None
     shifts = np.array([v.mean_angle_rad - v.bisector_rad for v in views])
-    weights = np.array([1 / max(v.u_bisector_rad, 1e-6) ** 2 for v in views])
-    return float(np.average(shifts, weights=weights)), float(np.mean([v.u_bisector_rad for v in views]))
+    weights = np.array([1 / max(v.u_off_axle_rad, 1e-6) ** 2 for v in views])
+    return float(np.average(shifts, weights=weights)), float(np.mean([v.u_off_axle_rad for v in views]))

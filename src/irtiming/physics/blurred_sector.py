@@ -154,6 +154,21 @@ def pixel_smear(radius_px: Array, *, blur_px: float, order: int | Ticks) -> Arra
     return np.asarray(np.exp(-0.5 * order**2 * (blur_px**2 + _PIXEL_PX2) / np.maximum(radius_px, 1.0) ** 2))
 
 
+def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
+    """Standard deviation of the polar angle of even light that a pixel sees, rad, shape (roi rows, roi columns).
+
+    Blur and the pixel's width are lengths in the image, seen from the axle at the distance that it has there, 1 px at least.
+    """
+    row, column = _pixels(roi)
+    away = np.hypot(row - shape.axle_row_px, column - shape.axle_column_px)
+    return np.asarray(reach_px(shape.blur_px) / np.maximum(away, 1.0))
+
+
+def reach_px(blur_px: float) -> float:
+    """Standard deviation of the place of the light that a pixel sees along rows and along columns, px: blur and pixel."""
+    return math.sqrt(blur_px**2 + _PIXEL_PX2)
+
+
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
     return np.asarray(_depth_px(shape, *_to_axle(shape, *_pixels(roi))) > _REACH * shape.blur_px + 1)
@@ -226,12 +241,15 @@ def _deposit(row: Array, column: Array, value: ComplexArray, blur: float, size: 
     n_row, n_column = size
     out = np.zeros((n_row, n_column), np.complex128)
     across = np.empty(n_column)
-    reach = _REACH * blur + 0.5
+    reach, scale = _REACH * blur + 0.5, 1 / (blur * math.sqrt(2.0))
     for k in range(row.size):
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         first, last = max(0, math.ceil(column[k] - reach)), min(n_column - 1, math.floor(column[k] + reach))
+        below = math.erf((first - 0.5 - column[k]) * scale)
         for j in range(first, last + 1):
-            across[j] = _share(j - 0.5 - column[k], j + 0.5 - column[k], blur)
+            above = math.erf((j + 0.5 - column[k]) * scale)
+            across[j] = 0.5 * (above - below)
+            below = above
         for i in range(first_row, last_row + 1):
             light = value[k] * _share(i - 0.5 - row[k], i + 0.5 - row[k], blur)
             for j in range(first, last + 1):

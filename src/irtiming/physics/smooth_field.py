@@ -1,40 +1,69 @@
-"""A smooth field over a part of the image, made of broad Gaussian hills: what a solid wheel mirrors of the camera, say."""
+"""A smooth field over a part of the image: what a solid wheel reflects of the camera, say.
+
+It is a sum of Gaussian basis functions on a grid, as wide as the grid's steps; without those a step beyond the region its ends
+could not be met. Each is a product of one along the rows with one along the columns, so that sums over pixels are products of
+small matrices.
+"""
+
+from dataclasses import dataclass
+from typing import Self, final
 
 import numpy as np
 
 from irtiming.records.arrays import Array
 
-
-def hills(rows: Array, columns: Array) -> Array:
-    """Gaussian hills on a grid, as wide as its steps; without those a step beyond the region its ends could not be met.
-
-    Parameters
-    ----------
-    rows, columns
-        Places of the region's pixels along each axis, ascending, shape (r,) and (c,).
-
-    Returns
-    -------
-    Shape (n, r, c); each hill is 1 at its top.
-    """
-    product = along(rows)[:, None, :, None] * along(columns)[:, None, :]
-    return np.asarray(product.reshape(-1, rows.size, columns.size))
+_STEPS = 10  # of the grid from end to end: the reflection of a small aperture is a narrow one
 
 
-def along(places: Array, *, steps: int = 4) -> Array:
-    """The hills along one axis.
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SmoothField:
+    """Basis functions of a smooth field over a region of r rows and c columns.
 
     Parameters
     ----------
-    places
-        Ascending, shape (p,).
-    steps
-        From end to end.
-
-    Returns
-    -------
-    Shape (steps + 3, p): a product of one along the rows with one along the columns is a hill.
+    along_rows, along_columns
+        Shapes (k, r) and (l, c); basis function i l + j is the product of row i of the one and row j of the other.
     """
+
+    along_rows: Array
+    along_columns: Array
+
+    @classmethod
+    def over(cls, rows: Array, columns: Array, *, steps: int = _STEPS) -> Self:
+        """Basis over pixels at these places along each axis, ascending, shapes (r,) and (c,)."""
+        return cls(along_rows=_along(rows, steps), along_columns=_along(columns, steps))
+
+    @property
+    def size(self) -> int:
+        """Number n of basis functions."""
+        return len(self.along_rows) * len(self.along_columns)
+
+    def sums(self, image: Array) -> Array:
+        """Sum over the pixels of each basis function times an image of shape (r, c); shape (n,)."""
+        return np.asarray(self.along_rows @ image @ self.along_columns.T).ravel()
+
+    def products(self, weight: Array) -> Array:
+        """Sum over the pixels of each two basis functions times a weight of shape (r, c); shape (n, n)."""
+        n_rows, n_columns = len(self.along_rows), len(self.along_columns)
+        by_row = weight @ _pairs(self.along_columns).T
+        both = _pairs(self.along_rows) @ by_row
+        return np.asarray(
+            both.reshape(n_rows, n_rows, n_columns, n_columns).transpose(0, 2, 1, 3).reshape(self.size, self.size)
+        )
+
+    def at(self, heights: Array) -> Array:
+        """The field that the basis functions make with heights of shape (n,); shape (r, c)."""
+        height = heights.reshape(len(self.along_rows), len(self.along_columns))
+        return np.asarray(self.along_rows.T @ height @ self.along_columns)
+
+
+def _along(places: Array, steps: int) -> Array:
     step = (places[-1] - places[0]) / steps
     tops = places[0] + step * np.arange(-1, steps + 2)
     return np.asarray(np.exp(-0.5 * ((places - tops[:, None]) / step) ** 2))
+
+
+def _pairs(along: Array) -> Array:
+    """Products of each two rows, shape (k^2, p)."""
+    return np.asarray((along[:, None] * along).reshape(-1, along.shape[1]))

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.estimate import Estimate
 
 
@@ -46,8 +46,8 @@ class SectorFit:
 
     Parameters
     ----------
-    shape, covariance
-        The sector; covariance (10, 10) of its numbers, in their order.
+    shape, names, covariance
+        The sector; names (n,) of its numbers and their covariance (n, n).
     contrast
         Shape (roi rows, roi columns); how much each pixel takes part, as measured: about 1 for a pixel wholly in the light.
     model_contrast
@@ -57,7 +57,7 @@ class SectorFit:
         need not be as warm as the wheel.
     ring, ring_angle_rad
         What the ring that the cutouts sweep adds everywhere, and the polar angle from the bisector at which it acts: the plate's
-        contrast, and a smooth field, since the solid wheel mirrors the camera unevenly; shape (roi rows, roi columns). The
+        contrast, and a smooth field, since the solid wheel reflects the camera unevenly; shape (roi rows, roi columns). The
         sector's light is then only what the opening shows beyond the plate.
     unevenness
         Standard deviation of that field over the ring, as a share of the contrast.
@@ -67,10 +67,15 @@ class SectorFit:
         What is left beyond that and beyond noise, pixel gains that differ and burrs of the mask; same shape.
     gain_scatter, border_scatter
         Standard deviation of a pixel's contrast beyond noise, well inside and on the border of the opening.
-    phase_rad
-        Phase of the image beyond what the timing explains.
+    odd
+        Pixels whose contrast strays ten standard deviations from the model: a screw beside the opening, a gain that is not
+        what it was; shape (roi rows, roi columns).
+    turn_rad
+        By how much further the wheel has turned than the timing explains.
     ring_radii_px
         Between which radii the wheel's cutouts show the mask plate.
+    plate_reflection
+        How much of what the solid wheel reflects the mask plate reflects too, 0 to 1.
     row_delay_s, u_row_delay_s
         Row delay as the phases of the contrast image give it: a check on the row sums.
     reduced_chi_square
@@ -82,6 +87,7 @@ class SectorFit:
     """
 
     shape: SectorShape
+    names: tuple[str, ...]
     covariance: Array
     contrast: Array
     model_contrast: Array
@@ -95,13 +101,20 @@ class SectorFit:
     excess_angle_rad: Array
     gain_scatter: float
     border_scatter: float
-    phase_rad: float
+    odd: Mask
+    turn_rad: float
     ring_radii_px: tuple[float, float]
+    plate_reflection: float
     row_delay_s: float
     u_row_delay_s: float
     reduced_chi_square: float
     roi: tuple[int, int, int, int]
     n_rounds: int
+
+    def u(self, name: str) -> float:
+        """Standard uncertainty of a number of the shape."""
+        k = self.names.index(name)
+        return float(self.covariance[k, k]) ** 0.5
 
 
 @final

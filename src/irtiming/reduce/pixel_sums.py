@@ -21,7 +21,7 @@ from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import axle_view, contrast_image, in_plateau_frames
+from irtiming.reduce.opening import contrast_image, in_plateau_frames
 from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.wheel import frame_angles, nominal_angles
@@ -80,7 +80,6 @@ def reduce(
         pixels=PixelSums(pixel_sum=sums.total_dn[kept], pixel_count=above[kept].astype(float)),
         contrast=contrast,
         pixel_maps={"mean_dn": contrast_image.mean_dn(projection, settled, correct=correct)},
-        axle=axle_view.locate(contrast, settled, rig=rig),
         findings=(*sighting.findings, *dropped),
     )
 

@@ -9,6 +9,7 @@ import pytest
 from scipy import ndimage
 from scipy.stats import norm
 
+from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.reduced import ContrastImage, Opening, ReducedRecording, RowSums
@@ -50,6 +51,12 @@ class BruteBolometer:
     def omega(self) -> float:
         """Angular frequency of the wheel."""
         return TURN * self.rate_hz
+
+    @property
+    def timing(self) -> dict[str, float]:
+        """Delays of the edges, time constant and row delay, by name."""
+        delays = {f"edge_delay_{k}": delay for k, delay in enumerate(self.edge_delay_s)}
+        return delays | {"time_constant": self.time_constant_s, "row_delay": self.row_delay_s}
 
     @property
     def model(self) -> WheelModel:
@@ -311,12 +318,15 @@ def sector_of() -> Callable[..., SectorFit]:
         )
         values = dict.fromkeys(maps, nothing) | {
             "shape": camera.shape,
+            "names": SHAPE_NUMBERS,
             "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4]) ** 2),
             "plate": 0.0,
             "unevenness": 0.0,
             "gain_scatter": 0.0,
             "border_scatter": 0.0,
-            "phase_rad": 0.0,
+            "odd": nothing > 0,
+            "turn_rad": 0.0,
+            "plate_reflection": 0.0,
             "ring_radii_px": (camera.radii[0] - 2, camera.radii[1] + 2),
             "row_delay_s": camera.row_delay_s,
             "u_row_delay_s": 1e-7,

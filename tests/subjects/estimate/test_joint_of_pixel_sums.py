@@ -54,7 +54,7 @@ def _ring_of_pixels():
     inside = (radius >= RADII[0]) & (radius <= RADII[1])
     axle = AxleView(
         row_px=40.0, column_px=40.0, u_centre_px=1e-3, bisector_rad=CENTRE, u_bisector_rad=1e-4, mean_angle_rad=CENTRE,
-        edge_miss_px=(0.0, 0.0), u_edge_miss_px=0.3,
+        u_off_axle_rad=1e-4, edge_miss_px=(0.0, 0.0), u_edge_miss_px=0.3,
     )  # fmt: skip
     return inside, axle
 

@@ -98,7 +98,7 @@ def test_a_counterclockwise_wheel_is_the_mirror_image(found, camera, brute_rows,
     assert np.all(np.abs(moved) < noise)
     axle = other.recordings[0].axle
     assert axle.column_px == pytest.approx(63 - camera.axle[1], abs=0.05)
-    assert axle.bisector_rad == pytest.approx(np.pi - camera.bisector_rad, abs=2e-3)
+    assert axle.bisector_rad == pytest.approx(-np.pi - camera.bisector_rad, abs=2e-3)
     assert other.geometry.camera_roll_rad == pytest.approx(-ROLL, abs=2e-3)
 
 

@@ -45,7 +45,7 @@ def _six(fit):
 
 def _light_of(numbers, light, camera):
     """The same rows in the light of another sector."""
-    shape = shape_of(numbers, False, image=(camera.rows, camera.columns))
+    shape = shape_of(dict(zip(SHAPE_NUMBERS, numbers, strict=True)), False, image=(camera.rows, camera.columns))
     points = blurred_sector.light_points(shape)
     harmonics = blurred_sector.row_harmonics(points, light.row_px, blur_px=shape.blur_px, n_harmonics=HARMONICS)
     return replace(light, harmonics=harmonics)

@@ -94,12 +94,10 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
     ahead, behind = (replace(sector, shape=replace(shape, **{name: getattr(shape, name) + off})) for off in (own, -own))
     (change,) = changes(found, [Variation(ahead=ahead, behind=behind, distance=2 * own)])
     step = {"rad": 4e-4, "_px": 1.2e-2, "ion": 4e-3}[SHAPE_NUMBERS[number][-3:]]
-    values = np.array([getattr(shape, name) for name in SHAPE_NUMBERS])
+    values = {one: getattr(shape, one) for one in SHAPE_NUMBERS}
 
     def slope(by):
-        low, high = (
-            shape_of(values + sign * by * (np.arange(10) == number), mirrored, image=(38, 67)) for sign in (-1, 1)
-        )
+        low, high = (shape_of(values | {name: values[name] + sign * by}, mirrored, image=(38, 67)) for sign in (-1, 1))
         ahead, behind = (
             blurred_sector.row_harmonics(
                 blurred_sector.light_points(s), found.row_px, blur_px=s.blur_px, n_harmonics=20
@@ -114,7 +112,7 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
 
 def test_numbers_make_the_sector_they_were_taken_from(sector):
     """Oracle: round trip through the ten numbers; more of them are left alone."""
-    numbers = np.array([getattr(sector.shape, name) for name in SHAPE_NUMBERS] + [7.0])
+    numbers = {name: getattr(sector.shape, name) for name in SHAPE_NUMBERS} | {"another": 7.0}
     assert shape_of(numbers, False, image=(38, 67)) == sector.shape
     assert shape_of(numbers, True, image=(38, 67)) == replace(sector.shape, mirrored=True)
     assert len(SHAPE_NUMBERS) == 10

@@ -4,12 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_fit
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
+from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
+from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.rig import Measured
+
+AT_ONCE = dict.fromkeys(EDGE_DELAYS, 0.0) | {"time_constant": 1e-4}
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +25,7 @@ def camera(brute_bolometer):
 
 @pytest.fixture(scope="module")
 def lag(camera):
-    return np.array(camera.edge_delay_s), camera.time_constant_s
+    return camera.timing
 
 
 def _pulls(found, camera):
@@ -30,8 +35,8 @@ def _pulls(found, camera):
 
 def _twice(rows, camera, lag, *, rig):
     """First without knowing the lag, then with it and with what the first left over, as the camera's estimate does."""
-    first = sector_fit.fit([rows], camera.model, rig=rig, lag=(np.zeros(4), 1e-4))
-    return sector_fit.fit([rows], camera.model, rig=rig, lag=lag, start=first)
+    first = sector_fit.fit([rows], camera.model, rig=rig, timing=AT_ONCE)
+    return sector_fit.fit([rows], camera.model, rig=rig, timing=lag, start=first)
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +114,7 @@ def test_a_mirrored_image_is_the_same_sector(plain, camera, lag, brute_rows, rig
 def test_phases_of_two_speeds_may_differ(camera, brute_rows, rig_with):
     """Oracle: the axle. Before the lag is known, 2.3 ms and 6 ms turn the second harmonic by another angle at each speed."""
     recordings = [brute_rows(replace(camera, rate_hz=rate), noise_dn=6.0, seed=int(rate)) for rate in (3.0, 7.0)]
-    found = sector_fit.fit(recordings, camera.model, rig=rig_with(), lag=(np.zeros(4), 1e-4))
+    found = sector_fit.fit(recordings, camera.model, rig=rig_with(), timing=AT_ONCE)
     assert found.shape.axle_row_px == pytest.approx(camera.axle[0], abs=0.1)
     assert found.shape.axle_column_px == pytest.approx(camera.axle[1], abs=0.1)
     assert found.row_delay_s == pytest.approx(camera.row_delay_s, abs=12e-6)
@@ -123,7 +128,7 @@ def test_a_slit_is_no_sector(brute_bolometer, brute_rows, rig_with):
         EstimationError,
         match="counted: the opening does not look like an annular sector about the axle: .* the whole opening must be",
     ):
-        sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, rig=rig_with(), lag=(np.zeros(4), 1e-4))
+        sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, rig=rig_with(), timing=AT_ONCE)
 
 
 @pytest.mark.parametrize("known", [None, Measured(-0.08, 0.01)])
@@ -152,11 +157,11 @@ def test_a_lens_that_the_image_does_not_tell_is_as_rig_toml_states(brute_bolomet
     assert abs(tied) > 0.9  # radii and lens are uncertain together, so that what is seen is certain
 
 
-def test_covariance_holds_for_pixels_that_scatter_more_than_noise():
-    """Oracle: the sandwich of the textbook, written out pixel by pixel; each has two residuals."""
+def test_covariance_holds_for_residuals_that_scatter_more_than_noise():
+    """Oracle: the sandwich of the textbook, written out cluster by cluster; two residuals each, and two priors of none."""
     rng = np.random.default_rng(2)
     jacobian, residual = rng.normal(size=(42, 3)), 5 * rng.normal(size=42)
-    pixels = 2 + np.arange(40).reshape(2, 20)
+    clusters = np.append([-1, -1], np.tile(np.arange(20), 2))
     white = np.linalg.inv(jacobian.T @ jacobian)
     middle = np.zeros((3, 3))
     for k in range(20):
@@ -164,6 +169,29 @@ def test_covariance_holds_for_pixels_that_scatter_more_than_noise():
         middle += np.outer(score, score)
     expected = white @ middle @ white
     assert np.all(np.diag(expected) > np.diag(white))
-    np.testing.assert_allclose(sector_fit._covariance(jacobian, residual, pixels), expected)
-    calm = sector_fit._covariance(jacobian, residual / 1e3, pixels)
+    np.testing.assert_allclose(sector_fit._covariance(jacobian, residual, clusters), expected)
+    calm = sector_fit._covariance(jacobian, residual / 1e3, clusters)
     np.testing.assert_allclose(calm, white)
+
+
+@pytest.mark.parametrize(("reflection", "plate"), [(0.0, -0.03), (0.4, 0.02), (1.0, 0.02)])
+def test_the_plate_and_what_it_reflects_do_not_turn_the_mask(camera, lag, brute_rows, rig_with, reflection, plate):
+    """Oracle: contrast made pixel by pixel: 5 % of it reflected by the wheel at one end, the plate's part at its own phase."""
+    rows = brute_rows(camera, noise_dn=2.0, seed=6)
+    down, across = np.arange(36)[:, None] - camera.axle[0], np.arange(64)[None, :] - camera.axle[1]
+    angle, radius = np.arctan2(down, across) - camera.bisector_rad, np.hypot(down, across)
+    theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks) + camera.gate_rad - camera.centre_rad
+    light, ring = camera.light[1].sum(axis=0), ndtr((radius - 5.3) / 0.85) * ndtr((32.6 - radius) / 0.85)
+    reflected = 0.05 * np.exp(-0.5 * ((down + 14) ** 2 + (across - 17) ** 2) / 9.0**2)
+    beyond = light * (plate + reflected) + (ring - light) * (plate + (1 - reflection) * reflected)
+    more = np.zeros((36, 64), complex)
+    for row, column in np.argwhere((ring > 1e-4) | (light > 0)):
+        at = theta - angle[row, column] + camera.omega * row * camera.row_delay_s
+        more[row, column] = -600 * beyond[row, column] * (rows.contrast.frame_weight @ camera.seen(at))
+    image = replace(rows.contrast, projection_dn=rows.contrast.projection_dn + more)
+    found = _twice(replace(rows, contrast=image), camera, lag, rig=rig_with())
+    assert abs(found.shape.bisector_rad - camera.bisector_rad) < 4 * found.u("bisector_rad") < 4e-3
+    mean = np.average(reflected, weights=light)
+    assert found.plate == pytest.approx((plate + (1 - reflection) * mean) / (1 + plate + mean), abs=0.005)
+    assert found.plate_reflection == pytest.approx(reflection, abs=0.35)
+    assert found.unevenness > 0.004

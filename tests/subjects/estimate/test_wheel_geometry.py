@@ -46,7 +46,8 @@ def _axle(shift_rad, u_rad=2e-4):
         column_px=40.0,
         u_centre_px=0.01,
         bisector_rad=-1.5,
-        u_bisector_rad=u_rad,
+        u_bisector_rad=2 * u_rad,
+        u_off_axle_rad=u_rad,
         mean_angle_rad=-1.5 + shift_rad,
     )
 

@@ -115,7 +115,7 @@ def _recording(name: str, delay_s: float, rng: np.random.Generator) -> ReducedRe
         pixels=PixelSums(pixel_sum=np.ones(1000), pixel_count=np.ones(1000)),
         samples_per_turn=1000, track=track, equal_track=track, opening=opening,
         axle=AxleView(row_px=45, column_px=40, u_centre_px=0.05, bisector_rad=-np.pi / 2, u_bisector_rad=1e-4,
-                      mean_angle_rad=-np.pi / 2),
+                      mean_angle_rad=-np.pi / 2, u_off_axle_rad=1e-4),
         integration_time_s=250e-6, trigger_delay_time_set_s=delay_s, rotation_speed_hz=3.0,
     )  # fmt: skip
 

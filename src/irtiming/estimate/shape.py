@@ -1,0 +1,122 @@
+"""From contrast images to geometry: the fitted sector of each blackbody, and where axle and mask lie in the image.
+
+A blackbody of another temperature shows the plate with another share of its contrast, so each has a sector of its own.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.estimate import by_blackbody, sector_fit
+from irtiming.estimate.one_thread import one_thread
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
+from irtiming.physics import blurred_sector
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.finding import Finding
+from irtiming.records.reduced import AxleView, ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.records.row_timing import SectorFit, SectorShape
+from irtiming.records.wheel_geometry import WheelModel
+
+_ROUNDS = 2  # the second knows what the first left over
+_NOT_SKEW = (
+    0.03  # of the turn that uneven light brings: what it does to a slope beyond the skew of `physics.light.pixel_sum`
+)
+
+
+def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> tuple[ReducedRecording, ...]:
+    """The recordings of a camera without lag, which now know axle and mask; where the image shows no sector, a finding says so.
+
+    Parameters
+    ----------
+    recordings
+        Of one camera in one place.
+    wheel
+        Geometry of wheel and gates.
+    rig
+        Which way the wheel turns, and what is known of the lens.
+    """
+    groups = by_blackbody.groups(
+        [one.blackbody_temperature_k for one in recordings],
+        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    )
+    found = list(recordings)
+    for members in groups:
+        group = [recordings[k] for k in members]
+        axle: AxleView | None = None
+        doubts: tuple[Finding, ...] = ()
+        try:
+            with one_thread():
+                axle = view(_sector(group, wheel, rig=rig), group[0].opening.summed)
+        except EstimationError as error:
+            doubts = (Finding(code="no-sector", severity="warning", what=str(error)),)
+        for k in members:
+            found[k] = replace(recordings[k], axle=axle, findings=recordings[k].findings + doubts)
+    return tuple(found)
+
+
+def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> SectorFit:
+    response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
+    timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recordings[0].integration_time_s or 0.0}
+    sector: SectorFit | None = None
+    for _ in range(_ROUNDS - 1):
+        sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
+    return sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
+
+
+def view(sector: SectorFit, summed: Mask) -> AxleView:
+    """Axle and mask in the image as it is, whichever way the wheel turns.
+
+    Parameters
+    ----------
+    sector
+        Fitted to the contrast image.
+    summed
+        Pixels that are summed, shape (row, column).
+    """
+    shape, sense = sector.shape, -1.0 if sector.shape.mirrored else 1.0
+    seen_bisector = np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad
+    bisector = float(np.angle(np.exp(1j * seen_bisector)))
+    row0, row1, column0, column1 = sector.roi
+    light, even = (
+        np.where(summed[row0:row1, column0:column1], one, 0.0) for one in (sector.contrast, sector.model_contrast)
+    )
+
+    def seen(numbers: dict[str, float]) -> Array:
+        """Mean angle of the light from the bisector, by how much each edge misses the axle, and what uneven light turns."""
+        at = shape_of(numbers, shape.mirrored, image=(shape.image_rows, shape.image_columns))
+        angle, _ = blurred_sector.pixel_places(at, roi=sector.roi)
+        uneven = np.sum(light * angle) / np.sum(light) - np.sum(even * angle) / np.sum(even)
+        return np.array([np.sum(light * angle) / np.sum(light), *_edge_miss_px(at), uneven])
+
+    numbers = {name: float(getattr(shape, name)) for name in SHAPE_NUMBERS}
+    slopes = np.array([
+        (seen(numbers | {name: numbers[name] + step}) - seen(numbers | {name: numbers[name] - step})) / (2 * step)
+        for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True)
+    ])  # fmt: skip
+    shift, low, high, uneven = seen(numbers)
+    u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", slopes, sector.covariance, slopes))
+    return AxleView(
+        row_px=shape.axle_row_px,
+        column_px=shape.axle_column_px,
+        u_centre_px=max(sector.u("axle_row_px"), sector.u("axle_column_px")),
+        bisector_rad=bisector,
+        u_bisector_rad=sector.u("bisector_rad"),
+        mean_angle_rad=float(bisector + sense * shift),
+        u_off_axle_rad=float(np.hypot(u_shift, _NOT_SKEW * uneven)),
+        edge_miss_px=(float(-high), float(-low)) if shape.mirrored else (float(low), float(high)),
+        u_edge_miss_px=float(max(u_low, u_high)),
+        distortion=shape.distortion,
+        u_distortion=sector.u("distortion"),
+    )
+
+
+def _edge_miss_px(shape: SectorShape) -> tuple[float, float]:
+    """By how much each radial edge misses the axle, px, in the wheel's sense: they point to the mask's own centre."""
+    ends = [shape.bisector_rad + side * shape.opening_angle_rad / 2 for side in (-1, 1)]
+    low, high = (np.cos(end) * shape.offset_row_px - np.sin(end) * shape.offset_column_px for end in ends)
+    return float(low), float(high)
