@@ -117,6 +117,7 @@ def measured():
         return model, ExposedFraction(
             trigger_delay_time_set_s=set_delay_s,
             rotation_speed_hz=3.0,
+            angular_frequency_rad_per_s=OMEGA,
             names=("a",),
             files=("a",),
             wheel_angle_rad=angle,

@@ -106,7 +106,7 @@ def _combined(made, geometry, *, noise=None):
     if noise is not None:
         fits = tuple(replace(fit, noise=noise, widening=1.0) for fit in fits)
     models = tuple(timing._model(one, fit, geometry) for one, fit in zip(made, fits, strict=True))
-    own = timing.opening_and_window(made, fits, geometry)
+    own = timing.opening_and_window(made, fits, geometry=geometry)
     found = timing.of_pixel_fits(fits, geometry, models=models, own=own, stated_s=WINDOW)
     return Timing(recordings=tuple(made), geometry=geometry, sectors=(), fits=fits, exact=models, found=found)
 

@@ -80,7 +80,7 @@ def test_edges_come_from_the_rig_file_first(rig, recording):
     assert found.model.cutout_edges_rad == (0.0, 1.57, 3.15, 4.71)
     assert found.edges_from == "rig.toml"
     assert found.u_edge_rad == pytest.approx(np.sqrt((9 + 16 + 25) / 4) * 1e-4)
-    assert found.warnings == ()
+    assert found.findings == ()
 
 
 def test_edges_without_uncertainty_state_none(rig, recording):
@@ -116,7 +116,7 @@ def test_ideal_edges_are_told(rig, recording):
     found = geometry([recording()], rig, slots="learned", off_axle_mask=False)
     np.testing.assert_allclose(found.model.cutout_edges_rad, np.arange(4) * np.pi / 2)
     assert found.edges_from == "ideal"
-    assert "cutout edges taken as ideal" in found.warnings[0]
+    assert "cutout edges taken as ideal" in found.findings[0].what
 
 
 @pytest.mark.parametrize("rotation", ["clockwise", "counterclockwise"])
@@ -179,4 +179,4 @@ def test_mask_without_stated_uncertainty_is_told(rig, recording):
     """Oracle: conventions.md; an error of phi_M is an error of absolute angle, so silence about it is a risk."""
     exact = replace(rig, mask_opening=replace(rig.mask_opening, centre_angle_rad=Measured(radians(-90))))
     found = geometry([recording()], exact, slots="learned", off_axle_mask=False)
-    assert any("phi_M is taken as exact" in text for text in found.warnings)
+    assert any("phi_M is taken as exact" in one.sentence() for one in found.findings)
