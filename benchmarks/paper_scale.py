@@ -13,8 +13,9 @@ import argparse
 import numpy as np
 
 from irtiming.cli.progress import shown
-from irtiming.measurement import Analysis, analyse
-from irtiming.records.estimate import DelayResult
+from irtiming.measurement import ALL_EXTRAS, analyse
+from irtiming.records.analysis import Analysis
+from irtiming.records.result import Result
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import paper_scene
 
@@ -23,7 +24,7 @@ PAPER_DEVIATION_US = np.array([-1.745, -0.652, 3.000, -2.021])
 PAPER_U_US = np.array([1.123, 1.277, 1.083, 1.137])
 
 
-def by_nominal(result: DelayResult) -> tuple[np.ndarray, np.ndarray]:
+def by_nominal(result: Result) -> tuple[np.ndarray, np.ndarray]:
     """Mean deviation and mean standard uncertainty of the runs of each nominal delay, us; the first one left out."""
     nominal = np.array([entry.nominal_s for entry in result.relative_delays])
     deviation = np.array([entry.value_s - entry.nominal_s for entry in result.relative_delays])
@@ -32,18 +33,18 @@ def by_nominal(result: DelayResult) -> tuple[np.ndarray, np.ndarray]:
     return np.array([1e6 * deviation[g].mean() for g in groups]), np.array([1e6 * u[g].mean() for g in groups])
 
 
-def absolute(result: DelayResult, truth_s: float) -> tuple[float, float]:
+def absolute(result: Result, truth_s: float) -> tuple[float, float]:
     k = result.estimate.names.index("trigger_delay")
     return 1e6 * (result.estimate.values[k] - truth_s), 1e6 * result.estimate.standard_uncertainties[k]
 
 
 def show(analysis: Analysis, truth: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
-    rows = [("published", *by_nominal(analysis.as_published)), ("pixel-sum", *by_nominal(analysis.best))]
+    rows = [("published", *by_nominal(analysis.published.result)), ("pixel-sum", *by_nominal(analysis.best))]
     print(f"{'deviation in us at':>22}" + "".join(f"{1e3 * d:>16.0f} ms" for d in DELAYS_S[1:]) + f"{'rms':>8}")
     for name, deviation, u in [("the paper's camera", PAPER_DEVIATION_US, PAPER_U_US), *rows]:
         cells = "".join(f"{d:>+9.3f} +-{u_d:6.3f}" for d, u_d in zip(deviation, u, strict=True))
         print(f"{name:>22}{cells}{np.sqrt(np.mean(deviation**2)):>9.3f}")
-    for name, result in (("published", analysis.as_published), ("pixel-sum", analysis.best)):
+    for name, result in (("published", analysis.published.result), ("pixel-sum", analysis.best)):
         error, u = absolute(result, float(truth["trigger_delay_s"]))
         falling, rising = (result.estimate.names.index(f"trigger_delay_{w}") for w in ("falling", "rising"))
         split = 1e6 * (result.estimate.values[falling] - result.estimate.values[rising])
@@ -64,7 +65,10 @@ def main() -> None:
         rig = twin.draw(paper_scene(given.rows, given.columns), seed=seed)
         with shown("frames") as told:
             analysis = analyse(
-                twin.series(rig.scene, DELAYS_S, repeats=given.runs, seed=seed), rig.measured, progress=told
+                twin.series(rig.scene, DELAYS_S, repeats=given.runs, seed=seed),
+                rig.measured,
+                progress=told,
+                extras=ALL_EXTRAS[:1],
             )
         print(f"rig of seed {seed}, {given.columns} x {given.rows} pixels, {given.runs} runs for each delay")
         published, best = show(analysis, twin.truth(rig.scene))

@@ -25,7 +25,7 @@ from irtiming.records.rig import CameraOptics, Measured, Rig
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
-from irtiming.twin.scene import BolometerTiming, Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed
+from irtiming.twin.scene import Faults, Scene, microbolometer_scene, paper_scene, with_wheel_speed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +129,6 @@ def before_and_now(which: int, seed: int) -> np.ndarray:
     bias = BIASES[which]
     rig = drawn(bias, seed)
     timing = rig.scene.timing
-    analyse = measurement.analyse_rolling if isinstance(timing, BolometerTiming) else measurement.analyse_snapshot
     recordings = [
         one
         for k, hz in enumerate(bias.wheel_hz)
@@ -138,7 +137,7 @@ def before_and_now(which: int, seed: int) -> np.ndarray:
     found = []
     for way, stated in ((bias.before, bias.stated(rig.measured)), (nullcontext, rig.measured)):
         with way():
-            told = analyse(recordings, stated).best.estimate
+            told = measurement.analyse(recordings, stated).best.estimate
         values = dict(zip(told.names, told.values, strict=True))
         found.append([1e6 * abs(values[name] - getattr(timing, f"{name}_s")) for name in bias.quantities])
     return np.array(found).T

@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from irtiming.measurement import analyse_rolling, analyse_snapshot
+from irtiming.measurement import ALL_EXTRAS, analyse
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig, Tolerances
 from irtiming.twin.scene import Scene, microbolometer_scene, paper_scene, with_wheel_speed
@@ -47,8 +47,8 @@ def photon(seed: int, draw: int) -> Pairs:
         list(twin.series(with_wheel_speed(rig.scene, speed), delays, repeats=1, seed=1000 * draw + int(speed)))
         for speed, delays in ((3.0, (0.0, 0.025)), (12.0, (0.0,)))
     )
-    one = analyse_snapshot(slow, rig.measured)
-    both = analyse_snapshot([slow[0], *fast], rig.measured)
+    one = analyse(slow, rig.measured, extras=ALL_EXTRAS)
+    both = analyse([slow[0], *fast], rig.measured, extras=ALL_EXTRAS)
     least = {u.name: u.standard_uncertainty_s for u in both.prediction.uncertainties}
     k = both.best.estimate.names.index("trigger_delay")
     return {
@@ -68,7 +68,9 @@ def microbolometer(seed: int, draw: int) -> Pairs:
     scene = microbolometer_scene(120, 160)
     roomy = replace(scene, optics=replace(scene.optics, pixel_pitch_m=1.12 * scene.optics.pixel_pitch_m))
     rig = clean(roomy, seed=seed, u_mask_angle_rad=1e-6)
-    done = analyse_rolling(list(twin.series(rig.scene, [0.0], repeats=1, seed=1000 * draw + 3)), rig.measured)
+    done = analyse(
+        list(twin.series(rig.scene, [0.0], repeats=1, seed=1000 * draw + 3)), rig.measured, extras=ALL_EXTRAS
+    )
     least = {u.name: u.standard_uncertainty_s for u in done.prediction.uncertainties}
     return {
         f"{name.replace('_', ' ')}, 3 Hz": (value - getattr(rig.scene.timing, f"{name}_s"), least[name])

@@ -17,9 +17,9 @@ from functools import partial
 
 import numpy as np
 
-from irtiming.measurement import Analysis, analyse_snapshot
-from irtiming.records.estimate import DelayResult
+from irtiming.measurement import ALL_EXTRAS, analyse
 from irtiming.records.recording import Recording
+from irtiming.records.result import Result
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig
 from irtiming.twin.scene import Scene, paper_scene, with_wheel_speed
@@ -57,11 +57,14 @@ def one_rig(options: argparse.Namespace, seed: int) -> dict[str, Pairs]:
     """Errors and standard uncertainties of one rig, s."""
     rig = drawn(options, seed)
     scene = rig.scene
-    analysis = analyse_snapshot(recordings(options, scene, seed), rig.measured)
+    analysis = analyse(recordings(options, scene, seed), rig.measured, extras=ALL_EXTRAS[:1])
+    published = None if analysis.published is None else analysis.published.result
     start_s, window_s = scene.timing.trigger_delay_s, scene.timing.integration_time_s
     truth = {"trigger_delay": start_s, "integration_time": window_s}
     found: dict[str, Pairs] = {}
-    for method, result in (("", analysis.best), (", as published", analysis.as_published)):
+    for method, result in (("", analysis.best), (", as published", published)):
+        if result is None:
+            continue
         names, values, us = result.estimate.names, result.estimate.values, result.estimate.standard_uncertainties
         for name, true in truth.items():
             if name in names:
@@ -71,15 +74,15 @@ def one_rig(options: argparse.Namespace, seed: int) -> dict[str, Pairs]:
         u_split = float(np.sqrt(max(split @ result.estimate.covariance @ split, 0.0)))
         if u_split > 0:  # the published method cannot run on every rig
             found["falling - rising" + method] = [(float(split @ values), u_split)]
-        if apart := relative(result, analysis):
+        if apart := relative(result, by_runs=result is analysis.best):
             found["relative delay" + method] = apart
     return found
 
 
-def relative(result: DelayResult, analysis: Analysis) -> Pairs:
+def relative(result: Result, *, by_runs: bool) -> Pairs:
     """Each recording that is not a reference; the published method gives one for all runs of a delay."""
     entries = [e for e in result.relative_delays if e.nominal_s > 0]
-    if result is analysis.as_published:
+    if not by_runs:
         entries = list({round(e.nominal_s, 9): e for e in entries}.values())
     return [(e.value_s - e.nominal_s, e.standard_uncertainty_s) for e in entries]
 

@@ -15,10 +15,11 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming import measurement
+from irtiming.records.analysis import Analysis
 from irtiming.records.rig import CameraOptics, Measured, Rig
 from irtiming.twin import rig as twin
 from irtiming.twin.rig import SimulatedRig
-from irtiming.twin.scene import BolometerTiming, CameraTiming, Scene, microbolometer_scene, paper_scene
+from irtiming.twin.scene import BolometerTiming, Scene, microbolometer_scene, paper_scene
 
 ROWS_OFF, COLUMNS_OFF = 0.1, -0.125  # of the number of rows
 
@@ -60,7 +61,7 @@ def truth(scene: Scene) -> dict[str, float]:
     return known
 
 
-def told(analysis: measurement.Analysis | measurement.RollingAnalysis) -> dict[str, tuple[float, float]]:
+def told(analysis: Analysis) -> dict[str, tuple[float, float]]:
     """Values and standard uncertainties."""
     estimate = analysis.best.estimate
     view = analysis.recordings[0].axle
@@ -78,10 +79,8 @@ def told(analysis: measurement.Analysis | measurement.RollingAnalysis) -> dict[s
 def one_rig(given: argparse.Namespace, seed: int) -> dict[str, tuple[float, float]]:
     """Error and uncertainty of each number."""
     rig = twin.draw(scene_of(given), seed=seed)
-    photon = isinstance(rig.scene.timing, CameraTiming)
     runs = twin.series(rig.scene, [0.0], repeats=given.runs, seed=seed)
-    analyse = measurement.analyse if photon else measurement.analyse_rolling
-    analysis = analyse(list(runs), stated(rig, given.stated, seed))
+    analysis = measurement.analyse(list(runs), stated(rig, given.stated, seed))
     known = truth(rig.scene)
     errors = {}
     for name, (value, u) in told(analysis).items():

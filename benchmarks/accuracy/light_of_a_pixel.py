@@ -19,7 +19,7 @@ from unittest.mock import patch
 import numpy as np
 
 from irtiming.estimate import row_light, sector_fit, sector_image
-from irtiming.measurement import analyse_rolling
+from irtiming.measurement import analyse
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import BolometerTiming
 from irtiming.twin.upkeep import Drift, SelfCorrection
@@ -131,7 +131,7 @@ def errors_us(seed: int, *, mirrors: bool = True) -> dict[str, np.ndarray]:
     found = {}
     for name, way in WAYS.items():
         with way():
-            estimate = analyse_rolling([recording], rig.measured).best.estimate
+            estimate = analyse([recording], rig.measured).best.estimate
         values = dict(zip(estimate.names, estimate.values, strict=True))
         found[name] = 1e6 * np.array(
             [

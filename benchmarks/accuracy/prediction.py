@@ -12,10 +12,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from irtiming.measurement import Analysis, RollingAnalysis, analyse
+from irtiming.measurement import ALL_EXTRAS, analyse
 from irtiming.plan.assumptions import assumed
 from irtiming.plan.photon_information import OWN_SHAPE
 from irtiming.plan.prediction import Setting, uncertainties
+from irtiming.records.analysis import Analysis
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.rig import Rig
 from irtiming.records.trigger_plan import TriggerScheme
@@ -60,7 +61,7 @@ def planned(
     return {each.name: each.standard_uncertainty_s for each in uncertainties(runs, names, n_delays=n_delays)}
 
 
-def outcome(done: Analysis | RollingAnalysis, scene: Scene, name: str) -> tuple[float, float, float]:
+def outcome(done: Analysis, scene: Scene, name: str) -> tuple[float, float, float]:
     """Error, stated and predicted uncertainty."""
     assert done.prediction is not None
     if name == "relative_delay":
@@ -92,7 +93,7 @@ def main() -> None:
         for seed in range(given.seed, given.seed + given.rigs):
             nominal = paper_scene(120, 160) if kind == "photon" else microbolometer_scene(120, 160)
             rig = twin.draw(nominal, seed=seed)
-            done = analyse(recordings(rig.scene, speeds_hz, seed), rig.measured)
+            done = analyse(recordings(rig.scene, speeds_hz, seed), rig.measured, extras=ALL_EXTRAS)
             pixels = float(done.recordings[0].opening.mask.sum())
             before = planned(kind, speeds_hz, names, rig=rig.measured, pixels=pixels)
             for name in names:

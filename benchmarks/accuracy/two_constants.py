@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.estimate import rolling_camera, two_constants
+from irtiming import measurement
+from irtiming.estimate import two_constants
 from irtiming.physics.response.two_constants import TwoConstants, bending, effective_time_constant, steady_temperature
 from irtiming.records.choices import Choices
 from irtiming.records.two_constants import TwoConstantsResult
@@ -38,7 +39,7 @@ def one(job: tuple[int, float, tuple[float, ...]]) -> tuple[float, int, TwoConst
         shown = replace(rig.scene, timing=timing, radiance=replace(rig.scene.radiance, blackbody_k=kelvin))
         recording = twin.simulate(shown, seed=100 * seed + k, name=f"{kelvin:g} K")
         reduced.append(recipes.reduce(recording, rig.measured, choices=Choices()))
-    effective = rolling_camera.estimate(reduced, rig.measured).result.effective
+    effective = measurement.estimate(reduced, rig.measured).best.effective
     assert effective is not None
     found = two_constants.estimate(effective, substrate_temperature_k=SUBSTRATE_K)
     model = TwoConstants(substrate_time_constant_s=BOTH_S / (1 - share), scene_time_constant_s=BOTH_S / share)
