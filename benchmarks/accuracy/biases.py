@@ -20,7 +20,7 @@ import numpy as np
 from distortion import beside_the_middle
 
 from irtiming import measurement
-from irtiming.estimate import joint_fit, pixel_sum_model, sector_fit, wheel_geometry
+from irtiming.estimate import pixel_sums, sector_fit, timing, wheel_geometry
 from irtiming.records.rig import CameraOptics, Measured, Rig
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.twin import rig as twin
@@ -59,8 +59,8 @@ def field_taken_for_light() -> Any:
 def edges_through_the_axle() -> Iterator[None]:
     """The mask's straight edges are held to point to the axle."""
     with (
-        patch.object(pixel_sum_model, "leans_in_image", lambda *_, **__: (np.zeros(2), 1e-9)),
-        patch.object(joint_fit, "_LEAST_U_LEAN_RAD", 1e-9),
+        patch.object(pixel_sums, "leans_in_image", lambda *_, **__: (np.zeros(2), 1e-9)),
+        patch.object(timing, "_LEAST_U_LEAN_RAD", 1e-9),
     ):
         yield
 
@@ -128,7 +128,7 @@ def before_and_now(which: int, seed: int) -> np.ndarray:
     """Sizes of the errors of one rig, us, shape (quantity, 2)."""
     bias = BIASES[which]
     rig = drawn(bias, seed)
-    timing = rig.scene.timing
+    truth = rig.scene.timing
     recordings = [
         one
         for k, hz in enumerate(bias.wheel_hz)
@@ -139,7 +139,7 @@ def before_and_now(which: int, seed: int) -> np.ndarray:
         with way():
             told = measurement.analyse(recordings, stated).best.estimate
         values = dict(zip(told.names, told.values, strict=True))
-        found.append([1e6 * abs(values[name] - getattr(timing, f"{name}_s")) for name in bias.quantities])
+        found.append([1e6 * abs(values[name] - getattr(truth, f"{name}_s")) for name in bias.quantities])
     return np.array(found).T
 
 
