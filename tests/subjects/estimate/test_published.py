@@ -39,6 +39,7 @@ def _fit(set_delay_s, *, own_delay_s=5e-4, per_edge_s=(0, 0, 0, 0), u_rad=2e-5, 
     data = ExposedFraction(
         trigger_delay_time_set_s=set_delay_s,
         rotation_speed_hz=rate_hz,
+        angular_frequency_rad_per_s=TURN * rate_hz,
         names=names,
         files=names,
         wheel_angle_rad=nothing,

@@ -77,7 +77,8 @@ def test_edges_uncertainty_covers_a_mean_of_four_as_students_t_says():
 def test_recordings_that_should_agree_have_speed_and_blackbody_in_common():
     """Oracle: by hand; 3.001 Hz counts as 3 Hz, 3.02 Hz does not; two blackbodies."""
     fits = [_fit(np.zeros(4), np.eye(4), hz=hz) for hz in (3.0, 8.0, 3.001, 3.0, 3.02)]
-    assert scatter.alike(fits, [[0, 1, 2, 4], [3]]) == [(3.0, [0, 2]), (3.0, [3]), (3.02, [4]), (8.0, [1])]
+    found = [(one.speed_hz, list(one.members)) for one in scatter.alike(fits, [[0, 1, 2, 4], [3]])]
+    assert found == [(3.0, [0, 2]), (3.0, [3]), (3.02, [4]), (8.0, [1])]
 
 
 @pytest.mark.parametrize(("n", "apart_us", "factor"), [(3, 9.0, 1.0), (4, 9.0, 36.0), (4, 0.5, 1.0)])
@@ -97,4 +98,4 @@ def test_recordings_that_disagree_are_told(ratio, is_told):
     assert scatter.birge_ratio(fits) == pytest.approx(ratio)
     found = scatter.birge_findings(fits, scatter.alike(fits, [range(3)]))
     assert [one.code for one in found] == ["recordings-disagree"] * is_told
-    assert scatter.birge_findings(fits[:1], [(3.0, [0])]) == []
+    assert scatter.birge_findings(fits[:1], [scatter.Alike(speed_hz=3.0, members=[0])]) == []
