@@ -80,7 +80,7 @@ def test_uncertainties_of_plain_means_by_hand():
     np.testing.assert_allclose(result.estimate.standard_uncertainties, u * np.array(expected))
     assert result.estimate.correlation[0, 1] == pytest.approx(1)
     assert result.estimate.correlation[2, 3] == pytest.approx(0)
-    total = np.sqrt(sum(c.standard_uncertainty_s**2 for c in result.budget))
+    total = np.sqrt(sum(c.standard_uncertainty.get("trigger_delay", 0.0) ** 2 for c in result.budget))
     assert total == pytest.approx(result.estimate.standard_uncertainties[0])
     np.testing.assert_allclose(result.u_edge_delay_s, u * np.array([1, 2, 3, 4]) / np.sqrt(2))
 
@@ -120,4 +120,4 @@ def test_limits_of_the_baseline_are_told():
     """Oracle: the uncertainty budget has the scatter only, and the warning says so."""
     result = published.estimate([replace(_fit(0.0))], MODEL, integration_time_s=250e-6)
     assert [c.source for c in result.budget] == ["scatter of the lines"]
-    assert "hold the scatter of the line fits only" in result.warnings[0]
+    assert "hold the scatter of the line fits only" in result.findings[0].sentence()

@@ -47,7 +47,7 @@ def fit():
             simulated_row_fraction=nothing,
             deviation_rms=0.0,
             n_simulations=1,
-            warnings=warnings,
+            findings=warnings,
         )
 
     return make
