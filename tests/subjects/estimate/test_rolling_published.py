@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate.published import lag_timing as rolling_published
+from irtiming.estimate.published import procedure
 from irtiming.records.exposed import ExposedRows
 from irtiming.records.lag_estimate import LagTiming, PublishedLagFit
 
@@ -63,10 +64,12 @@ def test_one_fit_is_the_result(fit):
     (relative,) = result.relative_delays
     assert (relative.file, relative.nominal_s, relative.value_s, relative.standard_uncertainty_s) == ("run", 0, 0, 0)
     (line,) = result.budget
-    assert (line.kind, line.trigger_delay_s, line.time_constant_s) == ("A", pytest.approx(3e-6), pytest.approx(4e-6))
+    assert line.kind == "A"
+    assert line.standard_uncertainty["trigger_delay"] == pytest.approx(3e-6)
+    assert line.standard_uncertainty["time_constant"] == pytest.approx(4e-6)
     assert np.isnan(result.edge_delay_s).all()
     assert result.edge_delay_s.shape == result.u_edge_delay_s.shape == (4,)
-    assert result.warnings[-1].startswith("published method: the stated uncertainties hold the scatter")
+    assert "the stated uncertainties hold the scatter" in result.findings[-1].sentence()
 
 
 def test_mean_of_two_fits_has_half_of_the_summed_uncertainty(fit):
@@ -82,8 +85,8 @@ def test_mean_of_two_fits_has_half_of_the_summed_uncertainty(fit):
     assert [one.nominal_s for one in result.relative_delays] == [0, 0, 0.025]
     np.testing.assert_allclose([one.value_s for one in result.relative_delays], [0, 0, 0.02501])
     np.testing.assert_allclose([one.standard_uncertainty_s for one in result.relative_delays], [0, 0, 5e-6])
-    assert result.warnings[:2] == ("w", "v")
-    assert len(result.warnings) == 3
+    assert result.findings[:2] == ("w", "v")
+    assert len(result.findings) == 3
 
 
 def test_relative_delays_are_taken_within_one_speed(fit):
@@ -110,7 +113,8 @@ def test_fits_are_left_as_they_were(fit):
 
 def test_a_procedure_that_could_not_be_run_has_no_numbers_and_a_reason():
     """Oracle: nothing is known, so nothing is stated."""
-    nothing = rolling_published.without("no slopes")
+    nothing = procedure.without("no slopes", None).result
     assert nothing.estimate.names == ()
     assert nothing.relative_delays == ()
-    assert nothing.warnings == ("the published procedure could not be run: no slopes",)
+    (finding,) = nothing.findings
+    assert (finding.code, finding.what) == ("published-not-run", "the published procedure could not be run: no slopes")
