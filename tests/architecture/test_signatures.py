@@ -17,12 +17,7 @@ SHAPES_OF_LIBRARIES = ("Client",)
 
 OFFENDERS = {
     "estimate/published/lag_simulation.py:_follow_rows(mask)",
-    "estimate/sector_fit.py:_images(lag)",
     "estimate/sector_fit.py:_told(known)",
-    "estimate/sector_fit.py:fit(lag)",
-    "estimate/sector_fit.py:variations(lag)",
-    "estimate/sector_image.py:_point_table(lag)",
-    "estimate/sector_image.py:looks(lag)",
     "physics/blurred_sector.py:_row_harmonics(wanted)",
     "plan/prediction.py:_asked(runs)",
     "plan/prediction.py:sizes_s(runs)",
