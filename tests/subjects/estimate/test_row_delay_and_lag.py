@@ -132,7 +132,10 @@ def test_the_range_moves_to_the_minimum_and_says_so(data_of, monkeypatch):
     fit = _fit(data_of((3.872e-3, 38.76e-6, 5e-3)))
     assert fit.timing.time_constant_s == pytest.approx(5e-3, abs=60e-6)
     assert fit.initial_timing.time_constant_s == 15e-3
-    assert "time constants of 10.500 to 19.500 ms have no minimum of the RMS deviation inside" in fit.warnings[0]
+    assert (
+        "time constants of 10.500 to 19.500 ms have no minimum of the RMS deviation inside"
+        in fit.findings[0].sentence()
+    )
 
 
 def test_a_start_far_beside_is_given_up(data_of, monkeypatch):
