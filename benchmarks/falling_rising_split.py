@@ -78,8 +78,9 @@ def splits(case: Case, rows: int, columns: int, seed: int) -> tuple[list[float],
     recording = replace(recording, frames=KeptFrames(recording.frames))
     counted = []
     for level in LEVELS:
-        analysis = analyse([recording], rig.measured, choices=Choices(threshold_level=level))
-        counted.append(_split(analysis.as_published.estimate.values))
+        analysis = analyse([recording], rig.measured, choices=Choices(threshold_level=level), extras=("published",))
+        assert analysis.published is not None
+        counted.append(_split(analysis.published.result.estimate.values))
     return counted, _split(analysis.best.estimate.values)
 
 

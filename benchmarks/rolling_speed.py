@@ -14,7 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.estimate import rolling_camera, rolling_timing, row_delay_and_lag, row_fit, row_light, wheel_geometry
+from irtiming.estimate import row_fit, row_light, timing, wheel_geometry
+from irtiming.estimate.published import row_delay_and_lag
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.choices import Choices
 from irtiming.records.lag_estimate import WheelInImage
@@ -44,15 +45,15 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
     rig = twin.draw(scene, seed=seed)
     reduced = recipes.reduce(twin.simulate(rig.scene, seed=seed), rig.measured, choices=Choices())
     begin = time.perf_counter()
-    found = rolling_camera.estimate([reduced], rig.measured)
+    found = timing.estimate([reduced], rig.measured)
     whole_s = time.perf_counter() - begin
     seen = found.recordings[0]
-    light = row_light.row_light(seen.row_sums.row_px, found.sector, n_harmonics=HARMONICS)
+    light = row_light.row_light(seen.row_sums.row_px, found.sectors[0], n_harmonics=HARMONICS)
     wheel = found.geometry.model
 
     def exact() -> object:
         fit = row_fit.fit(seen, wheel, light=light)
-        return rolling_timing.estimate([fit], found.geometry, sectors=[found.sector], n_rows=rows)
+        return timing.of_row_fits([fit], found.geometry, sectors=found.sectors, n_rows=rows)
 
     equal = wheel_geometry.geometry(found.recordings, rig.measured, slots="equal", off_axle_mask=False)
     assert seen.axle is not None
@@ -75,7 +76,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
         f"{published_cpu_s / exact_cpu_s:.0f} times less (the published procedure runs in two threads, the exact fit in one)"
     )
     print(f"  opening's shape, light and fit in turns until they agree: {whole_s:.1f} s, once for all recordings")
-    values = found.result.estimate.values
+    values = found.found.result.estimate.values
     published_values = (told.timing.trigger_delay_s, told.timing.time_constant_s, told.timing.row_delay_s)
     for k, name in enumerate(NAMES):
         true = float(str(truth[f"{name}_s"]))

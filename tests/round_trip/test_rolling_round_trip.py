@@ -9,7 +9,7 @@ import pytest
 from irtiming import measurement
 from irtiming.archive import reader, rig_file
 from irtiming.errors import EstimationError
-from irtiming.estimate import rolling_camera
+from irtiming.estimate import timing
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.reduce import recipes
@@ -54,7 +54,7 @@ def _truth(timing):
 
 def _fit(rig, *recordings):
     reduced = [recipes.reduce(one, rig.measured, choices=Choices()) for one in recordings]
-    return rolling_camera.estimate(reduced, rig.measured)
+    return timing.estimate(reduced, rig.measured)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -62,7 +62,7 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     """Oracle: the scene; rig.toml is off by its stated uncertainties, and 3.5 of them leave one chance in 2000."""
     rig = twin.draw(SCENES[name], seed=41)
     found = _fit(rig, twin.simulate(rig.scene, seed=7))
-    estimate = found.result.estimate
+    estimate = found.found.result.estimate
     assert estimate.names == NAMES
     off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
     assert np.all(off < 3.5), off
@@ -70,8 +70,8 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     axle = found.recordings[0].axle
     assert axle.row_px == pytest.approx(rig.scene.optics.wheel_centre_row_px, abs=0.05)
     assert axle.column_px == pytest.approx(rig.scene.optics.wheel_centre_column_px, abs=0.05)
-    assert found.sector.shape.blur_px == pytest.approx(rig.scene.optics.blur_px, abs=0.06)
-    assert found.sector.shape.mirrored == ("counterclockwise" in name)
+    assert found.sectors[0].shape.blur_px == pytest.approx(rig.scene.optics.blur_px, abs=0.06)
+    assert found.sectors[0].shape.mirrored == ("counterclockwise" in name)
     assert found.fits[0].widening < 4
 
 
@@ -83,22 +83,22 @@ def test_several_wheel_speeds_and_delays_from_end_to_end():
     rig = twin.draw(BASE, seed=5)
     fast = with_wheel_speed(rig.scene, 7.0, samples=500)
     recordings = [*twin.series(rig.scene, [0.0, 0.02], repeats=1, seed=3), twin.simulate(fast, seed=9, name="fast")]
-    analysis = measurement.analyse(recordings, rig.measured)
-    assert isinstance(analysis, measurement.RollingAnalysis)
+    analysis = measurement.analyse(recordings, rig.measured, extras=("published",))
+    assert (analysis.camera_type, analysis.readout_mode) == ("microbolometer", "rolling")
     estimate = analysis.best.estimate
     off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
     assert np.all(off < 3.5), off
     assert estimate.standard_uncertainties[0] < 15e-6
-    told = {one.nominal_s: one for one in analysis.best.relative_delays if one.file != "fast"}
+    told = {one.nominal_s: one for one in analysis.best.relative_delays if "fast" not in one.file}
     assert set(told) == {0.0, 0.02}
     assert abs(told[0.02].value_s - 0.02) < 3.5 * told[0.02].standard_uncertainty_s
     assert told[0.02].standard_uncertainty_s < 15e-6
     assert analysis.result is analysis.best
-    assert replace(analysis, choices=Choices(method="published")).result is analysis.as_published
-    assert analysis.as_published.estimate.names == NAMES
+    assert replace(analysis, choices=Choices(method="published")).result is analysis.published.result
+    assert analysis.published.result.estimate.names == NAMES
     assert [one.rotation_speed_hz for one in analysis.recordings] == pytest.approx([3.0, 3.0, 7.0], abs=1e-3)
-    assert len(analysis.row_fits) == len(analysis.published_fits) == 3
-    assert set(analysis.result.warnings) <= set(analysis.warnings)
+    assert len(analysis.fits) == len(analysis.published.fits) == 3
+    assert set(analysis.result.findings) <= set(analysis.findings)
 
 
 def test_nothing_and_the_same_twice_are_refused(monkeypatch):
@@ -121,8 +121,8 @@ def test_the_example_recording_gives_its_truth(shared_recordings):
     rig, truth = rig_file.read_rig(folder / "rig.toml"), json.loads((folder / "truth.json").read_text())
     recording = reader.read(folder / "bolo-3Hz-0ms.nxs")
     rows = recipes.reduce(recording, rig, choices=Choices())
-    found = rolling_camera.estimate([rows], rig)
-    estimate = found.result.estimate
+    found = timing.estimate([rows], rig)
+    estimate = found.found.result.estimate
     assert estimate.names == NAMES
     off = estimate.values - np.array([truth[f"{name}_s"] for name in NAMES])
     assert abs(off[0]) < 3 * estimate.standard_uncertainties[0]

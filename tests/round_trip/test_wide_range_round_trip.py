@@ -32,7 +32,7 @@ def analysed():
         for kelvin in (310.15, 283.15)
     ]
     choices = Choices(substrate_temperature_k=SUBSTRATE_K)
-    return rig, measurement.analyse_rolling(recordings, rig.measured, choices=choices)
+    return rig, measurement.analyse(recordings, rig.measured, choices=choices)
 
 
 def test_both_constants_lie_within_their_uncertainty(analysed):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import rolling_camera
+from irtiming.estimate import profiles, rolling_camera, timing
 from irtiming.physics.light_gates import gate_angles
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 
@@ -51,23 +51,23 @@ def rows(camera, brute_rows):
 @pytest.fixture(scope="module")
 def found(rows, rig):
     """One recording before a cold blackbody."""
-    return rolling_camera.estimate([rows], rig())
+    return timing.estimate([rows], rig())
 
 
 def _deviations(fit, camera):
     truth = np.array([camera.edge_delay_s[0], camera.time_constant_s, camera.row_delay_s])
-    return (fit.result.estimate.values - truth) / fit.result.estimate.standard_uncertainties
+    return (fit.found.result.estimate.values - truth) / fit.found.result.estimate.standard_uncertainties
 
 
 def test_the_camera_comes_back(found, camera):
     """Oracle: the numbers that made the frames; delay by noise alone, for the rig is stated exactly as it is."""
     noise = np.sqrt(np.mean(np.diag(found.fits[0].estimate.covariance)[:4]))
-    shape = found.result.budget[1].trigger_delay_s
-    assert abs(found.result.estimate.values[0] - 2.3e-3) < 4 * np.hypot(noise, shape)
+    shape = found.found.result.budget[1].standard_uncertainty["trigger_delay"]
+    assert abs(found.found.result.estimate.values[0] - 2.3e-3) < 4 * np.hypot(noise, shape)
     assert np.all(np.abs(_deviations(found, camera)) < 4)
-    assert np.all(found.result.estimate.standard_uncertainties < [60e-6, 25e-6, 1e-6])
-    assert found.result.warnings == ()
-    assert 3 <= found.sector.n_rounds <= 10
+    assert np.all(found.found.result.estimate.standard_uncertainties < [60e-6, 25e-6, 1e-6])
+    assert found.found.result.findings == ()
+    assert 3 <= found.sectors[0].n_rounds <= 10
 
 
 def test_the_axle_is_told_to_the_report(found, camera):
@@ -81,19 +81,20 @@ def test_the_axle_is_told_to_the_report(found, camera):
     assert 0 < seen.axle.u_bisector_rad < 2e-3
 
 
-def test_scan_is_that_of_the_first_fit(found):
-    """Oracle: its time constant has the least deviation."""
-    assert found.scan.time_constant_s[np.argmin(found.scan.deviation)] == pytest.approx(
-        found.fits[0].timing["time_constant"]
-    )
-    assert found.scan.deviation.size == 21
+def test_the_profile_of_the_time_constant_is_least_at_the_fit(found):
+    """Oracle: the fit itself; the exact likelihood has its minimum within a third of the uncertainty, and rises by 1 at one."""
+    profile = next(one for one in profiles.profiles(found) if one.name == "time_constant")
+    estimate = found.found.result.estimate
+    assert profile.value == pytest.approx(estimate.value("time_constant"), abs=0.3 * estimate.u("time_constant"))
+    assert profile.deviation[np.argmin(np.abs(profile.values - profile.value))] == 0
+    np.testing.assert_allclose(profile.deviation, [4, 1, 0, 1, 4], atol=0.6)
 
 
 def test_a_counterclockwise_wheel_is_the_mirror_image(found, camera, brute_rows, rig):
     """Oracle: the same frames read backwards, mask on the other side; numbers stay within a fraction of their noise."""
     mirrored = brute_rows(camera, noise_dn=6.0, seed=1, mirror=True)
-    other = rolling_camera.estimate([mirrored], rig(rotation="counterclockwise"))
-    moved = other.result.estimate.values - found.result.estimate.values
+    other = timing.estimate([mirrored], rig(rotation="counterclockwise"))
+    moved = other.found.result.estimate.values - found.found.result.estimate.values
     noise = np.sqrt(np.diag(found.fits[0].estimate.covariance)[[0, 4, 5]])
     assert np.all(np.abs(moved) < noise)
     axle = other.recordings[0].axle
@@ -106,14 +107,14 @@ def test_a_counterclockwise_wheel_is_the_mirror_image(found, camera, brute_rows,
 def test_edges_that_nobody_stated_do_not_turn_the_wheel(camera, brute_rows, rig, contrast_dn):
     """Oracle: the camera's delay; an ideal wheel looks the same a quarter turn, 83 ms, later with the contrast reversed."""
     rows = brute_rows(camera, contrast_dn=contrast_dn, noise_dn=6.0, seed=2)
-    fit = rolling_camera.estimate([rows], rig(edges=None))
+    fit = timing.estimate([rows], rig(edges=None))
     assert np.all(np.abs(_deviations(fit, camera)) < 4)
     assert fit.geometry.edges_from == "ideal"
-    assert any("cutout edges taken as ideal" in text for text in fit.result.warnings)
+    assert any("cutout edges taken as ideal" in text for text in (one.sentence() for one in fit.found.result.findings))
 
 
 def test_rounds_that_never_agree_are_told(rows, rig, monkeypatch):
     """Oracle: an agreement that cannot be reached."""
     monkeypatch.setattr(rolling_camera, "_MOST_ROUNDS", 2)
     with pytest.raises(EstimationError, match="did not agree within 2 rounds"):
-        rolling_camera.estimate([rows], rig())
+        timing.estimate([rows], rig())
