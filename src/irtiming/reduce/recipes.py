@@ -8,6 +8,7 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.reduce import pixel_sums, row_sums
+from irtiming.reduce.wheel import wheel_angles
 
 _FEWEST_FRAMES = 100
 
@@ -36,6 +37,7 @@ def reduce(
     ReductionError
         If the recording cannot be reduced; the message says why.
     """
+    wheel_angles.refuse_lost_timestamps(recording)
     if recording.frames.shape[0] < _FEWEST_FRAMES:
         raise ReductionError(
             f"{recording.name}: {recording.frames.shape[0]} frames, at least {_FEWEST_FRAMES} are needed; record a whole "
