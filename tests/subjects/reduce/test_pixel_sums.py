@@ -78,7 +78,11 @@ def test_repeated_frames_are_dropped(reduced, paper_camera):
     assert np.array_equal(spoilt.trigger_ticks, whole.trigger_ticks[kept])
     np.testing.assert_allclose(spoilt.pixels.pixel_sum, whole.pixels.pixel_sum[kept], rtol=1e-4)
     assert spoilt.contrast.frame_weight.size == 493
-    assert spoilt.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.02)
+    one, other = spoilt.contrast.projection_dn, whole.contrast.projection_dn
+    strong = (
+        np.abs(other) > 0.5 * np.abs(other).max()
+    )  # pixels in the light keep their phase, which tells where the axle is
+    assert np.abs(np.angle(one[strong] / other[strong])).max() < 0.05
     (finding,) = (one for one in spoilt.findings if one.code == "repeated-frames")
     assert finding.sentence() == "on paper: 7 frames dropped: they repeat the frame before, pixel by pixel"
 
