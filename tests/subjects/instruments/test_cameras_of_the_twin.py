@@ -62,10 +62,10 @@ class Rig:
                 self.camera.trigger(now)
 
 
-async def _has_come(camera, *, patience_s=2.0):
-    """All frames that were triggered, or none more for a while."""
+async def _has_come(camera, *, patience_s=2.0, first_s=25.0):
+    """All frames that were triggered, or none more for a while; before the first one the twin may have to compile."""
     came, since = 0, time.monotonic()
-    while came < N and time.monotonic() - since < patience_s:
+    while came < N and time.monotonic() - since < (patience_s if came else first_s):
         await asyncio.sleep(0.02)
         if camera.counts().frames > came:
             came, since = camera.counts().frames, time.monotonic()
@@ -82,7 +82,7 @@ async def _recorded(scheme, rig):
 
 
 def _run(scheme, faults=None):
-    return asyncio.run(asyncio.wait_for(_recorded(scheme, Rig(faults or CameraFaults())), 30))
+    return asyncio.run(asyncio.wait_for(_recorded(scheme, Rig(faults or CameraFaults())), 60))
 
 
 @pytest.fixture(scope="module")
