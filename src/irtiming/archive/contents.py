@@ -68,5 +68,5 @@ def checked(file: h5py.File, contents: "Contents") -> Checked:
         stored_shape=contents[layout.FRAMES],
         kept=kept,
         temperatures=temperatures,
-        findings=tuple(finding for finding in findings if finding.severity == "warning"),
+        findings=tuple(finding for finding in findings if finding.severity in ("warning", "doubt")),
     )

@@ -1,6 +1,7 @@
 """rig.toml: what a person measured on the rig, checked and brought to SI units, and written back."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -10,11 +11,25 @@ from irtiming.archive.json_file import write_atomically
 from irtiming.archive.typed_file import NOT_NEGATIVE, Number, Part, Uncertainty, read_toml
 from irtiming.archive.typed_misfit import FileKind, OutOfRange
 from irtiming.errors import GeometryError
-from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig, Rotation, Wheel
+from irtiming.records.rig import (
+    CameraOptics,
+    Clock,
+    Latency,
+    LightGates,
+    MaskOpening,
+    Measured,
+    Rig,
+    Rotation,
+    Wheel,
+)
 
-_SI = {"mm": 1e-3, "deg": math.pi / 180}
+_SI = {"mm": 1e-3, "deg": math.pi / 180, "us": 1e-6}
 _FROM_IDEAL_DEG = 10.0
 _SMALLEST_HALF_SEPARATION_MM = 1.0
+_LARGEST_OFFSET_MM = 20.0
+_LONGEST_LATENCY_US = 10_000.0
+_LARGEST_CLOCK_ERROR = 0.01  # no oscillator is as far off
+_LATENCIES = ("application_gate", "control_gate", "trigger")
 _HALF_TURN_TOLERANCE_RAD = 1e-3
 _P = TypeVar("_P", bound=Part)
 _KIND = FileKind(
@@ -94,6 +109,27 @@ class _Beams(Part):
     height_difference_mm: float = Field(ge=0, le=1000, description="dh: how much nearer the axle the control beam is")
     height_difference_u_mm: Uncertainty = 0.0
     whole_slots_between: int = Field(description="floor(dbeta / slot pitch), from 0 to half the control slots")
+    lateral_offset_mm: float = Field(
+        0.0,
+        ge=-_LARGEST_OFFSET_MM,
+        le=_LARGEST_OFFSET_MM,
+        description="middle between the beams beside the vertical through the axle, positive towards the control beam",
+    )
+    lateral_offset_u_mm: Uncertainty = 0.0
+    height_mm: float | None = Field(
+        None, gt=0, le=1000, description="h by a ruler: only a check of whole_slots_between"
+    )
+
+    def record(self) -> LightGates:
+        """The same in SI units."""
+        is_stated = {"lateral_offset_mm", "lateral_offset_u_mm"} & self.model_fields_set
+        return LightGates(
+            half_separation_m=_measured(self, "half_separation", unit="mm"),
+            height_difference_m=_measured(self, "height_difference", unit="mm"),
+            whole_slots_between=self.whole_slots_between,
+            lateral_offset_m=_measured(self, "lateral_offset", unit="mm") if is_stated else None,
+            height_m=None if self.height_mm is None else self.height_mm * _SI["mm"],
+        )
 
 
 class _Mask(Part):
@@ -112,10 +148,69 @@ class _Camera(Part):
         json_schema_extra={"hint": ": k in r_d = r_u (1 + k r_u^2), in half diagonals of the image"},
     )
     distortion_u: Uncertainty = 0.0
+    integration_time_u_us: Uncertainty | None = Field(
+        None,
+        description="standard uncertainty of the count_time that recordings state",
+        json_schema_extra={"limit": NOT_NEGATIVE},
+    )
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Camera":
         return _with_its_number(self, "distortion_u", "distortion")
+
+    def record(self) -> CameraOptics:
+        """The same in SI units."""
+        u_us = self.integration_time_u_us
+        optics = CameraOptics(integration_time_u_s=None if u_us is None else u_us * _SI["us"])
+        if self.distortion is None:
+            return optics
+        return replace(optics, distortion=Measured(self.distortion, self.distortion_u))
+
+
+_Late = Annotated[
+    float,
+    Field(ge=-_LONGEST_LATENCY_US, le=_LONGEST_LATENCY_US, json_schema_extra={"hint": ": a latency in microseconds"}),
+]
+
+
+class _Latency(Part):
+    application_gate_us: _Late | None = Field(
+        None, description="how much later than it passes the application beam an edge is timestamped"
+    )
+    application_gate_u_us: Uncertainty = 0.0
+    control_gate_us: _Late | None = Field(
+        None, description="how much later than it passes the control beam a slot is timestamped"
+    )
+    control_gate_u_us: Uncertainty = 0.0
+    trigger_us: _Late | None = Field(
+        None, description="how much later than its timestamp a trigger is at the camera's connector"
+    )
+    trigger_u_us: Uncertainty = 0.0
+
+    @model_validator(mode="after")
+    def _refuse_uncertainty_alone(self) -> "_Latency":
+        for name in _LATENCIES:
+            _with_its_number(self, f"{name}_u_us", f"{name}_us")
+        return self
+
+    def record(self) -> Latency:
+        """The same in SI units."""
+        found = {
+            f"{name}_s": _measured(self, name, unit="us")
+            for name in _LATENCIES
+            if getattr(self, f"{name}_us") is not None
+        }
+        return Latency(**found)
+
+
+class _Clock(Part):
+    relative_error: float = Field(
+        ge=-_LARGEST_CLOCK_ERROR,
+        le=_LARGEST_CLOCK_ERROR,
+        description="(true frequency - clock_frequency) / clock_frequency of the trigger generator",
+        json_schema_extra={"hint": ": 20 ppm are 2e-5"},
+    )
+    relative_error_u: Uncertainty = 0.0
 
 
 class RigFile(Part):
@@ -125,6 +220,8 @@ class RigFile(Part):
     beams: _Beams
     mask: _Mask
     camera: _Camera = _Camera()
+    latency: _Latency | None = None
+    clock: _Clock | None = None
 
     @model_validator(mode="after")
     def _check(self) -> "RigFile":
@@ -148,7 +245,8 @@ def read_rig(path: str | Path) -> Rig:
 
     Millimetres and degrees become metres and radians. A number without its ``_u_`` companion counts as exact.
     A single ``cutout_edges_u_rad`` applies to all four edges. Without ``[wheel]`` the wheel has 100 control
-    slots and turns clockwise; without ``cutout_edges_rad`` the record holds None. Without ``[camera]`` the lens is not known.
+    slots and turns clockwise; without ``cutout_edges_rad`` the record holds None. Without ``[camera]`` the lens is not known;
+    without ``[latency]``, ``[clock]`` or ``lateral_offset_mm`` the record holds None in their place.
 
     Raises
     ------
@@ -158,21 +256,17 @@ def read_rig(path: str | Path) -> Rig:
         If a number is out of its range, or the mask opening is so wide that there is no plateau.
     """
     file, sha256 = read_toml(Path(path), RigFile, kind=_KIND)
-    camera = file.camera
+    clock = file.clock
     return Rig(
         wheel=file.wheel.record(),
-        light_gates=LightGates(
-            half_separation_m=_measured(file.beams, "half_separation", unit="mm"),
-            height_difference_m=_measured(file.beams, "height_difference", unit="mm"),
-            whole_slots_between=file.beams.whole_slots_between,
-        ),
+        light_gates=file.beams.record(),
         mask_opening=MaskOpening(
             opening_angle_rad=_measured(file.mask, "opening_angle", unit="deg"),
             centre_angle_rad=_measured(file.mask, "centre_angle", unit="deg"),
         ),
-        camera=CameraOptics()
-        if camera.distortion is None
-        else CameraOptics(distortion=Measured(camera.distortion, camera.distortion_u)),
+        camera=file.camera.record(),
+        latency=None if file.latency is None else file.latency.record(),
+        clock=None if clock is None else Clock(relative_error=Measured(clock.relative_error, clock.relative_error_u)),
         source=str(path),
         sha256=sha256,
     )
@@ -193,26 +287,54 @@ def write_rig(rig: Rig, path: str | Path) -> None:
         if any(edge.standard_uncertainty for edge in edges):
             numbers = ", ".join(_toml(edge.standard_uncertainty) for edge in edges)
             wheel.append(f"cutout_edges_u_rad = [{numbers}]")
-    beams = [
-        *_lines("half_separation", "mm", number=rig.light_gates.half_separation_m),
-        *_lines("height_difference", "mm", number=rig.light_gates.height_difference_m),
-        f"whole_slots_between = {rig.light_gates.whole_slots_between}",
+    sections = [
+        ["[wheel]", *wheel],
+        ["[beams]", *_beam_lines(rig.light_gates)],
+        [
+            "[mask]",
+            *_lines("opening_angle", "deg", number=rig.mask_opening.opening_angle_rad),
+            *_lines("centre_angle", "deg", number=rig.mask_opening.centre_angle_rad),
+        ],
+        ["[latency]", *_latency_lines(rig.latency or Latency())],
+        ["[clock]", *([] if rig.clock is None else _plain_lines("relative_error", rig.clock.relative_error))],
+        ["[camera]", *_camera_lines(rig.camera)],
     ]
-    mask = [
-        *_lines("opening_angle", "deg", number=rig.mask_opening.opening_angle_rad),
-        *_lines("centre_angle", "deg", number=rig.mask_opening.centre_angle_rad),
-    ]
-    sections = [["[wheel]", *wheel], ["[beams]", *beams], ["[mask]", *mask]]
-    if rig.camera != CameraOptics():
-        lens = rig.camera.distortion
-        stated = [f"distortion_u = {_toml(lens.standard_uncertainty)}"] if lens.standard_uncertainty else []
-        sections.append(["[camera]", f"distortion = {_toml(lens.value)}", *stated])
+    sections = [lines for lines in sections if len(lines) > 1]
     write_atomically("\n\n".join("\n".join(lines) for lines in sections) + "\n", path)
 
 
 def _measured(part: Part, name: str, *, unit: str) -> Measured:
     value, u = (getattr(part, f"{name}_{ending}") for ending in (unit, f"u_{unit}"))
     return Measured(value * _SI[unit], u * _SI[unit])
+
+
+def _beam_lines(gates: LightGates) -> list[str]:
+    offset, height_m = gates.lateral_offset_m, gates.height_m
+    return [
+        *_lines("half_separation", "mm", number=gates.half_separation_m),
+        *_lines("height_difference", "mm", number=gates.height_difference_m),
+        f"whole_slots_between = {gates.whole_slots_between}",
+        *([] if offset is None else _lines("lateral_offset", "mm", number=offset)),
+        *([] if height_m is None else [f"height_mm = {_toml(height_m / _SI['mm'])}"]),
+    ]
+
+
+def _latency_lines(latency: Latency) -> list[str]:
+    stated = {name: getattr(latency, f"{name}_s") for name in _LATENCIES}
+    return [line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)]
+
+
+def _camera_lines(camera: CameraOptics) -> list[str]:
+    u_s = camera.integration_time_u_s
+    return [
+        *([] if camera.distortion == CameraOptics().distortion else _plain_lines("distortion", camera.distortion)),
+        *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / _SI['us'])}"]),
+    ]
+
+
+def _plain_lines(name: str, number: Measured) -> list[str]:
+    u = number.standard_uncertainty
+    return [f"{name} = {_toml(number.value)}", *([f"{name}_u = {_toml(u)}"] if u else [])]
 
 
 def _lines(name: str, unit: str, *, number: Measured) -> list[str]:

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, final
 
-Severity = Literal["ok", "info", "warning", "error"]
+Severity = Literal["ok", "info", "warning", "doubt", "error"]
+"""``doubt``: a number that is stated may be wrong by more than its uncertainty says."""
 
 
 @final

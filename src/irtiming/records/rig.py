@@ -1,4 +1,4 @@
-"""The rig as its owner measured it: wheel, light gates, mask opening and lens (rig.toml in SI units)."""
+"""The rig as its owner measured it: wheel, light gates, mask opening, lens, latencies and clock (rig.toml in SI units)."""
 
 from dataclasses import dataclass, field
 from typing import Literal, final
@@ -40,12 +40,16 @@ class LightGates:
 
     The application gate lies ``half_separation_m`` (d) beside the vertical through the axle, the control gate as far
     on the other side and ``height_difference_m`` (dh) nearer the axle. ``whole_slots_between`` is the whole number of
-    control slots between them, floor(dbeta / slot pitch).
+    control slots between them, floor(dbeta / slot pitch). ``lateral_offset_m`` is by how much the middle between the beams lies
+    beside that vertical, positive towards the control gate; None where rig.toml does not state it. ``height_m`` (h) is by a
+    ruler: it only checks ``whole_slots_between``.
     """
 
     half_separation_m: Measured
     height_difference_m: Measured
     whole_slots_between: int
+    lateral_offset_m: Measured | None = None
+    height_m: float | None = None
 
 
 @final
@@ -59,23 +63,56 @@ class MaskOpening:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Latency:
+    """How much later than the event its edge is timestamped, s; None where rig.toml does not state it.
+
+    ``application_gate_s`` and ``control_gate_s``: an edge that passes the beam. ``trigger_s`` the other way: how much later than
+    its timestamp the trigger is at the camera's connector, from where its delay counts.
+    """
+
+    application_gate_s: Measured | None = None
+    control_gate_s: Measured | None = None
+    trigger_s: Measured | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Clock:
+    """Of the trigger generator: ``relative_error`` e = (true frequency - clock_frequency) / clock_frequency.
+
+    Time in SI seconds is ticks / (clock_frequency (1 + e)).
+    """
+
+    relative_error: Measured
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class CameraOptics:
     """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half diagonals of the image.
 
     Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
+    ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where nobody knows
+    it.
     """
 
     distortion: Measured = Measured(0.0, 0.1)
+    integration_time_u_s: float | None = None
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Rig:
-    """All that a person measured on the rig; ``source`` and ``sha256`` say where it was read."""
+    """All that a person measured on the rig; ``source`` and ``sha256`` say where it was read.
+
+    ``latency`` and ``clock`` are None where rig.toml has no such section.
+    """
 
     wheel: Wheel = field(default_factory=Wheel)
     light_gates: LightGates
     mask_opening: MaskOpening
     camera: CameraOptics = field(default_factory=CameraOptics)
+    latency: Latency | None = None
+    clock: Clock | None = None
     source: str = ""
     sha256: str = ""

@@ -72,7 +72,7 @@ def result(analysis: Analysis) -> dict[str, Any]:
 
 def warnings(analysis: Analysis) -> tuple[str, ...]:
     """Findings that a person should know of, one sentence each."""
-    return tuple(one.sentence() for one in analysis.findings if one.severity in ("warning", "error"))
+    return tuple(one.sentence() for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
 
 
 def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
