@@ -104,7 +104,8 @@ def wiring_of(wishes: WiringWishes, *, clock_frequency_hz: int) -> Wiring:
         falling_edges=edges,
         filter_cycles=round(wishes.glitch_filter_s * clock_frequency_hz),
         camera_pulse_s=wishes.camera_pulse_s,
-        also_recorded=Channel.CAMERA_INPUT if wishes.camera_input else Channel(0),
+        also_recorded=(Channel.CAMERA_INPUT if wishes.camera_input else Channel(0))
+        | (Channel.SPARE if wishes.spare else Channel(0)),
     )
 
 

@@ -61,6 +61,7 @@ _STREAMS: dict[TickStream, str] = {
     "application_slot": "application_slot_ticks",
     "application_edges": "application_edge_ticks",
     "camera_input": "camera_input_ticks",
+    "spare": "spare_ticks",
 }
 
 

@@ -177,6 +177,10 @@ CAMERA_INPUT = Field(
     path=f"{TRIGGER_GENERATOR}/camera_input", kind="ticks", attribute="camera_input_ticks", unit="ticks", fewest=0,
     meaning="edges that the camera sent back",
 )
+SPARE = Field(
+    path=f"{TRIGGER_GENERATOR}/spare", kind="ticks", attribute="spare_ticks", unit="ticks", fewest=0,
+    meaning="edges of the spare input: a pulse per second, a second photodiode, or a trigger that is led back",
+)
 CAMERA_PERIOD = Field(
     path=f"{TRIGGER_GENERATOR}/camera_period", kind="integer",
     attribute="camera_period_ticks", unit="ticks", lowest=1, highest=2.0**62,
@@ -209,7 +213,7 @@ FIELDS = (
     CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS,
     ROTATION_SPEED,
     CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES, LOST_AFTER,
-    CAMERA_TRIGGER_DELAYED, CAMERA_INPUT,
+    CAMERA_TRIGGER_DELAYED, CAMERA_INPUT, SPARE,
     CAMERA_PERIOD, WHEEL_PERIOD,
     BLACKBODY_TEMPERATURE,
     REFERENCE_LOW, REFERENCE_HIGH,

@@ -139,6 +139,7 @@ class _Wiring(Part):
         1e-3, description="shorter than the camera's period", json_schema_extra={"default": "1 ms"}
     )
     camera_input: bool = Field(False, description="whether what the camera sends back is recorded")
+    spare: bool = Field(False, description="whether the spare input is recorded, such as a pulse per second")
 
 
 class _Series(Part):
@@ -283,6 +284,7 @@ def read_series(path: str | Path) -> SeriesPlan:
             glitch_filter_s=wiring.glitch_filter,
             camera_pulse_s=wiring.camera_pulse,
             camera_input=wiring.camera_input,
+            spare=wiring.spare,
         ),
         plan_file="" if file.series.plan is None else str(where.parent / file.series.plan),
         triggers=file.series.record(),

@@ -21,7 +21,8 @@ from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 
 STREAMS: tuple[Field, ...] = (
-    layout.CAMERA_TRIGGER, layout.CONTROL_SLOT, layout.APPLICATION_SLOT, layout.APPLICATION_EDGES, layout.LOST_AFTER,
+    layout.CAMERA_TRIGGER, layout.CONTROL_SLOT, layout.APPLICATION_SLOT, layout.APPLICATION_EDGES, layout.SPARE,
+    layout.LOST_AFTER,
 )  # fmt: skip
 """Tick streams that a recording takes over; others stand beside them for whoever wants to look."""
 
@@ -73,7 +74,7 @@ def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRu
     beside = {
         "camera_trigger_delayed": timestamps.camera_trigger_delayed_ticks,
         "camera_input": timestamps.camera_input_ticks,
-        "spare": timestamps.spare_ticks,
+        layout.SPARE.name: timestamps.spare_ticks,
     }
     try:
         with h5py.File(part, "w", libver=layout.HDF5_FORMAT) as file:

@@ -80,6 +80,9 @@ def record(
     camera_input: Annotated[
         bool, typer.Option("--camera-input", help="Also record what the camera sends back.")
     ] = False,
+    spare: Annotated[
+        bool, typer.Option("--spare", help="Also record the spare input, such as a pulse per second.")
+    ] = False,
 ) -> None:
     """Load one run of a plan, wait for the wheel, trigger the camera and write the timestamps.
 

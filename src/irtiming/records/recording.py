@@ -82,6 +82,7 @@ class Recording:
     lost_after_ticks: Ticks | None = None
     camera_trigger_delayed_ticks: Ticks | None = None
     camera_input_ticks: Ticks | None = None
+    spare_ticks: Ticks | None = None
     rotation_speed_hz: float
     integration_time_s: float | None = None
     trigger_delay_time_set_s: float = 0.0

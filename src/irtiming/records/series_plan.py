@@ -46,6 +46,7 @@ class WiringWishes:
     glitch_filter_s: float = 0.0
     camera_pulse_s: float = 1e-3
     camera_input: bool = False
+    spare: bool = False
 
 
 @final

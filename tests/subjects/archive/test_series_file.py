@@ -49,6 +49,7 @@ falling = ["control_slot", "camera_output"]
 glitch_filter = "1 us"
 camera_pulse = "2 ms"
 camera_input = true
+spare = true
 
 [series]
 wheel_hz = [3, 9]
@@ -114,6 +115,7 @@ def test_every_key_is_read(written):
         glitch_filter_s=pytest.approx(1e-6),
         camera_pulse_s=pytest.approx(2e-3),
         camera_input=True,
+        spare=True,
     )
     assert plan.triggers == TriggerWishes(
         wheel_hz=("3", "9"), frame_hz="30.303", samples="1000", delays=("0 s", "25 ms"), repeats="2"

@@ -22,8 +22,9 @@ STREAMS: tuple[Field, ...] = (
     layout.CONTROL_SLOT,
     layout.APPLICATION_SLOT,
     layout.APPLICATION_EDGES,
+    layout.SPARE,
 )
-"""What a capture can give to a recording; all but the last are needed."""
+"""What a capture can give to a recording; the first three are needed."""
 
 FALLING = "!"
 """Before the name of a line of which the falling edge counts."""

@@ -176,6 +176,7 @@ def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
         control_slot_ticks=ticks.streams[layout.CONTROL_SLOT],
         application_slot_ticks=ticks.streams[layout.APPLICATION_SLOT],
         application_edge_ticks=ticks.streams.get(layout.APPLICATION_EDGES),
+        spare_ticks=ticks.streams.get(layout.SPARE),
         lost_after_ticks=ticks.streams.get(layout.LOST_AFTER),
         rotation_speed_hz=facts.rotation_speed_hz,
         integration_time_s=facts.integration_time_s,

@@ -32,7 +32,7 @@ from irtiming.errors import ArchiveError
 
 STREAMS = (
     layout.CAMERA_TRIGGER, layout.CAMERA_TRIGGER_DELAYED, layout.CONTROL_SLOT, layout.APPLICATION_SLOT,
-    layout.APPLICATION_EDGES, layout.CAMERA_INPUT, layout.LOST_AFTER,
+    layout.APPLICATION_EDGES, layout.CAMERA_INPUT, layout.SPARE, layout.LOST_AFTER,
 )  # fmt: skip
 """Tick streams that grow."""
 

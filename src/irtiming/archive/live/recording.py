@@ -24,7 +24,7 @@ from irtiming.records.timestamps import Timestamps
 
 TickStream = Literal[
     "camera_trigger", "camera_trigger_delayed", "control_slot", "application_slot", "application_edges", "camera_input",
-    "lost_after",
+    "spare", "lost_after",
 ]  # fmt: skip
 """Tick streams of the file by their names there."""
 
