@@ -13,7 +13,7 @@ from irtiming.errors import PlanError
 from irtiming.physics.camera import camera
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
-from irtiming.plan.information import Information
+from irtiming.plan.information import Told
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import RollingRun
 from irtiming.records.analysis import Analysis
@@ -28,7 +28,7 @@ _UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9
 _SHORTEST_S = 1e-6
 
-_Groups: TypeAlias = dict[tuple[float, float], list[Information]]
+_Groups: TypeAlias = dict[tuple[float, float], list[Told]]
 
 
 def predict(analysis: Analysis) -> Prediction | None:

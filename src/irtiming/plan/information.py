@@ -1,53 +1,79 @@
-r"""How well a set of runs can tell what is sought: Fisher information, run by run, and the uncertainty that comes of it.
+r"""How well a set of runs can tell what is sought, in the algebra of `inference.information`.
 
-One run tells the parameters p with an information matrix J = sum over its samples of (df/dp) (df/dp)^T / sigma^2. What a run has
-for itself (its level, its step, its drift) is eliminated within; what all runs share stays. Information of independent runs
-adds. The rig's angle errors are parameters too, counted in units of their standard uncertainty, so that what rig.toml says of
-them is an information of 1. The inverse of the sum is the covariance C of the best estimate (Cramer and Rao):
-
-.. math:: C = (\sum_f n_f J_f + P)^{-1},\quad P = 1 \text{ for the angle errors, 0 else}
-
-and C = C (sum n J) C + C P C splits it into noise and the angle errors, source by source. With one wheel speed an angle error
-looks like a delay and stays; with several it does not, and the frames tell them apart.
+What a run has for itself (its level, its step, its drift) is eliminated within; what all runs share stays. The rig's angle errors
+are numbers too, counted in their standard uncertainty, so that what rig.toml says of them is an information of 1. With one wheel
+speed an angle error looks like a delay and stays; with several it does not, and the frames tell them apart.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
 import numpy as np
 
-from irtiming.errors import PlanError
-from irtiming.physics.covariance import inverse
+from irtiming.errors import EstimationError, PlanError
+from irtiming.inference.information import NOISE, Combined, Information, Weights, combine
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
 
-NOISE = "noise of the frames"
 EDGES = "cutout edges"
 
-Weights: TypeAlias = Mapping[str, Mapping[str, float]]
-"""What is asked for, by name: each a sum of parameters with these weights."""
+Asked: TypeAlias = Mapping[str, Weights]
+"""What is asked for, by name: each a sum of parameters."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Information:
-    """Of one run: ``matrix`` (n, n) over the parameters ``names``, then over the errors named in ``sources``.
+class Told:
+    """What runs say of parameters and errors (``frames``), and what is known of the errors beforehand, by source."""
 
-    Several errors may have the same source; each has a standard uncertainty of 1.
+    frames: Information
+    known: tuple[Information, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters."""
+        errors = {name for one in self.known for name in one.names}
+        return tuple(name for name in self.frames.names if name not in errors)
+
+    def times(self, n_runs: float) -> "Told":
+        """That of so many runs; what is known of the rig does not grow with them."""
+        return replace(self, frames=self.frames.times(n_runs))
+
+
+def told(names: Sequence[str], sources: Sequence[str], *, matrix: Array) -> Told:
+    """What a run says.
+
+    Parameters
+    ----------
+    names
+        Of the parameters.
+    sources
+        Of the errors, each with a standard uncertainty of 1; several may have the same.
+    matrix
+        Shape (n, n); information on the parameters, then on the errors.
     """
-
-    names: tuple[str, ...]
-    sources: tuple[str, ...]
-    matrix: Array
-
-    def times(self, n_runs: float) -> "Information":
-        """That of so many runs."""
-        return Information(names=self.names, sources=self.sources, matrix=self.matrix * n_runs)
+    errors = [f"{source} {k}" for k, source in enumerate(sources)]
+    of_source = {source: [e for e, own in zip(errors, sources, strict=True) if own == source] for source in sources}
+    known = tuple(_ones(source, own) for source, own in of_source.items())
+    return Told(frames=_silent(NOISE, (*names, *errors), matrix), known=known)
 
 
-def total(parts: Sequence[Information]) -> Information:
+def _ones(source: str, errors: Sequence[str]) -> Information:
+    return _silent(source, tuple(errors), np.eye(len(errors)))
+
+
+def _silent(source: str, names: tuple[str, ...], matrix: Array) -> Information:
+    return Information(source=source, names=names, matrix=matrix, gradient=np.zeros(len(names)))
+
+
+def total(parts: Sequence[Told]) -> Told:
     """Information of independent runs together.
+
+    Parameters
+    ----------
+    parts
+        One or more.
 
     Raises
     ------
@@ -55,85 +81,54 @@ def total(parts: Sequence[Information]) -> Information:
         If they do not have the same parameters and errors.
     """
     first = parts[0]
-    if any((part.names, part.sources) != (first.names, first.sources) for part in parts):
+    if any(part.frames.names != first.frames.names for part in parts):
         raise PlanError(
             "the runs do not have the same parameters, so their information cannot be added; plan them apart"
         )
-    return Information(names=first.names, sources=first.sources, matrix=np.sum([part.matrix for part in parts], axis=0))
+    matrix = np.sum([part.frames.matrix for part in parts], axis=0)
+    return replace(first, frames=replace(first.frames, matrix=matrix))
 
 
-def apart(delayed: Information, reference: Information) -> Information:
+def apart(delayed: Told, reference: Told) -> Told:
     """Information of two sets of runs with two set delays: the difference of their delays is the parameter relative_delay."""
-    at, n = delayed.names.index("trigger_delay"), len(delayed.matrix)
-    without = np.concatenate([np.zeros((n, 1)), np.eye(n)], axis=1)
+    names = ("relative_delay", *delayed.frames.names)
+    without = np.eye(len(names))[1:]
     spread = without.copy()
-    spread[at, 0] = 1.0
-    matrix = spread.T @ delayed.matrix @ spread + without.T @ reference.matrix @ without
-    return Information(names=("relative_delay", *delayed.names), sources=delayed.sources, matrix=matrix)
+    spread[delayed.frames.names.index("trigger_delay"), 0] = 1.0
+    both = delayed.frames.of(names, spread), reference.frames.of(names, without)
+    return replace(delayed, frames=replace(both[0], matrix=both[0].matrix + both[1].matrix))
 
 
-def covariance(one: Information) -> Array:
-    """Covariance of parameters and errors, shape (n, n).
+def combined(one: Told) -> Combined:
+    """Frames and what is known beforehand.
 
     Raises
     ------
     PlanError
-        If nothing is told of one of them.
+        If nothing is told of a parameter.
     """
-    told = one.matrix + np.diag(_known(one))
-    if not np.all(np.diag(told) > 0):
-        raise PlanError(
-            f"nothing is told of {one.names[int(np.argmin(np.diag(told)))]}; plan another measurement for it"
-        )
-    return inverse(told)
+    try:
+        return combine([one.frames, *one.known])
+    except EstimationError as error:
+        raise PlanError(str(error)) from error
 
 
-def uncertainties(one: Information, weights: Weights) -> tuple[PredictedUncertainty, ...]:
+def uncertainties(one: Told, asked: Asked) -> tuple[PredictedUncertainty, ...]:
     """Predicted standard uncertainty of each sum of parameters, with its parts: noise, and the errors by source."""
-    spread = covariance(one)
-    known = _known(one)
+    whole = combined(one)
     found = []
-    for name, share in weights.items():
-        row = np.array([share.get(parameter, 0.0) for parameter in one.names] + [0.0] * len(one.sources)) @ spread
-        by_error = row**2 * known
-        squares = {NOISE: float(row @ one.matrix @ row)}
-        for source, square in zip(one.sources, by_error[len(one.names) :], strict=True):
-            squares[source] = squares.get(source, 0.0) + float(square)
+    for name, weights in asked.items():
+        squares = whole.shares(weights)
         parts = tuple(
             PredictedPart(source=source, standard_uncertainty_s=float(np.sqrt(max(square, 0.0))))
             for source, square in squares.items()
         )
-        found.append(
-            PredictedUncertainty(
-                name=name, standard_uncertainty_s=float(np.sqrt(max(sum(squares.values()), 0.0))), parts=parts
-            )
-        )
+        u_s = float(np.sqrt(max(sum(squares.values()), 0.0)))
+        found.append(PredictedUncertainty(name=name, standard_uncertainty_s=u_s, parts=parts))
     return tuple(found)
 
 
-def variances(one: Information, weights: Weights) -> Array:
+def variances(one: Told, asked: Asked) -> Array:
     """Squares of the uncertainties alone, shape (n_asked,), where many sets of runs are compared; s^2."""
-    rows = np.array([[share.get(name, 0.0) for name in one.names] for share in weights.values()])
-    n = len(one.names)
-    return np.asarray(np.einsum("ki,ij,kj->k", rows, covariance(one)[:n, :n], rows))
-
-
-def _known(one: Information) -> Array:
-    """Information that is there without any run: 1 for each error."""
-    return np.array([0.0] * len(one.names) + [1.0] * len(one.sources))
-
-
-def without_own(columns: Array, own: Array) -> Array:
-    """Columns less what a run's own parameters could take over.
-
-    Parameters
-    ----------
-    columns, own
-        Shapes (n, k) and (n, j); derivatives over the noise of each sample.
-
-    Returns
-    -------
-    Shape (n, k), orthogonal to ``own``.
-    """
-    basis, _ = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-300))
-    return np.asarray(columns - basis @ (basis.T @ columns))
+    whole = combined(one)
+    return np.array([whole.variance(weights) for weights in asked.values()])

@@ -21,8 +21,9 @@ from typing import final
 
 import numpy as np
 
+from irtiming.inference.information import without_own
 from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction, skewed_fraction
-from irtiming.plan.information import EDGES, Information, without_own
+from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
@@ -111,7 +112,7 @@ def one_run(
     model: WheelModel,
     angles: AngleErrors,
     structure: Structure = SHARED_SHAPE,
-) -> Information:
+) -> Told:
     """Information of one run on the shared parameters and the angle errors.
 
     Parameters
@@ -135,11 +136,7 @@ def one_run(
     shared = np.stack([slopes[name] for name in structure.shared] + [column for _, column in errors], axis=1)
     own = np.stack([slopes[name] for name in structure.own], axis=1)
     left = without_own(shared / sigma[:, None], own / sigma[:, None])
-    return Information(
-        names=structure.shared,
-        sources=tuple(source for source, _ in errors),
-        matrix=sampling.weight * left.T @ left,
-    )
+    return told(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
 
 
 def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> dict[str, Array]:

@@ -12,7 +12,7 @@ from irtiming.physics import camera as physics_camera
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.assumptions import AssumedRig
-from irtiming.plan.information import Information
+from irtiming.plan.information import Told
 from irtiming.plan.photon_information import Sampling, Structure
 from irtiming.plan.sampling import sampling_order
 from irtiming.records.camera_description import Camera, PhotonCamera
@@ -44,14 +44,14 @@ class Setting:
     structure: Structure = photon_information.SHARED_SHAPE
 
     @cached_property
-    def one_run(self) -> Callable[[TriggerScheme], Information]:
+    def one_run(self) -> Callable[[TriggerScheme], Told]:
         """Information of one run of a scheme."""
         if isinstance(self.camera, PhotonCamera) and self.camera.readout_mode == "snapshot":
             return _pixel_sums(self, self.camera)
         return _row_sums(self)
 
 
-Runs: TypeAlias = Sequence[tuple[Information, int]]
+Runs: TypeAlias = Sequence[tuple[Told, int]]
 """For each wheel speed what one run tells, and how many there are of each set delay."""
 
 
@@ -83,7 +83,7 @@ def sizes_s(runs: Runs, names: Sequence[str], *, n_delays: int = 1) -> dict[str,
     return found
 
 
-def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Information, information.Weights]]:
+def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Told, information.Asked]]:
     """What is asked of all runs as one camera's timing, and of pairs of them with two set delays."""
     every = information.total([one.times(n) for one, n in runs])
     absolute = {name: _weights(name, every) for name in names if name != RELATIVE}
@@ -91,7 +91,7 @@ def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Inf
     return [(every.times(n_delays), absolute), (information.apart(every, every), relative)]
 
 
-def _weights(name: str, one: Information) -> dict[str, float]:
+def _weights(name: str, one: Told) -> dict[str, float]:
     """The parameter as a sum of those that the information is about."""
     if name == "exposure_midpoint_delay":
         return {"trigger_delay": 1.0, "integration_time": 0.5}
@@ -113,10 +113,10 @@ def nominal_sampling(scheme: TriggerScheme, clock_frequency_hz: int) -> Sampling
     )
 
 
-def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Information]:
+def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Told]:
     noise = photon_information.frame_noise(camera)
 
-    def one_run(scheme: TriggerScheme) -> Information:
+    def one_run(scheme: TriggerScheme) -> Told:
         return photon_information.one_run(
             nominal_sampling(scheme, setting.clock_frequency_hz),
             noise,
@@ -128,14 +128,14 @@ def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerSche
     return one_run
 
 
-def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Information]:
+def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Told]:
     camera = setting.camera
     sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
     n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).n_harmonics
     rows = rolling_information.rows_of(sector, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector)
 
-    def one_run(scheme: TriggerScheme) -> Information:
+    def one_run(scheme: TriggerScheme) -> Told:
         run = rolling_information.RollingRun(
             camera=camera,
             rows=rows,

@@ -14,7 +14,8 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import PlanError
-from irtiming.plan.information import NOISE, Information
+from irtiming.inference.information import NOISE
+from irtiming.plan.information import Told
 from irtiming.plan.prediction import Setting, sizes_s, uncertainties
 from irtiming.plan.sampling import run_period_ticks
 from irtiming.plan.schedule import plan_duration_s, schedule
@@ -68,7 +69,7 @@ class _Speed:
 
     scheme: TriggerScheme
     wheel_rate_hz: float
-    told: Information
+    told: Told
     seconds: float
 
 
@@ -190,7 +191,7 @@ class _Search:
         return float(f"{sum(n * speed.seconds for n, speed in zip(runs, chosen, strict=True)):.2g}")
 
 
-def _pairs(speeds: Sequence[_Speed], runs: Sequence[int]) -> list[tuple[Information, int]]:
+def _pairs(speeds: Sequence[_Speed], runs: Sequence[int]) -> list[tuple[Told, int]]:
     return [(speed.told, n) for speed, n in zip(speeds, runs, strict=True)]
 
 

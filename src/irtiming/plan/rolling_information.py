@@ -13,12 +13,13 @@ from typing import TypeAlias, final
 
 import numpy as np
 
+from irtiming.inference.information import without_own
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.wheel import TURN
-from irtiming.plan.information import EDGES, Information, without_own
+from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
@@ -140,7 +141,7 @@ class ImageErrors:
     gains: Array
 
 
-def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> Information:
+def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> Told:
     """Information of one run on the camera's timing, the sector's numbers, and the errors.
 
     Parameters
@@ -170,11 +171,8 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
     matrix = design.T @ normal @ design
     shape = slice(n_own, n_own + n_shape)
     matrix[shape, shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
-    return Information(
-        names=(*timing_names(run), *_SHAPE),
-        sources=(*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape),
-        matrix=matrix,
-    )
+    sources = (*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape)
+    return told((*timing_names(run), *_SHAPE), sources, matrix=matrix)
 
 
 def timing_names(run: RollingRun) -> tuple[str, ...]:
@@ -286,9 +284,9 @@ def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> I
     scatter = run.camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
     columns = image.columns if run.camera.readout_mode == "rolling" else np.delete(image.columns, len(_SHAPE), axis=0)
     scale = np.linalg.norm(columns, axis=1)
-    told = columns / scale[:, None]
-    weighted = told.real / (noise**2 + scatter**2)
-    inverse = np.linalg.pinv(weighted @ told.real.T + told.imag @ told.imag.T / noise**2, hermitian=True)
+    even = columns / scale[:, None]
+    weighted = even.real / (noise**2 + scatter**2)
+    inverse = np.linalg.pinv(weighted @ even.real.T + even.imag @ even.imag.T / noise**2, hermitian=True)
     pull = inverse @ weighted * scatter
     by_gain, outer, n = pull @ pull.T, np.outer(scale, scale), len(_SHAPE)
     return ImageErrors(noise=((inverse - by_gain) / outer)[:n, :n], gains=(by_gain / outer)[:n, :n])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from irtiming.errors import PlanError
+from irtiming.inference.information import NOISE
 from irtiming.plan import information
-from irtiming.plan.information import NOISE, Information
+from irtiming.plan.information import told
 
 PER_S = 1e6
 """One over the uncertainty of a delay by one run, 1 us."""
@@ -14,7 +15,7 @@ PER_S = 1e6
 def _delay(u_angle_s):
     """A run that tells its delay plus an angle error of this size, s, to 1 us."""
     column = np.array([1.0, u_angle_s]) * PER_S
-    return Information(names=("trigger_delay",), sources=("angle",), matrix=np.outer(column, column))
+    return told(("trigger_delay",), ("angle",), matrix=np.outer(column, column))
 
 
 def _u(one, **weights):
@@ -54,21 +55,13 @@ def test_variances_are_the_squares_of_the_uncertainties():
 
 def test_runs_that_differ_in_their_parameters_are_not_added():
     """Oracle: their matrices would not mean the same."""
-    other = Information(names=("row_delay",), sources=("angle",), matrix=np.eye(2))
+    other = told(("row_delay",), ("angle",), matrix=np.eye(2))
     with pytest.raises(PlanError, match="same parameters"):
         information.total([_delay(1e-6), other])
 
 
 def test_what_no_run_tells_is_refused_by_name():
     """Oracle: a parameter without information has no uncertainty."""
-    blind = Information(names=("trigger_delay", "skew"), sources=(), matrix=np.diag([PER_S**2, 0.0]))
+    blind = told(("trigger_delay", "skew"), (), matrix=np.diag([PER_S**2, 0.0]))
     with pytest.raises(PlanError, match="skew"):
-        information.covariance(blind)
-
-
-def test_columns_without_what_a_run_has_for_itself():
-    """Oracle: least squares by numpy; the residual of each column."""
-    random = np.random.default_rng(1)
-    columns, own = random.normal(size=(50, 3)), random.normal(size=(50, 2)) * [1e-6, 1e3]
-    expected = columns - own @ np.linalg.lstsq(own, columns, rcond=None)[0]
-    np.testing.assert_allclose(information.without_own(columns, own), expected, atol=1e-12)
+        information.combined(blind)
