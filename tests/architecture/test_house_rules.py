@@ -33,6 +33,7 @@ COMMANDS = (
     "simulate",
     "verify",
     "calibrate_wheel",
+    "clock",
     "analyse",
     "import_capture",
     "export_vcd",

@@ -30,13 +30,19 @@ STREAMS: tuple[Field, ...] = (
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TimedRun:
-    """What such a file says: tick streams by their field, and the run's nominal wheel rate and delay that was set."""
+    """What such a file says: tick streams by their field, and the run's nominal wheel rate and delay that was set.
+
+    Where it holds frames, ``camera_stamps`` has, for each frame, the camera's own timestamp and the tick of its trigger, in two
+    arrays of shape (n_frame,), and ``timestamp_frequency_hz`` the frequency of the camera's clock.
+    """
 
     name: str
     clock_frequency_hz: int
     streams: dict[Field, Ticks]
     rotation_speed_hz: float
     trigger_delay_time_set_s: float
+    camera_stamps: tuple[Ticks, Ticks] | None = None
+    timestamp_frequency_hz: float | None = None
 
 
 def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRun) -> None:
@@ -119,6 +125,20 @@ def read_timestamps(path: str | Path) -> TimedRun:
                 streams={field: ticks for field, ticks in streams.items() if isinstance(ticks, np.ndarray)},
                 rotation_speed_hz=read_field(file, layout.ROTATION_SPEED),
                 trigger_delay_time_set_s=read_field(file, layout.TRIGGER_DELAY_TIME_SET) or 0.0,
+                camera_stamps=_camera_stamps(file, streams[layout.CAMERA_TRIGGER]),
+                timestamp_frequency_hz=read_field(file, layout.TIMESTAMP_FREQUENCY),
             )
     except Complaint as complaint:
         raise complaint.as_error(path) from complaint
+
+
+def _camera_stamps(file: h5py.File, triggers: Ticks) -> tuple[Ticks, Ticks] | None:
+    """The camera's timestamp of each frame beside the tick of its trigger; None where the file has none."""
+    stamps, numbers = read_field(file, layout.FRAME_TIMESTAMP), read_field(file, layout.FRAME_NUMBER)
+    if stamps is None:
+        return None
+    numbers = np.arange(stamps.size) if numbers is None else numbers
+    if numbers.size != stamps.size:
+        return None
+    known = (numbers >= 0) & (numbers < triggers.size)
+    return stamps[known], triggers[numbers[known]]

@@ -12,6 +12,7 @@ import typer
 from irtiming.cli.analyse_command import analyse
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.camera_command import camera
+from irtiming.cli.clock_command import clock
 from irtiming.cli.demo_command import demo
 from irtiming.cli.discover_command import discover
 from irtiming.cli.doctor_command import doctor
@@ -35,8 +36,8 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 COMMANDS = (
-    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, analyse, import_capture, export_vcd,
-    demo,
+    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, import_capture,
+    export_vcd, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)
