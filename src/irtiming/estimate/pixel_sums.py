@@ -83,8 +83,8 @@ class PixelSums:
 
     def angle(self, delay_s: float) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,)."""
-        delay = delay_s + self.reduced.trigger_delay_time_set_s
-        return wheel_angle_rad(delay, self.reduced.track, at_ticks=self.reduced.trigger_ticks[self.kept])
+        ticks, set_s = self.reduced.trigger_ticks[self.kept], self.reduced.trigger_delay_time_set_s
+        return wheel_angle_rad(delay_s, self.reduced.track, at_ticks=ticks, set_s=set_s)
 
     def passing(self, numbers: Mapping[str, float]) -> Passing:
         """Wheel, window and opening at the local numbers."""

@@ -161,7 +161,7 @@ def likelihood(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight) ->
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight) -> _Task:
-    angle = wheel_angle_rad(rows.trigger_delay_time_set_s, rows.track, at_ticks=rows.trigger_ticks)
+    angle = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks, set_s=rows.trigger_delay_time_set_s)
     sums = rows.row_sums.row_sum_dn[:, light.is_lit]
     stretches = [np.asarray(rows.segment == number) for number in np.unique(rows.segment)]
     model = RowSum(

@@ -187,7 +187,7 @@ def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: 
             omega * delay_s, n_harmonics=_HARMONICS
         )
         point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
-        angle = wheel_angle_rad(one.trigger_delay_time_set_s, one.track, at_ticks=one.trigger_ticks)
+        angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
         waves = np.exp(1j * np.multiply.outer(order, angle))
         np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
         np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast_image.frame_weight) / 2)

@@ -182,8 +182,8 @@ def _pixel_noise(fit: RowTimingFit, rows: rolling_information.Rows) -> float:
 def _sampling(recording: ReducedRecording, fit: EdgeDelayFit) -> Sampling:
     """Wheel angles at the start of integration of all frames whose exposure the wheel's timestamps cover."""
     ticks = recording.trigger_ticks
-    delay_s = float(fit.edge_delay_s.mean()) + recording.trigger_delay_time_set_s
-    angle = wheel_angle_rad(delay_s, recording.track, at_ticks=ticks)
+    delay_s, set_s = float(fit.edge_delay_s.mean()), recording.trigger_delay_time_set_s
+    angle = wheel_angle_rad(delay_s, recording.track, at_ticks=ticks, set_s=set_s)
     seen = np.isfinite(angle)
     time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
     return Sampling(

@@ -18,7 +18,7 @@ class WheelTrack:
         Shape (n_edge,); times of the control-slot edges and the unwrapped wheel angle there. Zero (mod 2 pi) when the
         reference edge passes the application gate.
     clock_frequency_hz
-        Ticks per second.
+        Ticks per SI second, with the relative error of the clock that rig.toml states; ``clock_relative_error`` is that.
     angular_frequency_rad_per_s
         Mean over the recording; always positive.
     gate_separation_rad, u_gate_separation_rad
@@ -35,6 +35,11 @@ class WheelTrack:
         Angles of edges 0..3 at the application gate, from the timestamps of all four; None where not recorded.
     findings
         What was missing, doubled or spurious and what was done about it.
+    ahead_rad
+        Angle by which ``edge_angle_rad`` stands ahead of what the slots' timestamps show, for the latencies that rig.toml states:
+        it is the wheel's angle at the moment when a trigger with that timestamp is at the camera's connector.
+    register_rad_per_s
+        Mean angular frequency of the wheel in the recordings that told ``gate_separation_rad``; None where it is this one alone.
     """
 
     edge_ticks: Ticks
@@ -49,3 +54,6 @@ class WheelTrack:
     application_edges_rad: tuple[float, float, float, float] | None = None
     u_application_edges_rad: tuple[float, float, float, float] | None = None
     findings: tuple[Finding, ...] = ()
+    ahead_rad: float = 0.0
+    clock_relative_error: float = 0.0
+    register_rad_per_s: float | None = None

@@ -92,5 +92,5 @@ def of(recording: Recording, rig: Rig, *, reference_edge: ReferenceEdge) -> Fram
         learned=learned,
         equal=equal,
         trigger_ticks=triggers,
-        angle_rad=wheel_angle_rad(recording.trigger_delay_time_set_s, learned, at_ticks=triggers),
+        angle_rad=wheel_angle_rad(0.0, learned, at_ticks=triggers, set_s=recording.trigger_delay_time_set_s),
     )

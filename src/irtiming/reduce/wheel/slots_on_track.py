@@ -26,18 +26,18 @@ def with_slots(track: WheelTrack, slots: SlotTable) -> WheelTrack:
     """
     n_slots = slots.deviation_rad.size
     change = slots.deviation_rad - track.slot_deviation_rad
-    alpha = track.edge_angle_rad + track.gate_separation_rad
+    alpha = track.edge_angle_rad + track.gate_separation_rad - track.ahead_rad
     known = np.isfinite(alpha)
     slot = np.mod(np.rint(np.where(known, alpha, 0.0) * n_slots / TURN).astype(int), n_slots)
     moved = alpha + change[slot]
     zeros = TURN * np.arange(np.ceil(np.nanmin(track.edge_angle_rad) / TURN), np.nanmax(track.edge_angle_rad) / TURN)
     ticks = (track.edge_ticks - track.edge_ticks[0]).astype(float)
     at_reference = np.interp(zeros, track.edge_angle_rad[known], ticks[known])
-    separation = float(np.mean(np.interp(at_reference, ticks[known], moved[known]) - zeros))
+    separation = float(np.mean(np.interp(at_reference, ticks[known], moved[known]) - zeros)) + track.ahead_rad
     u_scatter_2 = track.u_gate_separation_rad**2 - table_of(track).u_register_rad ** 2
     return replace(
         track,
-        edge_angle_rad=moved - separation,
+        edge_angle_rad=moved - separation + track.ahead_rad,
         gate_separation_rad=separation,
         u_gate_separation_rad=float(np.sqrt(max(u_scatter_2, 0.0) + slots.u_register_rad**2)),
         slot_deviation_rad=slots.deviation_rad,
@@ -71,12 +71,14 @@ def with_common_zero(tracks: Sequence[WheelTrack]) -> list[WheelTrack]:
     if np.any(np.abs(own - common) > _MOVED * u_own):
         return list(tracks)
     u_common = float(np.sum(u_own**-2.0) ** -0.5)
+    speed = float(np.average([t.angular_frequency_rad_per_s for t in tracks], weights=u_own**-2))
     return [
         replace(
             t,
             edge_angle_rad=t.edge_angle_rad + (t.gate_separation_rad - common),
             gate_separation_rad=common,
             u_gate_separation_rad=float(np.hypot(u_common, table_of(t).u_register_rad)),
+            register_rad_per_s=speed,
         )
         for t in tracks
     ]

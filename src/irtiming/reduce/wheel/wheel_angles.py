@@ -6,6 +6,7 @@ from typing import Literal, final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics import latency
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.choices import ReferenceEdge
@@ -64,6 +65,8 @@ def track(
 
     Notes
     -----
+    Learned slots know the latencies and the clock that rig.toml states (`irtiming.physics.latency`); equal ones, as published, do
+    not.
     With the paper's rotation the control gate comes before the application gate on an edge's way, so slot j passes it
     at theta = alpha_j - dbeta. The first slot after the reference edge is number floor(dbeta / pitch) + 1.
     """
@@ -87,7 +90,8 @@ def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Ga
         recording.application_slot_ticks, period_ticks=turn_ticks / 2, name="application_slot", tolerance=0.1
     )
     reference = _reference_edges(application, reference_edge)
-    first = _first_slot_after(reference, control, n_slots)
+    late = latency.stated(rig.latency).register_s * recording.rotation_speed_hz * n_slots
+    first = _first_slot_after(reference, control, n_slots, late_slots=late)
     return _Gates(control=control, application=application, reference_ticks=reference, first=first)
 
 
@@ -112,21 +116,26 @@ def refuse_lost_timestamps(recording: Recording) -> None:
 
 def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> WheelTrack:
     control, n_slots = gates.control, rig.wheel.control_slots
+    late = latency.stated(rig.latency if learned else None)
+    clock_error = rig.clock.relative_error.value if learned and rig.clock is not None else 0.0
+    clock_hz = recording.clock_frequency_hz * (1 + clock_error)
     register = _register(control, gates.first, rig, learned=learned)
     table = register.table
     alpha = TURN * (register.turn + register.slot / n_slots) + table.deviation_rad[register.slot]
     at_reference = np.interp(gates.reference_ticks, control.ticks, alpha, left=np.nan, right=np.nan)
     separations = _circular(at_reference[np.isfinite(at_reference)])
-    separation = float(separations.mean())
+    duration_s = (control.ticks[-1] - control.ticks[0]) / clock_hz
+    omega = float(alpha[-1] - alpha[0]) / duration_s
+    separation = float(separations.mean()) - omega * late.register_s
+    ahead = omega * late.slots_s
     u_mean = separations.std(ddof=1) / np.sqrt(separations.size)
-    ticks, angle = _break_long_gaps(control, alpha - separation)
-    duration_s = (control.ticks[-1] - control.ticks[0]) / recording.clock_frequency_hz
+    ticks, angle = _break_long_gaps(control, alpha - separation + ahead)
     edges, u_edges = _application_edges(recording, ticks, angle)
     return WheelTrack(
         edge_ticks=ticks,
         edge_angle_rad=angle,
-        clock_frequency_hz=recording.clock_frequency_hz,
-        angular_frequency_rad_per_s=float(alpha[-1] - alpha[0]) / duration_s,
+        clock_frequency_hz=clock_hz,
+        angular_frequency_rad_per_s=omega,
         gate_separation_rad=separation,
         u_gate_separation_rad=float(np.hypot(u_mean, table.u_register_rad)),
         slot_deviation_rad=table.deviation_rad,
@@ -136,6 +145,8 @@ def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> W
         u_application_edges_rad=u_edges,
         findings=control.findings("control_slot", recording=recording.name)
         + gates.application.findings("application_slot", recording=recording.name),
+        ahead_rad=ahead,
+        clock_relative_error=clock_error,
     )
 
 
@@ -181,9 +192,12 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
     return application.ticks[application.number % 2 == parity].astype(float)
 
 
-def _first_slot_after(reference: Array, control: EdgeTrain, n_slots: int) -> int:
-    """Number, modulo the slots per turn, of the first control edge after the reference edge; the same in every turn."""
-    phase = np.interp(reference, control.ticks, control.number, left=np.nan, right=np.nan)
+def _first_slot_after(reference: Array, control: EdgeTrain, n_slots: int, *, late_slots: float) -> int:
+    """Number, modulo the slots per turn, of the first control edge after the reference edge; the same in every turn.
+
+    ``late_slots``: by how much the reference edge is timestamped later than the control edges.
+    """
+    phase = np.interp(reference, control.ticks, control.number, left=np.nan, right=np.nan) - late_slots
     phase = phase[np.isfinite(phase)]
     if phase.size == 0:
         raise ReductionError(
