@@ -2,12 +2,14 @@ r"""The pixel sums of one recording: what they say of the numbers that they foll
 
 Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
 
-.. math:: \mathrm{covered} + \mathrm{step}\,(F(\theta_n) + \mathrm{drift}\,t_n + \mathrm{skew}\,S(\theta_n) +
-\mathrm{plate}\,P(\theta_n))
+.. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n) +
+\mathrm{blades}\,B(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
 passing of that edge shows it), the opening angle, the length of the window, and by how much the mask's radial edges miss the
-axle. Covered level, step, drift, skew and plate are the recording's own; they enter linearly and are projected out.
+axle. Covered level, step, skew, plate and blades are the recording's own; they enter linearly and are projected out. Covered
+level and step drift as smooth curves and jump where a camera corrects itself, with as many numbers as the recording itself asks
+for (`inference.drifting_levels`).
 
 The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two
 does no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`)
@@ -21,23 +23,20 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.inference import correlated_noise, optimiser, variable_projection
+from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
 from irtiming.physics.light import pixel_sum
-from irtiming.physics.light.pixel_sum import Passing, Radii
+from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
 from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, Mask
-from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
+from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.estimate import EDGE_DELAYS, DriftingLevels, EdgeDelayFit, Estimate
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
 SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high")
 """Local numbers beside the edges' delays: rad, s, rad, rad."""
-
-N_OWN = 5
-"""Numbers that each recording has for itself: covered level, step, drift, skew, plate."""
 
 _BORDER_RAD = 0.1  # where the axle was not found in the image
 _UNSEEN_LEAN_RAD = 0.01
@@ -57,7 +56,7 @@ _FEWEST_FRAMES = 100
 class PixelSums:
     """One recording before its model.
 
-    ``kept`` (n_frame,) are the frames that count, ``time`` (n_frame,) their triggers over the length of the recording, about 0.
+    ``kept`` (n_frame,) are the frames that count, ``levels`` how those drift.
     ``unit_dn`` is a first guess of the step, by which residuals are divided: a fitted one would let them vanish by growing.
     ``noise`` is the standard deviation of a residual in that unit.
     """
@@ -65,7 +64,7 @@ class PixelSums:
     reduced: ReducedRecording
     wheel: WheelModel
     kept: Mask
-    time: Array
+    levels: DriftingLevels
     unit_dn: float
     border_rad: float
     noise: float = 1.0
@@ -103,24 +102,31 @@ class PixelSums:
         )
 
     def projected(self, numbers: Mapping[str, float]) -> Projected:
-        """Residuals with the recording's own numbers at their best; levels are covered, step, drift, skew and plate.
+        """Residuals with the recording's own numbers at their best: levels are covered, step, skew, plate, blades, then drifts.
 
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
         passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
-        made, time = pixel_sum.shapes(passing), self.time[self.kept]
-        columns = np.stack([np.ones(time.size), made.fraction, time, made.skew, made.plate], axis=1)
+        columns, gain = self.columns(pixel_sum.shapes(passing)), self.levels.gain[self.kept]
         per_unit = {"integration_time": ("swept", omega)} | {
             name: (f"edge_{k}", omega) for k, name in enumerate(EDGE_DELAYS)
         }
 
         def slopes_of(levels: Array) -> Array:
-            step = float(levels[1])
-            found = pixel_sum.slopes(passing, skew=float(levels[3]) / step, plate=float(levels[4]) / step)
+            skew, plate, blades = (float(level) / float(levels[1]) for level in levels[2:5])
+            step = levels[1] + gain @ levels[5 : 5 + gain.shape[1]]
+            found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades)
             taken = [per_unit.get(name, (name, 1.0)) for name in numbers]
-            return np.stack([step * unit * found[name] for name, unit in taken], axis=1) / self.noise
+            return np.stack([unit * step * found[name] for name, unit in taken], axis=1) / self.noise
 
         return variable_projection.project(self.sums / self.noise, columns / self.noise, slopes_of=slopes_of)
+
+    def columns(self, made: Shapes) -> Array:
+        """What the recording's own numbers multiply, shape (n_kept, k)."""
+        own, moving = self.levels, made.fraction[:, None]
+        small = own.relative_gain[self.kept, None] * np.stack([made.skew, made.plate, made.blades], axis=1)
+        gain, drift = own.gain[self.kept] * moving, own.drift[self.kept]
+        return np.concatenate([np.ones_like(moving), moving, small, gain, drift], axis=1)
 
     def at(self, numbers: Mapping[str, float]) -> Linearised:
         """Residuals over the noise, and derivatives; the model of the optimiser."""
@@ -148,7 +154,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         reduced=reduced,
         wheel=wheel,
         kept=np.ones(ticks.size, bool),
-        time=(ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks))),
+        levels=_straight(ticks),
         unit_dn=low - high if reduced.opening.blackbody_is_colder else high - low,
         border_rad=border,
         radii=radii,
@@ -201,12 +207,38 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
     """
     given = _inside_track(replace(pixel_sums(reduced, wheel), radii=Radii()))
     start = _start(given, _scan(given))
-    first = _solved(given, start)
+    given, first = _levelled(given, _solved(given, start))
     kept = given.kept.copy()
     kept[np.flatnonzero(kept)[_wild(given, first)]] = False
-    given = replace(given, kept=kept)
+    given, first = _levelled(replace(given, kept=kept), first)
     middle = float(np.mean([first[name] for name in EDGE_DELAYS]))
     return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=start)
+
+
+def _straight(ticks: Ticks) -> DriftingLevels:
+    """A covered level that drifts along a straight line, and a step that stays."""
+    time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
+    return DriftingLevels(drift=time[:, None], gain=np.zeros((ticks.size, 0)), relative_gain=np.ones(ticks.size))
+
+
+def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, dict[str, float]]:
+    """With levels that drift as the frames want it, and the numbers with those; the same where they want a straight line."""
+    made, n_frames = pixel_sum.shapes(given.passing(numbers)), given.kept.size
+    ticks = given.reduced.trigger_ticks[given.kept]
+    found = drifting_levels.choose(
+        given.sums,
+        made.fraction,
+        shapes=np.stack([made.skew, made.plate, made.blades], axis=1),
+        place=(ticks - ticks[0]) / max(1, int(np.ptp(ticks))),
+    )
+    if found.n_numbers == 1 and given.levels.n_numbers == 1:
+        return given, numbers
+    drift, gain = np.zeros((n_frames, found.drift.shape[1])), np.zeros((n_frames, found.gain.shape[1]))
+    relative = np.ones(n_frames)
+    drift[given.kept], gain[given.kept], relative[given.kept] = found.drift, found.gain, found.relative_gain
+    levels = DriftingLevels(drift=drift, gain=gain, relative_gain=relative, jumps=found.jumps)
+    given = replace(given, levels=levels)
+    return given, _solved(given, numbers)
 
 
 def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
@@ -289,7 +321,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     names, half_s = (*EDGE_DELAYS, "opening_angle"), (given.reduced.integration_time_s or 0.0) / 2
     best = given.projected(numbers)
     step = float(best.levels[1])
-    free = best.at.residual.size - len(names) - N_OWN
+    free = best.at.residual.size - len(names) - best.levels.size
     delays = np.array([numbers[name] for name in EDGE_DELAYS])
     angle = np.mod(given.angle(float(delays.mean()) - half_s), TURN)
     order = np.argsort(angle)
@@ -299,7 +331,8 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
     made = pixel_sum.shapes(given.passing(numbers))
-    expected = made.fraction + (best.levels[3] * made.skew + best.levels[4] * made.plate) / step
+    skew, plate, blades = best.levels[2:5] / step
+    expected = made.fraction + skew * made.skew + plate * made.plate + blades * made.blades
     return EdgeDelayFit(
         name=given.reduced.name,
         trigger_delay_time_set_s=given.reduced.trigger_delay_time_set_s,
@@ -320,7 +353,20 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         widening=widening,
         n_dropped=int(given.reduced.trigger_ticks.size - given.kept.sum()),
         kept=given.kept,
+        levels=given.levels,
+        blades=float(blades),
+        u_blades=_u_blades(given, made) * float(np.sqrt(best.at.deviance / free * widening)) / abs(step),
     )
+
+
+def _u_blades(given: PixelSums, made: Shapes) -> float:
+    """Standard uncertainty of the blades' difference per that of a sum, beside the other levels."""
+    columns = given.columns(made)
+    rest = (
+        columns[:, 4]
+        - np.delete(columns, 4, axis=1) @ np.linalg.lstsq(np.delete(columns, 4, axis=1), columns[:, 4], rcond=1e-12)[0]
+    )
+    return float(1 / np.linalg.norm(rest))
 
 
 def _radii_px(reduced: ReducedRecording) -> Array | None:

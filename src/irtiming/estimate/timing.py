@@ -142,11 +142,11 @@ def of_pixel_fits(
     middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     errors = shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge, residuals_rad2=shared_part.shared_rad2)
     found = joint.fit(weighed(fits, models), [shared_numbers.delay(fits, start=middle_s), *own, *errors])
-    freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - pixel_sums.N_OWN for fit in fits))
+    freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - fit.n_own for fit in fits))
     reported = measurands.of_window(found, _window(found, fits, stated_s=stated_s), degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
-        n_residuals=sum(fit.residual.size - 1 - pixel_sums.N_OWN for fit in fits),
+        n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
     )  # fmt: skip
     findings = (
         *geometry.findings, *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
@@ -191,6 +191,7 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
     """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
+    given = given if fit.levels is None else replace(given, levels=fit.levels)
     return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at)
 
 

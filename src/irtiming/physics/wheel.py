@@ -107,6 +107,11 @@ def _open_arc_integral(alpha: Array, edges: EdgeAngles) -> Array:
     return alpha**2 / 2 + sum(s * _passages_twice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
 
 
+def _second_blade_arc(alpha: Array, edges: EdgeAngles) -> Array:
+    """Part of the arc from 0 to alpha that the blade between edges 2 and 3 covers, rad, up to a constant."""
+    return _passages(alpha, edges[2]) - _passages(alpha, edges[3])
+
+
 def _opening_ends(wheel_angle_rad: Array, model: WheelModel) -> tuple[Array, Array]:
     # within one turn: the integrals grow with the cube of the turns, and their differences would lose digits
     centre = np.mod(model.opening_coordinate_rad + np.asarray(wheel_angle_rad, dtype=float), TURN)
@@ -177,17 +182,25 @@ class PointAverage:
     """Single points of the opening while the wheel sweeps past them; shapes (n,), ``passed`` (4, n).
 
     ``arc_rad`` is the open arc up to the point, averaged over the window; ``ends_rad`` the same averaged over the window's two
-    ends only; ``passed`` how often each edge has passed, averaged over the window. All up to constants of the wheel.
+    ends only; ``blade_arc_rad`` and ``blade_ends_rad`` the like of the arc that the second blade, between edges 2 and 3, covers;
+    ``passed`` how often each edge has passed, averaged over the window. All up to constants of the wheel.
     """
 
     arc_rad: Array
     ends_rad: Array
+    blade_arc_rad: Array
+    blade_ends_rad: Array
     passed: Array
 
     @property
     def openness(self) -> Array:
         """How open the point is on average, within [0, 1]."""
         return np.asarray(1 + sum(s * n for s, n in zip(EDGE_SIGNS, self.passed, strict=True)))
+
+    @property
+    def behind_second_blade(self) -> Array:
+        """How far the second blade covers the point on average, within [0, 1]."""
+        return np.asarray(self.passed[2] - self.passed[3])
 
 
 def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> PointAverage:
@@ -212,7 +225,15 @@ def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> P
     ends = _open_arc(coordinate_rad, edges) + _open_arc(end, edges)
     arc = _open_arc_integral(end, edges) - _open_arc_integral(coordinate_rad, edges)
     passed = [_passages(end, edge) - _passages(coordinate_rad, edge) for edge in edges]
-    return PointAverage(arc_rad=arc / sweep_rad, ends_rad=ends / 2, passed=np.stack(passed) / sweep_rad)
+    blade_ends = _second_blade_arc(coordinate_rad, edges) + _second_blade_arc(end, edges)
+    twice = [_passages_twice(end, edge) - _passages_twice(coordinate_rad, edge) for edge in edges[2:]]
+    return PointAverage(
+        arc_rad=arc / sweep_rad,
+        ends_rad=ends / 2,
+        blade_arc_rad=(twice[0] - twice[1]) / sweep_rad,
+        blade_ends_rad=blade_ends / 2,
+        passed=np.stack(passed) / sweep_rad,
+    )
 
 
 def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:

@@ -131,6 +131,34 @@ class RecordingFit(Protocol):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class DriftingLevels:
+    """What the covered level and the step of one recording change by, each column with a number of its own.
+
+    Parameters
+    ----------
+    drift
+        Shape (n_frame, k); what is added to the covered level.
+    gain
+        Shape (n_frame, l); what is added to the step.
+    relative_gain
+        Shape (n_frame,); the step over its mean, by which small parts of the sum change as well.
+    jumps
+        First frames after a jump of the levels, as places among the kept frames.
+    """
+
+    drift: Array
+    gain: Array
+    relative_gain: Array
+    jumps: tuple[int, ...] = ()
+
+    @property
+    def n_numbers(self) -> int:
+        """How many there are."""
+        return self.drift.shape[1] + self.gain.shape[1]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EdgeDelayFit:
     """The piecewise model fitted to the pixel sums of one recording.
 
@@ -155,6 +183,11 @@ class EdgeDelayFit:
         Variance inflation for residuals that are correlated along the angle; 1 when they are white.
     kept
         Shape (n_frame,); frames of the reduced recording that took part; ``n_dropped`` did not.
+    levels
+        How the recording's levels drift; None: as a straight line.
+    blades, u_blades
+        By how much the covered level of the second blade lies above that of the first, and its standard uncertainty; opening
+        fractions.
     """
 
     name: str
@@ -171,6 +204,14 @@ class EdgeDelayFit:
     widening: float
     n_dropped: int
     kept: Mask
+    levels: DriftingLevels | None = None
+    blades: float = 0.0
+    u_blades: float = 0.0
+
+    @property
+    def n_own(self) -> int:
+        """Numbers that the recording has for itself: covered level, step, skew, plate and blades, and what levels drift by."""
+        return 5 + (1 if self.levels is None else self.levels.n_numbers)
 
     @property
     def covariance_s2(self) -> Array:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.interpolate import BSpline
 
+from irtiming.physics import smooth_curve
 from irtiming.records.arrays import Array, Ticks
 
 _ORDERS = 30
@@ -57,7 +57,7 @@ def fit(
     most = 0 if straight else max(1, int(span / _KNOT_EVERY_S))
     intervals = sorted({0, most, *(2**k for k in range(16) if 2**k < most)})
     for n_intervals in intervals:
-        trend = _trend(place, n_intervals)
+        trend = smooth_curve.columns(place, n_intervals)
         size = trend.shape[1] + n_segments + 2 * orders
         if size > level_dn.size // 4 and best is not None:
             break
@@ -88,14 +88,6 @@ class _Fixed:
         segments = (self.segment[part, None] == np.arange(int(self.segment.max()) + 1)).astype(float)
         phase = np.arange(1, self.orders + 1) * self.angle[part, None]
         return np.concatenate([segments, trend[part], np.cos(phase), np.sin(phase)], axis=1)
-
-
-def _trend(place: Array, n_intervals: int) -> Array:
-    """Straight line, or all cubic B-splines but one, which the segments' own levels stand for; shape (n, columns)."""
-    if n_intervals == 0:
-        return place[:, None] - 0.5
-    knots = np.concatenate([np.zeros(3), np.linspace(0, 1, n_intervals + 1), np.ones(3)])
-    return np.asarray(BSpline.design_matrix(np.clip(place, 0, 1), knots, 3).toarray()[:, 1:])
 
 
 def _robust(fixed: _Fixed, trend: Array) -> tuple[Array, float]:

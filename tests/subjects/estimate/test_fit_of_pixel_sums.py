@@ -119,6 +119,37 @@ def test_drift_is_absorbed(recording):
     np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=1e-9)
 
 
+def _second_blade(theta):
+    """Share of the opening that the blade between edges 2 and 3 covers: its overlap, turn by turn."""
+    low = np.mod(np.pi / 2 + GATE + theta - CENTRE - GAMMA / 2, TURN)
+    total = np.zeros_like(low)
+    for turn in (-TURN, 0, TURN):
+        total += np.maximum(0, np.minimum(low + GAMMA, EDGES[3] + turn) - np.maximum(low, EDGES[2] + turn))
+    return total / GAMMA
+
+
+def test_a_warmer_blade_and_levels_that_sway_and_jump_leave_the_delay(recording):
+    """Oracle: the delay that made the sums; a blade 1.2 % of the step warmer, offset and gain that sway by 3 % and jump once.
+
+    In units of its uncertainty, which is that of the noise alone to a few per cent.
+    """
+    t = (_triggers() - START) / CLOCK_HZ
+    moments = t[:, None] + DELAY + WINDOW * (np.arange(300) + 0.5) / 300
+    scene = _open_part(_uniform(moments), EDGES).mean(axis=1) + 0.012 * _second_blade(_uniform(moments)).mean(axis=1)
+    place = np.arange(t.size) / t.size
+    swaying = 0.03 * np.sin(2 * np.pi * 1.3 * place) + (1 + 0.02 * np.cos(5 * place)) * scene + 0.01 * (place > 0.6)
+    noise = np.random.default_rng(1).normal(0, 1e-4, t.size)
+    plain, fit = (pixel_sums.fit(recording(share + noise), _model()) for share in (_sums(), swaying))
+    u = np.sqrt(np.diag(fit.covariance_s2))
+    assert np.all(np.abs(fit.edge_delay_s - DELAY) < 3 * u)
+    np.testing.assert_allclose(u, np.sqrt(np.diag(plain.covariance_s2)), rtol=0.1)
+    np.testing.assert_allclose(fit.levels.jumps, [600], atol=3)
+    assert fit.blades == pytest.approx(0.012 / 0.994, abs=4 * fit.u_blades)
+    assert fit.u_blades < 3e-5
+    assert plain.levels.n_numbers == 1
+    assert abs(plain.blades) < 4 * plain.u_blades
+
+
 def test_wild_frames_are_dropped_and_told(recording):
     """Oracle: the delay that made the sums; 20 frames are wrong by a tenth of the step or more."""
     rng = np.random.default_rng(2)

@@ -1,10 +1,11 @@
 r"""The sum over the mask opening as the wheel covers and uncovers it, averaged over the integration window (eq. 1, figure 4b).
 
-.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P
+.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P + \mathrm{blades}\, B
 
 F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
 earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
-nor blackbody: an opening that is wider by the summed border. Blur moves light but keeps its sum, so it has no place here.
+nor blackbody: an opening that is wider by the summed border. B is half the share that the second blade covers (edges 2 to 3) less
+half of what the first does: the two are not equally warm. Blur moves light but keeps its sum, so it has no place here.
 
 The window rounds the corners of F over the angle that the wheel sweeps. A radial edge of the mask that misses the axle rounds its
 corners too, over an angle that does not depend on the wheel's speed: at the radius r it stands ``lean`` (r_0 / r - mean) beside
@@ -108,11 +109,12 @@ class Passing:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """F, S and P; shapes (n,)."""
+    """F, S, P and B; shapes (n,)."""
 
     fraction: Array
     skew: Array
     plate: Array
+    blades: Array
 
 
 def shapes(passing: Passing) -> Shapes:
@@ -126,22 +128,25 @@ def shapes(passing: Passing) -> Shapes:
     wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
     wide = replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad)
     narrow, broad = (exposed_fraction(start, one, sweep_rad=sweep) for one in (wheel, wide))
+    rings = _rings(passing, wheel)
+    fraction = _fraction(rings, wheel)
     return Shapes(
-        fraction=_fraction(_rings(passing, wheel), wheel),
+        fraction=fraction,
         skew=skewed_fraction(start, wheel, sweep_rad=sweep),
         plate=broad - narrow,
+        blades=_second_blade(rings, wheel) - (1 - fraction) / 2,
     )
 
 
-def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0) -> dict[str, Array]:
+def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: float = 0.0) -> dict[str, Array]:
     """Derivatives of f by name, each of shape (n,).
 
     Parameters
     ----------
     passing
         Wheel, window and opening.
-    skew, plate
-        Amounts of S and P.
+    skew, plate, blades
+        Amounts of S, P and B.
 
     Returns
     -------
@@ -149,7 +154,9 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0) -> dict[s
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad).
     """
     wheel = passing.actual
-    out = _fraction_slopes(_rings(passing, wheel), passing, wheel)
+    rings = _rings(passing, wheel)
+    out = _fraction_slopes(rings, passing, wheel)
+    out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
     even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
     pair = [
         _fraction_slopes(_rings(even, one), even, one)[:6]
@@ -189,6 +196,31 @@ def _rings(passing: Passing, wheel: WheelModel) -> list[_Ring]:
 def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:
     arcs = sum(ring.share * (ring.high.arc_rad - ring.low.arc_rad) for ring in rings)
     return np.asarray(arcs / wheel.opening_angle_rad)
+
+
+def _second_blade(rings: list[_Ring], wheel: WheelModel) -> Array:
+    """Share of the opening that the second blade covers."""
+    arcs = sum(ring.share * (ring.high.blade_arc_rad - ring.low.blade_arc_rad) for ring in rings)
+    return np.asarray(arcs / wheel.opening_angle_rad)
+
+
+def _second_blade_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) -> Array:
+    """Derivatives of that share, as `_fraction_slopes`."""
+    gamma, share = wheel.opening_angle_rad, _second_blade(rings, wheel)
+    out = np.zeros((8, share.size))
+    for ring in rings:
+        low, high = ring.low.behind_second_blade, ring.high.behind_second_blade
+        crossing = ring.high.passed - ring.low.passed
+        out[2] += ring.share * crossing[2]
+        out[3] -= ring.share * crossing[3]
+        out[4] += ring.share * (low + high) / 2
+        out[5] += ring.share * (ring.high.blade_ends_rad - ring.low.blade_ends_rad)
+        out[6] -= ring.share * ring.place * low
+        out[7] += ring.share * ring.place * high
+    out /= gamma
+    out[4] -= share / gamma
+    out[5] = (out[5] - share) / passing.sweep_rad
+    return out
 
 
 def _fraction_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) -> Array:

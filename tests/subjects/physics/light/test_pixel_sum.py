@@ -55,12 +55,15 @@ def test_fraction_is_the_share_of_rays_in_a_cutout(swept):
     place = (INNER + OUTER) / 2 / radius - 1
     low, high = -GAMMA / 2 + passing.lean_low_rad * place, GAMMA / 2 + passing.lean_high_rad * place
     centre = WHEEL.opening_coordinate_rad + passing.middle_rad
-    counted = np.zeros(centre.size)
+    counted, blades = np.zeros((2, centre.size))
     for one, a, b in zip(share, low, high, strict=True):
         along = a + (b - a) * (np.arange(400) + 0.5) / 400
         alpha = np.mod(centre[:, None, None] + instants[:, None] + along, TURN)
         opened = ((alpha >= edges[1]) & (alpha < edges[2])) | (alpha >= edges[3] % TURN) | (alpha < edges[0])
         counted += one * (b - a) / GAMMA * opened.mean(axis=(1, 2))
+        second = ((alpha >= edges[2]) & (alpha < edges[3])) * 0.5
+        blades += one * (b - a) / GAMMA * np.mean(second - 0.5 * (~opened & (second == 0)), axis=(1, 2))
+    np.testing.assert_allclose(pixel_sum.shapes(passing).blades, blades, atol=1.5e-3)
     np.testing.assert_allclose(pixel_sum.shapes(passing).fraction, counted, atol=1.5e-3)
     assert np.mean(np.abs(pixel_sum.shapes(passing).fraction - counted)) < 3e-4
 
@@ -79,16 +82,19 @@ def test_plate_and_skew_are_a_wider_and_an_uneven_opening():
     assert np.ptp(found.plate) > 0.05
 
 
-def _sum(passing, skew, plate):
+def _sum(passing, skew, plate, blades=0.0):
     made = pixel_sum.shapes(passing)
-    return made.fraction + skew * made.skew + plate * made.plate
+    return made.fraction + skew * made.skew + plate * made.plate + blades * made.blades
 
 
-@pytest.mark.parametrize(("skew", "plate"), [(0.0, 0.0), (5e-3, 0.0), (0.0, 0.2), (5e-3, -0.2)])
+@pytest.mark.parametrize(
+    ("skew", "plate", "blades"),
+    [(0.0, 0.0, 0.0), (5e-3, 0.0, 0.0), (0.0, 0.2, 0.0), (5e-3, -0.2, 0.0), (0.0, 0.0, 0.4)],
+)
 @pytest.mark.parametrize(
     "name", ["edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high"]
 )
-def test_derivatives_are_those_of_differences(name, skew, plate):
+def test_derivatives_are_those_of_differences(name, skew, plate, blades):
     """Oracle: central differences; a skew of five thousandths moves those to the edges by less."""
     passing, step = _passing(), 1e-6
     if name.startswith("edge"):
@@ -97,8 +103,8 @@ def test_derivatives_are_those_of_differences(name, skew, plate):
     else:
         field = f"{name}_rad"
         moved = [replace(passing, **{field: getattr(passing, field) + sign * step}) for sign in (1, -1)]
-    numeric = (_sum(moved[0], skew, plate) - _sum(moved[1], skew, plate)) / (2 * step)
-    found = pixel_sum.slopes(passing, skew=skew, plate=plate)[name]
+    numeric = (_sum(moved[0], skew, plate, blades) - _sum(moved[1], skew, plate, blades)) / (2 * step)
+    found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades)[name]
     assert np.max(np.abs(numeric)) > 1e-3
     beside = np.abs(found - numeric)
     if skew and name.startswith("edge"):

@@ -1,0 +1,179 @@
+r"""Levels that drift and jump while something else goes on: how many numbers they need, as the data say.
+
+Values follow :math:`y_n = \mathrm{offset}(t_n) + \mathrm{gain}(t_n) F_n + \sum_j a_j S_{jn}` with known shapes F and S.
+
+Offset and gain are smooth curves over the time (`physics.smooth_curve`), and may jump where a camera corrects itself. Of
+straight lines and splines of 1, 2, 4.. intervals, each with the jumps that it needs, the Bayesian information criterion takes the
+best: a further number must lower :math:`n \ln D` by :math:`\ln n`, a jump by three times that, its place being a number too.
+Huber weights keep single frames from bending a curve.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.physics import smooth_curve
+from irtiming.records.arrays import Array
+
+NONE = -1
+"""Intervals of a gain that does not drift."""
+
+_INTERVALS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # of a spline
+_SHORTEST = 60  # frames per interval
+_TURNS = 3  # offset and gain by turns
+_MOST_JUMPS = 12
+_LEAST_STRETCH = 10  # frames between two jumps
+_ROUNDS = 4
+_HUBER = 1.5
+_ROUNDING = 1e-9  # of the range of values: less than this is no scatter
+_MOST_SHARE = 8  # frames per number, at least
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Levels:
+    """How levels change over the frames.
+
+    Parameters
+    ----------
+    drift, gain
+        Shapes (n, k) and (n, l); what is added, and what multiplies F, beside a constant; columns of mean zero.
+    jumps
+        First frames after a jump.
+    offset_change, relative_gain
+        Shape (n,); the offset less its mean, and the gain over its mean, as fitted.
+    weight
+        Shape (n,); Huber weights at the end.
+    criterion
+        Bayesian information criterion, less is better; the constant of proportionality is that of the values.
+    """
+
+    drift: Array
+    gain: Array
+    jumps: tuple[int, ...]
+    offset_change: Array
+    relative_gain: Array
+    weight: Array
+    criterion: float
+
+    @property
+    def n_numbers(self) -> int:
+        """Beside a constant offset and a constant gain."""
+        return self.drift.shape[1] + self.gain.shape[1]
+
+
+def choose(values: Array, moving: Array, *, shapes: Array, place: Array) -> Levels:
+    """Levels that explain the values with as few numbers as the criterion wants.
+
+    Parameters
+    ----------
+    values, moving
+        Shape (n,); y and F.
+    shapes
+        Shape (n, j); S.
+    place
+        Shape (n,); time from 0 to 1, ascending.
+    """
+    fixed = _Fixed(values=values, moving=moving, shapes=shapes, place=place)
+    most = values.size // _SHORTEST
+    ladder = (0, *(n for n in _INTERVALS if n <= most))
+    smooth = fixed.levels(0, NONE, with_jumps=False)
+    n_offset, n_gain = 0, NONE
+    for _ in range(_TURNS):
+        before = (n_offset, n_gain)
+        tried = {n: fixed.levels(n, n_gain, with_jumps=False) for n in ladder}
+        n_offset = min(ladder, key=lambda n: tried[n].criterion)
+        tried = {n: fixed.levels(n_offset, n, with_jumps=False) for n in (NONE, *ladder)}
+        n_gain = min(tried, key=lambda n: tried[n].criterion)
+        smooth = tried[n_gain]
+        if (n_offset, n_gain) == before:
+            break
+    stiff = {(min(n, n_offset), min(n, n_gain)) for n in (0, 1, 4)} | {(n_offset, n_gain), (0, NONE)}
+    jumping = [fixed.levels(*one) for one in sorted(stiff)]
+    return min([smooth, *jumping], key=lambda one: one.criterion)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fixed:
+    """What does not change from one choice to the next."""
+
+    values: Array
+    moving: Array
+    shapes: Array
+    place: Array
+
+    def levels(self, n_offset: int, n_gain: int, *, with_jumps: bool = True) -> Levels:
+        drift = _centred(smooth_curve.columns(self.place, n_offset))
+        none: Array = np.zeros((self.values.size, 0))
+        gain = none if n_gain == NONE else _centred(smooth_curve.columns(self.place, n_gain))
+        jumps: list[int] = []
+        found = self._fitted(drift, gain, jumps=jumps)
+        while with_jumps and len(jumps) < _MOST_JUMPS:
+            at = self._likeliest_jump(found, jumps)
+            if at is None:
+                break
+            step = _centred((np.arange(self.values.size) >= at).astype(float)[:, None])
+            wider = [np.concatenate([drift, step], axis=1), np.concatenate([gain, step], axis=1)]
+            more = self._fitted(wider[0], wider[1], jumps=[*jumps, at])
+            if more.criterion >= found.criterion:
+                break
+            found, jumps = more, [*jumps, at]
+            drift, gain = wider
+        return found
+
+    def _design(self, drift: Array, gain: Array) -> Array:
+        ones = np.ones((self.values.size, 1))
+        moving = self.moving[:, None]
+        return np.concatenate([ones, moving, drift, gain * moving, self.shapes], axis=1)
+
+    def _fitted(self, drift: Array, gain: Array, *, jumps: list[int]) -> Levels:
+        design, n = self._design(drift, gain), self.values.size
+        weight, amounts = np.ones(n), np.zeros(design.shape[1])
+        deviance = np.inf
+        least = _ROUNDING * float(np.ptp(self.values))
+        for _ in range(_ROUNDS):
+            root = np.sqrt(weight)
+            amounts = np.linalg.lstsq(design * root[:, None], self.values * root, rcond=1e-12)[0]
+            size = np.abs(self.values - design @ amounts)
+            limit = max(_HUBER * 1.4826 * float(np.median(size)), least)
+            deviance = float(np.sum(np.where(size <= limit, size**2, 2 * limit * size - limit**2)))
+            weight = np.minimum(1.0, limit / np.maximum(size, 1e-300))
+        size_of_model = design.shape[1] + len(jumps)
+        criterion = n * np.log(max(deviance / n, least**2)) + size_of_model * np.log(n)
+        if size_of_model > n // _MOST_SHARE:
+            criterion = np.inf
+        n_drift = 2 + drift.shape[1]
+        return Levels(
+            drift=drift,
+            gain=gain,
+            jumps=tuple(jumps),
+            offset_change=drift @ amounts[2:n_drift],
+            relative_gain=1 + gain @ amounts[n_drift : n_drift + gain.shape[1]] / amounts[1],
+            weight=weight,
+            criterion=float(criterion),
+        )
+
+    def _likeliest_jump(self, found: Levels, jumps: list[int]) -> int | None:
+        """Where a step of offset or gain would lower the deviance most, all else at its best; first frame after it."""
+        root = np.sqrt(found.weight)
+        basis = np.linalg.qr(self._design(found.drift, found.gain) * root[:, None])[0]
+        rest = self.values * root
+        rest = rest - basis @ (basis.T @ rest)
+        best: Array = np.zeros(rest.size)
+        for column in (root, root * self.moving):
+            along = np.cumsum((column * rest)[::-1])[::-1]
+            seen = np.cumsum((column[:, None] * basis)[::-1], axis=0)[::-1]
+            own = np.cumsum((column**2)[::-1])[::-1]
+            free = own - np.sum(seen**2, axis=1)
+            best = np.maximum(best, np.where(free > 1e-6 * own.max(), along**2 / np.maximum(free, 1e-300), 0.0))
+        near = np.zeros(rest.size, bool)
+        for at in (0, rest.size, *jumps):
+            near[max(0, at - _LEAST_STRETCH) : at + _LEAST_STRETCH] = True
+        best[near] = 0.0
+        return int(np.argmax(best)) if best.any() else None
+
+
+def _centred(columns: Array) -> Array:
+    return np.asarray(columns - columns.mean(axis=0))

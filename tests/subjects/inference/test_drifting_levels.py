@@ -1,0 +1,59 @@
+"""How many numbers drifting levels need: values that were made with known curves and jumps."""
+
+import numpy as np
+import pytest
+
+from irtiming.inference import drifting_levels
+
+N = 1000
+ANGLE = 2 * np.pi * 0.099 * np.arange(N)
+MOVING = np.clip(0.5 + 0.8 * np.cos(2 * ANGLE), 0, 1)
+BLADES = np.sin(ANGLE)
+PLACE = np.arange(N) / (N - 1)
+WAVE = np.sin(2 * np.pi * 1.3 * PLACE)
+NOISE = 1e-4
+
+
+def _chosen(offset, gain, seed=0):
+    values = offset + gain * MOVING + 0.01 * BLADES + np.random.default_rng(seed).normal(0, NOISE, N)
+    return drifting_levels.choose(values, MOVING, shapes=BLADES[:, None], place=PLACE)
+
+
+def test_levels_along_a_straight_line_ask_for_no_more():
+    """Oracle: by hand: one number, the slope, in 20 of 20 draws of noise; no jump."""
+    found = [_chosen(0.01 * PLACE, np.ones(N), seed=seed) for seed in range(20)]
+    assert all(one.n_numbers == 1 and one.jumps == () for one in found)
+
+
+@pytest.mark.parametrize(("offset", "gain"), [(0.03, 0.0), (0.0, 0.03), (0.03, -0.03)])
+def test_smooth_curves_are_followed_to_the_noise(offset, gain):
+    """Oracle: the curves that made the values, less their means; a spline of k numbers has the noise times root k / n."""
+    found = _chosen(offset * WAVE, 1 + gain * WAVE)
+    wave = WAVE - WAVE.mean()
+    assert found.jumps == ()
+    assert np.std(found.offset_change - offset * wave) < 3 * NOISE * np.sqrt(found.n_numbers / N) + 1e-5
+    assert np.std(found.relative_gain * (1 + gain * WAVE.mean()) - 1 - gain * WAVE) < 1e-4
+    assert found.drift.shape[1] > 5 if offset else found.drift.shape[1] == 1
+    assert found.gain.shape[1] > 5 if gain else found.gain.shape[1] == 0
+
+
+def test_jumps_of_offset_and_gain_are_found_where_they_are():
+    """Oracle: the frames at which the levels jump, by ten times the noise."""
+    later = (np.arange(N) >= 610).astype(float)
+    found = _chosen(1e-3 * later, 1 + 1e-3 * (np.arange(N) >= 300))
+    np.testing.assert_allclose(sorted(found.jumps), [300, 610], atol=8)
+
+
+def test_a_jump_in_a_smooth_drift_is_no_bend():
+    """Oracle: the frame at which the level jumps by 1 % while it sways by 3 %."""
+    found = _chosen(0.03 * WAVE + 0.01 * (np.arange(N) >= 427), np.ones(N))
+    assert found.jumps == (427,)
+
+
+def test_wild_values_bend_nothing():
+    """Oracle: the same numbers as without the ten values that lie a third of the range off."""
+    values = MOVING + np.random.default_rng(3).normal(0, NOISE, N)
+    values[np.arange(50, N, 97)] += 0.3
+    found = drifting_levels.choose(values, MOVING, shapes=BLADES[:, None], place=PLACE)
+    assert (found.n_numbers, found.jumps) == (1, ())
+    assert np.abs(found.offset_change).max() < 3e-5
