@@ -1,17 +1,25 @@
 """The rig's angles and what is known of their errors, from rig.toml and the timestamps (Schatz 2023, 2.5)."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.light_gates import gate_angles, refuse_other_slots
 from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rig import Rig
-from irtiming.records.wheel_geometry import EdgeAngles, WheelGeometry
+from irtiming.records.rig import LightGates, Measured, Rig
+from irtiming.records.wheel_geometry import EdgeAngles, GateAngles, WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
+
+DISTANCE, HEIGHT, BESIDE = (
+    "gate distance d (caliper)",
+    "gate height difference dh (caliper)",
+    "lateral offset of the beams",
+)
+"""Sources of a budget that were measured as lengths."""
 
 _LARGEST_ROLL_RAD = 0.5
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
@@ -44,7 +52,10 @@ def geometry(
         If the numbers contradict each other.
     """
     tracks = [r.track if slots == "learned" else r.equal_track for r in recordings]
-    gates = gate_angles(float(np.mean([t.gate_separation_rad for t in tracks])), rig.light_gates)
+    beams = rig.light_gates if slots == "learned" else replace(rig.light_gates, lateral_offset_m=None)
+    separation = float(np.mean([t.gate_separation_rad for t in tracks]))
+    gates = gate_angles(separation, beams)
+    refuse_other_slots(separation, beams, control_slots=rig.wheel.control_slots)
     edges, u_edge, edges_from, findings = _edges(rig, tracks)
     shift, u_shift = _mask_shift(recordings) if off_axle_mask else (0.0, None)
     opening = rig.mask_opening
@@ -55,14 +66,9 @@ def geometry(
         centre_angle_rad=opening.centre_angle_rad.value + shift,
         rotation=rig.wheel.rotation,
     )
-    per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
-    u_register = max(t.u_gate_separation_rad for t in tracks)
-    budget = [
-        ("mask centre angle phi_M", "B", opening.centre_angle_rad.standard_uncertainty),
-        ("gate distance d (caliper)", "B", per_d * rig.light_gates.half_separation_m.standard_uncertainty),
-        ("gate height difference dh (caliper)", "B", per_dh * rig.light_gates.height_difference_m.standard_uncertainty),
-        ("register of slots and cutouts", "A", per_separation * u_register),
-    ]
+    budget = _budget(
+        rig.mask_opening.centre_angle_rad, beams, gates, u_register=max(t.u_gate_separation_rad for t in tracks)
+    )
     if u_shift is not None:
         budget.append(("mask beside the axle (image)", "A", u_shift))
     roll = _camera_roll(recordings, opening.centre_angle_rad.value)
@@ -76,7 +82,28 @@ def geometry(
         camera_roll_rad=roll,
         findings=findings,
         rotation=rig.wheel.rotation,
+        measured={source: (number.standard_uncertainty, "m") for source, number in _by_caliper(beams).items()},
     )
+
+
+def _by_caliper(beams: LightGates) -> dict[str, Measured]:
+    """Lengths on the rig, by the source that a budget names."""
+    offset = {} if beams.lateral_offset_m is None else {BESIDE: beams.lateral_offset_m}
+    return {DISTANCE: beams.half_separation_m, HEIGHT: beams.height_difference_m} | offset
+
+
+def _budget(
+    centre: Measured, beams: LightGates, gates: GateAngles, *, u_register: float
+) -> list[tuple[str, str, float]]:
+    """What shifts all edges alike, with its type and standard uncertainty, rad."""
+    per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
+    per_length = {DISTANCE: per_d, HEIGHT: per_dh, BESIDE: abs(gates.per_lateral_offset)}
+    lengths = _by_caliper(beams).items()
+    return [
+        ("mask centre angle phi_M", "B", centre.standard_uncertainty),
+        *((source, "B", per_length[source] * number.standard_uncertainty) for source, number in lengths),
+        ("register of slots and cutouts", "A", per_separation * u_register),
+    ]
 
 
 def _doubts(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:

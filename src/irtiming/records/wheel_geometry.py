@@ -1,6 +1,7 @@
 """Wheel, gates and opening as angles, and how well these are known."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TypeAlias, final
 
 from irtiming.records.finding import Finding
@@ -32,13 +33,15 @@ class GateAngles:
     """Where the gates are, as angles from the downward vertical.
 
     ``application_rad`` is beta_1, ``control_rad`` beta_2, ``height_m`` h: the depth of the application gate below the
-    axle. ``sensitivity`` holds the partial derivatives of beta_1 to dbeta (1), d (rad/m) and dh (rad/m).
+    axle. ``sensitivity`` holds the partial derivatives of beta_1 to dbeta (1), d (rad/m) and dh (rad/m), ``per_lateral_offset``
+    that to the lateral offset x (rad/m).
     """
 
     application_rad: float
     control_rad: float
     height_m: float
     sensitivity: tuple[float, float, float]
+    per_lateral_offset: float = 0.0
 
 
 @final
@@ -46,7 +49,8 @@ class GateAngles:
 class WheelGeometry:
     """Model of the wheel without any delay, and the standard uncertainties of its common angle, rad.
 
-    ``angle_budget`` lists what shifts all edges alike; ``u_edge_rad`` is the standard uncertainty of a single cutout
+    ``angle_budget`` lists what shifts all edges alike; ``measured`` has, by the same sources, the standard uncertainty of what
+    was measured and its unit, where that is not the angle itself; ``u_edge_rad`` is the standard uncertainty of a single cutout
     edge, None where nobody stated one. ``edges_from`` says where the edge angles come from. ``camera_roll_rad`` is rho, the
     bisector of the mask in the image minus phi_M; it touches no delay.
     """
@@ -59,3 +63,4 @@ class WheelGeometry:
     camera_roll_rad: float | None
     findings: tuple[Finding, ...]
     rotation: Rotation = "clockwise"
+    measured: Mapping[str, tuple[float, str]] = field(default_factory=dict)

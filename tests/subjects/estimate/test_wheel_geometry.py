@@ -180,3 +180,17 @@ def test_mask_without_stated_uncertainty_is_told(rig, recording):
     exact = replace(rig, mask_opening=replace(rig.mask_opening, centre_angle_rad=Measured(radians(-90))))
     found = geometry([recording()], exact, slots="learned", off_axle_mask=False)
     assert any("phi_M is taken as exact" in one.sentence() for one in found.findings)
+
+
+def test_the_lateral_offset_is_a_line_of_the_budget(rig, recording):
+    """Oracle: central differences of beta_1 to x, times its uncertainty; the published procedure knows nothing of it."""
+
+    def at(x, slots="learned"):
+        beams = replace(rig.light_gates, lateral_offset_m=Measured(x, 6e-5))
+        return geometry([recording()], replace(rig, light_gates=beams), slots=slots, off_axle_mask=False)
+
+    u = {source: u for source, _, u in at(1e-4).angle_budget}["lateral offset of the beams"]
+    ahead, behind = (at(1e-4 + s).gates.application_rad for s in (1e-6, -1e-6))
+    assert u == pytest.approx(abs(ahead - behind) / 2e-6 * 6e-5, rel=1e-5)
+    assert at(1e-4).measured["lateral offset of the beams"] == (6e-5, "m")
+    assert at(1e-3, slots="equal").gates.application_rad == pytest.approx(BETA_1)

@@ -1,5 +1,6 @@
 """Depth of the light gates by Newton's method against a bracketing solver, differences and a symmetric case."""
 
+from dataclasses import replace
 from math import asin, atan, pi, radians, tan
 
 import numpy as np
@@ -7,12 +8,21 @@ import pytest
 from scipy.optimize import brentq
 
 from irtiming.errors import GeometryError
-from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.light_gates import gate_angles, refuse_other_slots
 from irtiming.records.rig import LightGates, Measured
 
 
 def _gates(d, dh):
     return LightGates(half_separation_m=Measured(d), height_difference_m=Measured(dh), whole_slots_between=9)
+
+
+def _beside(d, dh, x):
+    return LightGates(
+        half_separation_m=Measured(d),
+        height_difference_m=Measured(dh),
+        whole_slots_between=9,
+        lateral_offset_m=Measured(x),
+    )
 
 
 def _separation(h, d, dh):
@@ -91,3 +101,50 @@ def test_gates_that_would_lie_above_the_axle_are_refused(dh):
         GeometryError, match=r"mm below the axle, which they cannot; correct .beams. half_separation_mm"
     ):
         gate_angles(2.0, _gates(1e-3, dh))
+
+
+@pytest.mark.parametrize("x", [-2e-3, 0.06e-3, 5e-3])
+@pytest.mark.parametrize("dh", [-8e-3, 0.0, 5.5e-3])
+def test_beams_beside_the_axle_agree_with_a_bracketing_solver(x, dh):
+    """Oracle: scipy's brentq on dbeta(h) = atan((d - x) / h) + atan((d + x) / (h - dh)); beta_1 = atan((d - x) / h)."""
+    d, h = 13e-3, 47e-3
+    separation = atan((d - x) / h) + atan((d + x) / (h - dh))
+    found = gate_angles(separation, _beside(d, dh, x))
+    low = max(dh, 0.0)
+    solved = brentq(lambda y: atan((d - x) / y) + atan((d + x) / (y - dh)) - separation, low + 1e-9, 10.0, xtol=1e-15)
+    assert solved == pytest.approx(h)
+    assert found.height_m == pytest.approx(h, rel=1e-9)
+    assert found.application_rad == pytest.approx(atan((d - x) / h), abs=1e-12)
+    assert found.control_rad == pytest.approx(atan((d + x) / (h - dh)), abs=1e-12)
+
+
+@pytest.mark.parametrize("x", [-1e-3, 0.0, 0.3e-3])
+def test_sensitivity_to_the_lateral_offset_is_the_derivative(x):
+    """Oracle: central differences of beta_1 to x; conventions.md: 0.1 mm is about 2 mrad."""
+    ahead, behind = (gate_angles(0.5697, _beside(13e-3, 5.5e-3, x + s)).application_rad for s in (1e-6, -1e-6))
+    found = gate_angles(0.5697, _beside(13e-3, 5.5e-3, x)).per_lateral_offset
+    assert found == pytest.approx((ahead - behind) / 2e-6, rel=1e-6)
+    assert 1e-4 * found == pytest.approx(-2e-3, rel=0.15)
+
+
+@pytest.mark.parametrize("x", [13e-3, -14e-3])
+def test_beams_on_one_side_of_the_axle_are_refused(x):
+    """Oracle: figure 4(a); one beam on either side of the vertical through the axle."""
+    with pytest.raises(GeometryError, match=r"correct .beams. lateral_offset_mm"):
+        gate_angles(0.57, _beside(13e-3, 5.5e-3, x))
+
+
+@pytest.mark.parametrize(("ruler_mm", "fits"), [(47, 9), (49.5, 9), (45, 9), (53.0, 8), (42.5, 10)])
+def test_a_ruler_tells_the_whole_slots(ruler_mm, fits):
+    """Oracle: by hand; 0.5697 rad put the gate 48 mm below the axle, a slot (2 pi / 100) more or less 5 mm higher or lower."""
+    gates = replace(_gates(13e-3, 5.5e-3), height_m=ruler_mm * 1e-3)
+    if fits == 9:
+        refuse_other_slots(0.5697, gates, control_slots=100)
+        return
+    with pytest.raises(GeometryError, match=rf"whole_slots_between = {fits} fits"):
+        refuse_other_slots(0.5697, gates, control_slots=100)
+
+
+def test_without_a_ruler_nothing_is_refused():
+    """Oracle: the docstring."""
+    refuse_other_slots(0.5697, _gates(13e-3, 5.5e-3), control_slots=100)
