@@ -37,7 +37,11 @@ ArrayBits = Annotated[
 ]
 
 _UNITS = {"_s": seconds, "_k": kelvin}
-_OTHER = {"wanted": "--for"}
+_OTHER = {"wanted": "--for"} | {
+    f"{name}_share": f"--{name}" for name in ("glare", "blade", "sway", "filter", "memory", "tail")
+}
+"""Options whose names are not those of their fields."""
+
 
 _Given = ParamSpec("_Given")
 _Found = TypeVar("_Found")

@@ -1,5 +1,6 @@
 """`irtiming simulate`: recordings of a simulated camera on a simulated rig, with the truth beside them."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -8,6 +9,7 @@ import typer
 from irtiming.cli.options import filled, in_options
 from irtiming.cli.screen import say
 from irtiming.records.recording import CameraType, ReadoutMode
+from irtiming.twin.optics import GlareShape
 
 OutDir = Annotated[Path, typer.Argument(help="Folder for the recordings; made if it is not there.")]
 Camera = Annotated[
@@ -77,6 +79,60 @@ Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirr
 Distortion = Annotated[float, typer.Option(min=-0.2, max=0.2, help="Radial distortion at the image corner, relative.")]
 MaskOffset = Annotated[float | None, typer.Option("--mask-offset-mm", help="Mask centre this far right of the axle.")]
 LostFrames = Annotated[int, typer.Option(min=0, help="Frames lost in each run.")]
+LateApplication = Annotated[
+    str | None, typer.Option("--late-application-gate", help="How late its edges are timestamped, such as '5 us'.")
+]
+LateControl = Annotated[str | None, typer.Option("--late-control-gate", help="Likewise.")]
+LateTrigger = Annotated[
+    str | None, typer.Option("--late-trigger", help="How much later than its timestamp a trigger is at the camera.")
+]
+ClockPpm = Annotated[float, typer.Option(help="By how many millionths the trigger generator's clock is too fast.")]
+LateralOffset = Annotated[
+    float,
+    typer.Option("--lateral-offset-mm", help="Middle of the beams beside the vertical, towards the control beam."),
+]
+Tilt = Annotated[
+    tuple[float, float],
+    typer.Option(
+        "--tilt-deg", help="Tilt of the camera about a line along a row and one along a column.", metavar="ROW COLUMN"
+    ),
+]
+FocalLength = Annotated[float, typer.Option("--focal-length-px", min=1, help="Distance of a tilted camera, in pixels.")]
+LensCentre = Annotated[
+    tuple[float, float],
+    typer.Option(
+        "--lens-centre-px", help="Lens's axis from the middle of the image, down and right.", metavar="DOWN RIGHT"
+    ),
+]
+BlurRows = Annotated[float | None, typer.Option(min=0, max=20, help="Blur from row to row, if not --blur-px.")]
+BlurColumns = Annotated[float | None, typer.Option(min=0, max=20, help="Blur from column to column, if not --blur-px.")]
+Glare = Annotated[float | None, typer.Option("--glare", help="Share of the light that goes astray, such as 0.03.")]
+GlarePx = Annotated[float | None, typer.Option(help="How far, standard deviation in pixels; 6 if not given.")]
+Shape = Annotated[GlareShape | None, typer.Option(help="How it falls off; exponential if not given.")]
+Blade = Annotated[
+    float | None, typer.Option("--blade", help="Share of the contrast by which one blade is warmer than the other.")
+]
+Sway = Annotated[
+    float | None, typer.Option("--sway", help="Share of the contrast by which gain and offset go up and down in 33 s.")
+]
+ReferencesAnew = Annotated[bool, typer.Option("--references-anew", help="References of their own for each recording.")]
+Filter = Annotated[
+    float | None,
+    typer.Option("--filter", help="Share of the frame before in the camera's recursive filter, such as 0.06."),
+]
+Averaged = Annotated[int | None, typer.Option(min=1, help="Each frame is the mean of so many, itself the last.")]
+Memory = Annotated[float | None, typer.Option("--memory", help="Share of the frame before that pixels keep.")]
+Rise = Annotated[str | None, typer.Option(help="Time in which the integration window opens, such as '10 us'.")]
+Fall = Annotated[str | None, typer.Option(help="Time in which it closes.")]
+Tail = Annotated[float | None, typer.Option("--tail", help="Share of the window that comes after its end.")]
+TailTime = Annotated[str | None, typer.Option("--tail-time", help="Time in which that fades; 0.3 ms if not given.")]
+CountTimeError = Annotated[
+    str | None, typer.Option(help="How much longer an integration time the camera states than it has; may be negative.")
+]
+Laboratory = Annotated[
+    bool,
+    typer.Option("--laboratory", help="Draw all defects at random; rig.toml states what their owner knows."),
+]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the list of files there.", metavar="OUT")]
 
 
@@ -108,24 +164,61 @@ def simulate(
     distortion: Distortion = 0.0,
     mask_offset_mm: MaskOffset = None,
     lost_frames: LostFrames = 0,
+    late_application_gate: LateApplication = None,
+    late_control_gate: LateControl = None,
+    late_trigger: LateTrigger = None,
+    clock_ppm: ClockPpm = 0.0,
+    lateral_offset_mm: LateralOffset = 0.0,
+    tilt_deg: Tilt = (0.0, 0.0),
+    focal_length_px: FocalLength = 1000.0,
+    lens_centre_px: LensCentre = (0.0, 0.0),
+    blur_rows_px: BlurRows = None,
+    blur_columns_px: BlurColumns = None,
+    glare_share: Glare = None,
+    glare_px: GlarePx = None,
+    glare_shape: Shape = None,
+    blade_share: Blade = None,
+    sway_share: Sway = None,
+    references_anew: ReferencesAnew = False,
+    filter_share: Filter = None,
+    averaged_frames: Averaged = None,
+    memory_share: Memory = None,
+    rise: Rise = None,
+    fall: Fall = None,
+    tail_share: Tail = None,
+    tail: TailTime = None,
+    count_time_error: CountTimeError = None,
+    laboratory: Laboratory = False,
     json: Json = None,
 ) -> None:
     """Simulate a measurement: recordings, rig.toml and truth.json.
 
     Wheel, beams, mask and optics get random imperfections; rig.toml tells them as a person would have measured
-    them, truth.json as they are.
+    them, truth.json as they are. Defects that a laboratory has are options, none by default; rig.toml does not tell them.
     """
     given = locals()
     from irtiming.archive.json_file import write_json
     from irtiming.cli.progress import shown
     from irtiming.session.simulation import CameraOrder, SimulationOrder
     from irtiming.session.simulation import simulate as make_recordings
+    from irtiming.twin.defects import Defects
 
+    defects = filled(
+        Defects,
+        {**given, "distortion": None},  # always that of the lens
+        clock_relative_error=clock_ppm * 1e-6,
+        lateral_offset_m=lateral_offset_mm * 1e-3,
+        tilt_about_row_rad=math.radians(tilt_deg[0]),
+        tilt_about_column_rad=math.radians(tilt_deg[1]),
+        lens_centre_row_px=lens_centre_px[0],
+        lens_centre_column_px=lens_centre_px[1],
+    )
     order = filled(
         SimulationOrder,
         given,
         folder=out_dir,
         camera=filled(CameraOrder, given),
+        defects=defects,
         rotation="counterclockwise" if counterclockwise else "clockwise",
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
     )

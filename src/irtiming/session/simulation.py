@@ -1,7 +1,7 @@
 """Recordings of a simulated camera on a simulated rig, with the truth beside them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
@@ -12,6 +12,8 @@ from irtiming.measurement import Progress
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
 from irtiming.records.rig import Rotation
 from irtiming.twin.cameras import camera_scene
+from irtiming.twin.defects import Defects, with_defects
+from irtiming.twin.laboratory import in_laboratory
 from irtiming.twin.readout import refuse_slow_readout
 from irtiming.twin.rig import SimulatedRig, draw, series, truth
 from irtiming.twin.scene import CameraTiming, RadiativeExchange, Scene, Timing, with_wheel_speed
@@ -29,8 +31,7 @@ _TIMES_S = {
 """The shortest that each time may be; the longest is a second."""
 
 _LAG_ONLY = (
-    "time_constant_s", "scene_time_constant_s", "substrate_temperature_k", "blackbody_temperature_k", "nuc_at_s",
-    "drift_dn_per_s",
+    "time_constant_s", "scene_time_constant_s", "substrate_temperature_k", "blackbody_temperature_k",
 )  # fmt: skip
 _FOREIGN = {"photon": _LAG_ONLY, "microbolometer": ("integration_time_s", "reference_frames")}
 _OTHER: dict[CameraType, CameraType] = {"photon": "microbolometer", "microbolometer": "photon"}
@@ -111,6 +112,8 @@ class SimulationOrder:
     distortion: float = 0.0
     mask_offset_m: float | None = None
     lost_frames: int = 0
+    defects: Defects = field(default_factory=Defects)
+    laboratory: bool = False
 
     def __post_init__(self) -> None:
         if self.lost_frames >= self.frames:
@@ -161,12 +164,14 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
 
 
 def _drawn(order: SimulationOrder) -> SimulatedRig:
-    """A rig with imperfections, but for what was asked for."""
+    """A rig with imperfections, but for what was asked for; rig.toml tells defects where a whole laboratory was."""
     rig = draw(_nominal(order), seed=order.seed)
     scene = replace(rig.scene, timing=_stated(rig.scene.timing, order.camera))
     if order.mask_offset_m is not None:
         scene = replace(scene, mask=replace(scene.mask, centre_x_m=order.mask_offset_m, centre_y_m=0.0))
-    return replace(rig, scene=scene)
+    if order.laboratory:
+        return in_laboratory(replace(rig, scene=scene), seed=order.seed, asked=order.defects)
+    return replace(rig, scene=with_defects(scene, order.defects))
 
 
 def _nominal(order: SimulationOrder) -> Scene:

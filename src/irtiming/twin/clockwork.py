@@ -56,9 +56,9 @@ def spin(scene: Scene, *, seed: int) -> Motion:
     angle.
     """
     trigger = scene.trigger
-    rate = 2 * math.pi * trigger.wheel_hz
-    start_s = -trigger.lead_turns / trigger.wheel_hz
-    last_s = (trigger.n_triggers - 1) * trigger.camera_period_ticks / trigger.clock_frequency_hz
+    rate = 2 * math.pi * trigger.true_wheel_hz
+    start_s = -trigger.lead_turns / trigger.true_wheel_hz
+    last_s = (trigger.n_triggers - 1) * trigger.camera_period_ticks / trigger.true_frequency_hz
     after_s = trigger.trigger_delay_time_set_s + scene.timing.trigger_delay_s + _longest_read_s(scene)
     end_s = last_s + after_s + 1.5 / trigger.wheel_hz
     step_s = min(_STEP_S, 1 / (2000 * trigger.wheel_hz))
@@ -78,7 +78,8 @@ def spin(scene: Scene, *, seed: int) -> Motion:
 
 def _longest_read_s(scene: Scene) -> float:
     """How long after its trigger delay a frame still takes values."""
-    window_s = scene.timing.integration_time_s if isinstance(scene.timing, CameraTiming) else 0.0
+    timing = scene.timing
+    window_s = timing.integration_time_s + timing.after_s if isinstance(timing, CameraTiming) else 0.0
     return max(0.0, (scene.detector.rows - 1) * (scene.timing.row_delay_s or 0.0)) + window_s
 
 
@@ -110,7 +111,7 @@ def _ripple(wander: SpeedWander, angle_rad: Array, advance_rad: float) -> Array:
 
 def first_tick_after(time_s: Array, trigger: TriggerGenerator) -> Ticks:
     """Counter at the first clock cycle after these times (s from the first trigger), any shape."""
-    cycles = np.floor(time_s * trigger.clock_frequency_hz).astype(np.int64) + 1
+    cycles = np.floor(time_s * trigger.true_frequency_hz).astype(np.int64) + 1
     return cycles + first_trigger_ticks(trigger)
 
 
@@ -120,7 +121,7 @@ def first_trigger_ticks(trigger: TriggerGenerator) -> int:
 
 
 def tick_streams(scene: Scene, motion: Motion, *, seed: int) -> TickStreams:
-    """Timestamps of all channels, with the detectors' jitter and the faults that the scene asks for.
+    """Timestamps of all channels, with the detectors' delay and jitter and the faults that the scene asks for.
 
     With clockwise rotation the control beam comes beta_1 + beta_2 before the application beam on an edge's
     way, so a slot at alpha passes it at wheel angle alpha - beta_1 - beta_2. Counterclockwise, everything
@@ -130,8 +131,8 @@ def tick_streams(scene: Scene, motion: Motion, *, seed: int) -> TickStreams:
     between = scene.beams.beta_1_rad + scene.beams.beta_2_rad
     slots = _passages(motion, np.array(scene.wheel.control_slot_angles_rad) - between)
     edges = _passages(motion, np.array(scene.wheel.ring_edges_rad))
-    slots = slots + scene.beams.jitter_s * random.standard_normal(slots.shape)
-    edges = edges + scene.beams.jitter_s * random.standard_normal(edges.shape)
+    slots = slots + scene.beams.jitter_s * random.standard_normal(slots.shape) + scene.beams.late_control_gate_s
+    edges = edges + scene.beams.jitter_s * random.standard_normal(edges.shape) + scene.beams.late_application_gate_s
     begin_s, end_s = motion.time_s[0], motion.time_s[-1]
     control = _damage(_within(slots, begin_s, end_s), scene.faults.control_slot, generator(seed, "faults", index=1))
     slot = _damage(

@@ -10,7 +10,11 @@ _NEWTON_STEPS = 6
 
 
 class View(NamedTuple):
-    """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image."""
+    """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image.
+
+    ``middle_*`` is the lens's axis. In a tilted view, one step to the right in the plane is ``*_of_right`` to the right, down
+    and away from the camera, and so one step down.
+    """
 
     middle_row: float
     middle_column: float
@@ -30,6 +34,14 @@ class View(NamedTuple):
     mask_outer: float
     mask_centre: float
     mask_half: float
+    tilted: bool
+    focal: float
+    right_of_right: float
+    down_of_right: float
+    away_of_right: float
+    right_of_down: float
+    down_of_down: float
+    away_of_down: float
 
 
 @njit(cache=True, nogil=True)
@@ -48,13 +60,33 @@ def undistorted(row: float, column: float, half_diagonal: float, distortion: flo
 
 
 @njit(cache=True, nogil=True)
+def met(row: float, column: float, view: View) -> tuple[float, float]:
+    """Where a ray meets the tilted plane: steps down and to the right from the axle, in it.
+
+    The ray goes from the pupil through (column, row, focal); the axle is at (axle_column, axle_row, focal).
+    """
+    ax, ay, az = view.right_of_right, view.down_of_right, view.away_of_right
+    bx, by, bz = view.right_of_down, view.down_of_down, view.away_of_down
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx  # the plane's normal
+    to_axle = nx * view.axle_column + ny * view.axle_row + nz * view.focal
+    stretch = to_axle / (nx * column + ny * row + nz * view.focal)
+    x = stretch * column - view.axle_column
+    y = stretch * row - view.axle_row
+    z = (stretch - 1) * view.focal
+    return x * bx + y * by + z * bz, x * ax + y * ay + z * az
+
+
+@njit(cache=True, nogil=True)
 def to_rig(row: float, column: float, view: View) -> tuple[float, float]:
     """Point of the rig plane, m from the axle, that appears at this place of the image."""
     flat_row, flat_column = undistorted(
         row - view.middle_row, column - view.middle_column, view.half_diagonal, view.distortion
     )
-    down = (flat_row - view.axle_row) * view.pitch
-    right = (flat_column - view.axle_column) * view.pitch
+    if view.tilted:
+        flat_row, flat_column = met(flat_row, flat_column, view)
+    else:
+        flat_row, flat_column = flat_row - view.axle_row, flat_column - view.axle_column
+    down, right = flat_row * view.pitch, flat_column * view.pitch
     return right * view.cos_roll + down * view.sin_roll, down * view.cos_roll - right * view.sin_roll
 
 

@@ -4,13 +4,14 @@ The lag is linear (Schatz 2023, eq. 2), so the mean over a pixel's rays may be t
 """
 
 import math
+from collections.abc import Sequence
 from typing import final
 
 import numpy as np
 from numba import njit
 
 from irtiming.records.arrays import Array
-from irtiming.twin.node_picture import SPEED_CHANGE, Level, Response, cells_of
+from irtiming.twin.node_picture import CUTOUTS, SPEED_CHANGE, Level, Response, cells_of
 from irtiming.twin.scene import ChopperWheel
 
 _CELLS_PER_LAG = 400
@@ -19,7 +20,7 @@ _MOST_TURNS = 2000
 _FADED = 40.0  # time constants after which nothing is left
 
 
-def response(wheel: ChopperWheel, lag_rad: float) -> Response:
+def response(wheel: ChopperWheel, lag_rad: float, *, seen: Sequence[float] = CUTOUTS) -> Response:
     """Periodic response to the wheel, stepped until it repeats itself.
 
     Parameters
@@ -28,10 +29,12 @@ def response(wheel: ChopperWheel, lag_rad: float) -> Response:
         Its cutouts' own edges count.
     lag_rad
         Angle by which the wheel turns in one time constant of the pixel, rad.
+    seen
+        What a point sees after each of the four edges: through the wheel after edges 1 and 3.
     """
     edges = np.mod(np.array(wheel.cutout_edges_rad), 2 * math.pi)
     order = np.argsort(edges)
-    behind = np.array([0.0, 1.0, 0.0, 1.0])[order]  # a point sees through the wheel after edges 1 and 3
+    behind = np.array(seen, dtype=np.float64)[order]
     cells = cells_of(lag_rad)
 
     def at_speed(relative: float) -> Level:

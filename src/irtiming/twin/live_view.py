@@ -12,6 +12,7 @@ from typing import Protocol, TypeAlias, final
 import numpy as np
 
 from irtiming.records.arrays import Array, Pixels
+from irtiming.twin import window
 from irtiming.twin.frames import BlackbodyShots
 from irtiming.twin.node_picture import NodePicture
 from irtiming.twin.noise import Values, generator
@@ -32,7 +33,6 @@ from irtiming.twin.views import (
     RowsView,
     View,
     WindowView,
-    instants_s,
     response_of,
     rows_view,
     settled_dn,
@@ -137,7 +137,7 @@ class LiveRun:
         self._patterns = patterns_of(scene, seed)
         self._views: _WindowViews | _RowsViews
         if isinstance(scene.timing, CameraTiming) and scene.timing.row_delay_s is None:
-            self._views = _WindowViews(scene, instants_s(scene.timing))
+            self._views = _WindowViews(scene, window.instants_s(scene.timing))
         else:
             self._views = _RowsViews(scene)
         self._to_come = [event for event in scene.correction.events if event.kind == "closed"]
@@ -236,7 +236,7 @@ class _RowsViews:
         """What the pixels see of a wheel of this nominal speed before a blackbody of this temperature."""
         timing = self._scene.timing
         if isinstance(timing, CameraTiming):
-            standing_rad, instants = _STANDING_IN_WINDOW_RAD, instants_s(timing)
+            standing_rad, instants = _STANDING_IN_WINDOW_RAD, window.instants_s(timing)
         else:
             standing_rad, instants = _STANDING_RAD, np.zeros(1)
         if rad_per_s * self._view.span_s < standing_rad:

@@ -25,6 +25,9 @@ Level: TypeAlias = npt.NDArray[np.float64]
 SPEED_CHANGE = 1e-3
 """Relative change of the wheel's speed from which `Response.per_speed` is found."""
 
+CUTOUTS, SECOND_BLADE = (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.0)
+"""What is there after each of the four edges: whether a cutout, and whether the blade between edges 2 and 3."""
+
 _CELLS_PER_SPAN = 400
 _FEWEST_CELLS, _MOST_CELLS = 2**14, 2**20
 _BINS_PER_SPAN = 32
@@ -49,7 +52,8 @@ class NodePicture:
     """A scene ready to be read row by row.
 
     gain_dn (n_node,), DN, is what its pixel gains when a node sees past the wheel; closed_dn (row, column), DN,
-    what pixels give behind solid wheel.
+    what pixels give behind solid wheel. Where the blade between edges 2 and 3 is warmer, blade is the response to it, and
+    blade_dn (n_node,), DN, what a pixel gains when a node sees it.
     """
 
     response: Response
@@ -57,6 +61,8 @@ class NodePicture:
     gain_dn: Weights
     closed_dn: Values
     gate_rad: float
+    blade: Response | None = None
+    blade_dn: Weights | None = None
 
 
 def cells_of(span_rad: float) -> int:
@@ -64,7 +70,7 @@ def cells_of(span_rad: float) -> int:
     return min(max(math.ceil(2 * math.pi * _CELLS_PER_SPAN / span_rad), _FEWEST_CELLS), _MOST_CELLS)
 
 
-def node_picture(scene: Scene, response: Response, *, span_rad: float) -> NodePicture:
+def node_picture(scene: Scene, response: Response, *, span_rad: float, blade: Response | None = None) -> NodePicture:
     """Trace the scene and give everything in it its brightness; rays within 1/32 of the response's span are gathered.
 
     Parameters
@@ -75,6 +81,8 @@ def node_picture(scene: Scene, response: Response, *, span_rad: float) -> NodePi
         Of its pixels to its wheel.
     span_rad
         Angle by which the wheel turns in one time constant, or in the window, rad.
+    blade
+        Of its pixels to the blade between edges 2 and 3 alone, where that is warmer.
     """
     nodes, radiance = trace_nodes(scene, span_rad / _BINS_PER_SPAN), scene.radiance
     closed = solid_wheel(scene)
@@ -86,6 +94,8 @@ def node_picture(scene: Scene, response: Response, *, span_rad: float) -> NodePi
         gain_dn=(nodes.share * (levels[nodes.behind] - hidden)).astype(np.float32),
         closed_dn=closed,
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
+        blade=blade,
+        blade_dn=None if blade is None else (nodes.share * radiance.blade_dn).astype(np.float32),
     )
 
 
@@ -104,14 +114,17 @@ def read_rows(shot: NodePicture, wheel_angle_rad: Array, *, speed: float, out: V
         Shape (row, column), DN of a mean pixel.
     """
     out[...] = shot.closed_dn
-    nodes = shot.nodes
-    level = (shot.response.level + speed * shot.response.per_speed).astype(np.float32)
-    _add_nodes_past_wheel(
-        out.reshape(-1),
-        (np.asarray(wheel_angle_rad, dtype=np.float64) + shot.gate_rad, level),
-        (nodes.pixel, nodes.reference_rad, nodes.first_node, nodes.offset_rad, shot.gain_dn),
-        out.shape[1],
-    )
+    nodes, angle = shot.nodes, np.asarray(wheel_angle_rad, dtype=np.float64) + shot.gate_rad
+    for response, gain_dn in ((shot.response, shot.gain_dn), (shot.blade, shot.blade_dn)):
+        if response is None or gain_dn is None:
+            continue
+        level = (response.level + speed * response.per_speed).astype(np.float32)
+        _add_nodes_past_wheel(
+            out.reshape(-1),
+            (angle, level),
+            (nodes.pixel, nodes.reference_rad, nodes.first_node, nodes.offset_rad, gain_dn),
+            out.shape[1],
+        )
 
 
 @njit(cache=True, nogil=True)

@@ -18,6 +18,7 @@ from numba import njit
 from scipy.special import ndtr
 
 from irtiming.records.arrays import Array
+from irtiming.twin.glare import stray_places
 from irtiming.twin.kernels import View, in_opening, scatter, to_rig, wrapped
 from irtiming.twin.rays import Indices, Offsets, view_of
 from irtiming.twin.scene import Scene
@@ -29,6 +30,10 @@ _EDGE_RAY_BUDGET = 3e6
 _MOST_EDGE_RAYS = 10_000
 _VARIANTS = 16
 _REACH = 4.0  # standard deviations of the blur
+_STRAY_RAYS, _STRAY_WIDER = (
+    600,
+    6.0,
+)  # rays of the tail that glare makes, and how much wider than others they are gathered
 _MOST_BINS = 128
 _GOLDEN = (math.sqrt(5) - 1) / 2
 
@@ -64,15 +69,16 @@ def trace_nodes(scene: Scene, width_rad: float) -> Nodes:
     """
     rows, columns = scene.detector.rows, scene.detector.columns
     view = view_of(scene.wheel, scene.mask, optics=scene.optics, shape=(rows, columns))
-    blur_px = scene.optics.blur_px
+    optics, blur_px = scene.optics, scene.optics.blur_rows_columns_px
     n_even = scene.optics.rays_along_pixel**2 or _RAYS_OF_EVEN_PIXEL
     n_edge = round(min(_EDGE_RAY_BUDGET / math.sqrt(rows * columns), _MOST_EDGE_RAYS))
     even = pixel_spread(n_even, blur_px, variants=1)
     edge = pixel_spread(n_edge, blur_px, variants=_VARIANTS)
-    reach = (0.71 + _REACH * blur_px, width_rad)
+    reach = (0.71 + _REACH * max(blur_px), width_rad, optics.glare_share)
+    stray = stray_places(optics, _STRAY_RAYS if optics.glare_share else 1, variants=_VARIANTS)
 
     def one_row(row: int) -> Any:
-        return _row_nodes(row, columns, view, (even, edge), reach)
+        return _row_nodes(row, columns, view, (even, edge, stray), reach)
 
     pixel, reference, n_node, offset, share, behind = _in_parallel(one_row, rows)
     return Nodes(
@@ -92,15 +98,15 @@ def _in_parallel(one_row: Callable[[int], Any], rows: int) -> list[Any]:
     return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
-def pixel_spread(n: int, blur_px: float, *, variants: int) -> Offsets:
+def pixel_spread(n: int, blur_rows_columns_px: tuple[float, float], *, variants: int) -> Offsets:
     """Places, px from a pixel's centre, from which its light comes in equal parts: its own square, blurred.
 
     Parameters
     ----------
     n
         Places of one variant; they fill the plane evenly.
-    blur_px
-        Standard deviation of the Gaussian along each axis, px.
+    blur_rows_columns_px
+        Standard deviation of the Gaussian from row to row and from column to column, px.
     variants
         Shifted copies, each with the mean 0, the variance 1/12 + blur^2 along each axis and no covariance.
 
@@ -112,47 +118,58 @@ def pixel_spread(n: int, blur_px: float, *, variants: int) -> Offsets:
     shift = np.random.Generator(np.random.SFC64(1)).random((variants, 1, 2))
     even = np.stack([(order + 0.5) / n, np.mod(0.5 + order * _GOLDEN, 1.0)], axis=1)
     even = np.mod(even + shift, 1.0)
-    if blur_px > 0:
-        grid = np.linspace(-0.5 - 6 * blur_px, 0.5 + 6 * blur_px, 40_001)
-        density = ndtr((grid + 0.5) / blur_px) - ndtr((grid - 0.5) / blur_px)
-        below = np.cumsum(density) - 0.5 * density
-        place = np.interp(even, below / density.sum(), grid)
-    else:
-        place = even - 0.5
+    place = np.stack([_smeared(even[..., axis], blur_rows_columns_px[axis]) for axis in (0, 1)], axis=-1)
     place = place - place.mean(axis=1, keepdims=True)
     slant = np.mean(place[..., 0] * place[..., 1], axis=1) / np.mean(place[..., 0] ** 2, axis=1)
     place[..., 1] -= slant[:, None] * place[..., 0]
-    place *= np.sqrt((1 / 12 + blur_px**2) / np.mean(place**2, axis=1, keepdims=True))
+    place *= np.sqrt((1 / 12 + np.square(blur_rows_columns_px)) / np.mean(place**2, axis=1, keepdims=True))
     return place.astype(np.float32)
 
 
+def _smeared(even: Array, blur_px: float) -> Array:
+    """Places along one axis, px, of parts of the light from 0 to 1, any shape."""
+    if blur_px == 0:
+        return even - 0.5
+    grid = np.linspace(-0.5 - 6 * blur_px, 0.5 + 6 * blur_px, 40_001)
+    density = ndtr((grid + 0.5) / blur_px) - ndtr((grid - 0.5) / blur_px)
+    below = np.cumsum(density) - 0.5 * density
+    return np.interp(even, below / density.sum(), grid)
+
+
 @njit(cache=True, nogil=True)
-def _row_nodes(row: int, columns: int, view: View, spreads: tuple[Offsets, Offsets], how: tuple[float, float]) -> Any:
+def _row_nodes(
+    row: int, columns: int, view: View, spreads: tuple[Offsets, Offsets, Offsets], how: tuple[float, float, float]
+) -> Any:
     """Live pixels of one row: index, reference, number of nodes; and of all their nodes offset, share, behind."""
-    reach, width = how
-    most = spreads[1].shape[1] + spreads[0].shape[1]
+    reach, width, astray = how
+    most = spreads[1].shape[1] + spreads[0].shape[1] + spreads[2].shape[1]
     pixel, reference = np.empty(columns, np.int32), np.empty(columns, np.float64)
     n_node = np.zeros(columns, np.int64)
-    room = columns * min(4 * _MOST_BINS, most)
+    room = columns * min(8 * _MOST_BINS, 2 * most)
     offset, share, behind = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.int32)
     rays = np.empty((2, most), np.float32)
     live, used = 0, 0
     for column in range(columns):
         kind = _kind_of_pixel(row, column, view, reach)
-        if kind == 2:  # nothing but solid wheel
+        if kind == 2 and astray == 0:  # nothing but solid wheel
             continue
         x, y = to_rig(float(row), float(column), view)
         centre = math.atan2(y, view.mirror * x)
         spread = spreads[0][0]
         if kind == 3:  # the edge of the opening
             spread = spreads[1][_variant(row, column, spreads[1].shape[0])]
-        found = _trace_pixel(rays, (row, column, centre), view, spread)
         before = used
-        for side in range(2):
-            part = np.sort(rays[side, : found[side]])
-            used = _add_nodes(part, (width, 1.0 / spread.shape[0]), (offset, share), used)
-            behind[before if side == 0 else before + n_node[live] : used] = side
-            n_node[live] = used - before
+        for tail in range(2 if astray > 0 else 1):
+            gathered, light = width, (1.0 - astray) / spread.shape[0]
+            if tail == 1:
+                spread = spreads[2][_variant(row, column, spreads[2].shape[0])]
+                gathered, light = width * _STRAY_WIDER, astray / spread.shape[0]
+            found = _trace_pixel(rays, (row, column, centre), view, spread)
+            for side in range(2):
+                part, first = np.sort(rays[side, : found[side]]), used
+                used = _add_nodes(part, (gathered, light), (offset, share), used)
+                behind[first:used] = side
+        n_node[live] = used - before
         if used > before:
             pixel[live], reference[live] = row * columns + column, centre
             live += 1

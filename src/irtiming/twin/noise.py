@@ -28,6 +28,9 @@ Purpose = Literal[
     "reference_high",
     "run",
     "correction",
+    "sway",
+    "laboratory",
+    "statement",
 ]
 """What a series of random numbers is for; the order counts, so add at the end."""
 

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Array
+from irtiming.twin.glare import Veil, veil_of
 from irtiming.twin.kernels import wrapped
 from irtiming.twin.noise import Values
 from irtiming.twin.rays import Indices, Offsets, RayTable, trace
@@ -30,7 +31,8 @@ class Picture:
     are what a pixel of the table gains where it sees the blackbody or the mask plate instead. ``open_rad``
     (3, 2) are the intervals of phi_A + theta - phi in [0, 2 pi) at which a cutout lies over phi. ``span_rad`` (n_live, 2)
     are the smallest and largest offset of a pixel's rays, ``group_span_rad`` (n_group, 2) those of the rays of each
-    16 pixels in a row of the table, from the angle of the first of them.
+    16 pixels in a row of the table, from the angle of the first of them. ``blade_rad`` (2, 2) are the intervals at which the
+    blade between edges 2 and 3 lies over phi, which is ``blade_dn`` warmer; ``veil``, where light goes astray.
     """
 
     table: RayTable
@@ -41,6 +43,9 @@ class Picture:
     gate_rad: float
     span_rad: Offsets
     group_span_rad: Array
+    blade_rad: Array
+    blade_dn: float = 0.0
+    veil: Veil | None = None
 
 
 def picture(scene: Scene) -> Picture:
@@ -62,6 +67,9 @@ def picture(scene: Scene) -> Picture:
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
         span_rad=span,
         group_span_rad=_group_spans(table.reference_rad, span),
+        blade_rad=np.array([(edge[2] - turn, edge[3] - turn), (edge[2], edge[3])]),
+        blade_dn=radiance.blade_dn,
+        veil=veil_of(scene.optics, rows_columns=(scene.detector.rows, scene.detector.columns)),
     )
 
 
@@ -90,13 +98,16 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
     out[...] = shot.closed_dn
     table = shot.table
     angles = np.asarray(wheel_angles_rad, dtype=np.float64)
-    _add_open_rays(
-        out.reshape(-1),
-        (angles + shot.gate_rad, shot.open_rad),
-        (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad),
-        (shot.span_rad, shot.group_span_rad),
-        (shot.opening_dn, shot.plate_dn, 1.0 / (table.rays_per_pixel * angles.size)),
-    )
+    rays = (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad)
+    spans, share = (shot.span_rad, shot.group_span_rad), 1.0 / (table.rays_per_pixel * angles.size)
+    opened = (shot.opening_dn, shot.plate_dn, share)
+    _add_open_rays(out.reshape(-1), (angles + shot.gate_rad, shot.open_rad), rays, spans, opened)
+    if shot.blade_dn != 0:
+        warmer = np.full_like(shot.opening_dn, shot.blade_dn)
+        blade = (angles + shot.gate_rad, shot.blade_rad)
+        _add_open_rays(out.reshape(-1), blade, rays, spans, (warmer, warmer, share))
+    if shot.veil is not None:
+        shot.veil.cover(out)
 
 
 @njit(cache=True, nogil=True)

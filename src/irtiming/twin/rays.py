@@ -19,7 +19,8 @@ from scipy.special import ndtri
 
 from irtiming.records.arrays import Array
 from irtiming.twin.kernels import View, in_opening, scatter, to_rig, undistorted, wrapped
-from irtiming.twin.scene import ChopperWheel, MaskPlate, Optics, Scene
+from irtiming.twin.optics import Optics
+from irtiming.twin.scene import ChopperWheel, MaskPlate, Scene
 
 Offsets: TypeAlias = npt.NDArray[np.float32]
 Indices: TypeAlias = npt.NDArray[np.int32]
@@ -72,22 +73,26 @@ def rays_along_pixel(optics: Optics, n_pixels: int) -> int:
     return max(2, min(_MOST_ALONG_PIXEL, 2 * round(math.sqrt(_RAY_BUDGET / n_pixels) / 2)))
 
 
-def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
-    """Rays of one pixel, the same in a mirror along either axis and along the diagonal: blur shifts and tilts no image.
+def ray_pattern(along_pixel: int, blur_rows_px: float, *, blur_columns_px: float | None = None) -> RayPattern:
+    """Rays of one pixel, the same in a mirror along either axis: blur shifts and tilts no image.
 
     Parameters
     ----------
     along_pixel
         Sub-pixels per side of a pixel.
-    blur_px
-        Standard deviation of the Gaussian blur along each axis, px.
+    blur_rows_px, blur_columns_px
+        Standard deviation of the Gaussian blur from row to row and from column to column, px; the same if one is given. Then
+        the rays are the same in a mirror along the diagonal, too.
     """
     sub_row, sub_column = np.divmod(np.arange(along_pixel * along_pixel, dtype=np.int32), along_pixel)
     place = (np.stack([sub_row, sub_column], axis=1) + 0.5) / along_pixel
     # A ray smeared into sub-pixel `place` came from `place - smear`: the pixel that owns it lies that much back.
-    deviates, wanted = _gaussian_pairs(along_pixel), 1 / 12 + blur_px**2
-    trials = [-np.floor(place - scale * blur_px * deviates).astype(np.int32) for scale in _SCALES]
-    steps = min(trials, key=lambda steps: abs(float(np.var(steps + place)) - wanted))
+    deviates = _gaussian_pairs(along_pixel)
+    if blur_columns_px in (None, blur_rows_px):
+        steps = _steps(place, deviates, blur_rows_px)
+    else:
+        down = _steps(place[:, :1], deviates[:, :1], blur_rows_px)
+        steps = np.concatenate([down, _steps(place[:, 1:], deviates[:, 1:], blur_columns_px)], axis=1)
     return RayPattern(
         row_step=steps[:, 0],
         column_step=steps[:, 1],
@@ -95,6 +100,13 @@ def ray_pattern(along_pixel: int, blur_px: float) -> RayPattern:
         sub_column=sub_column,
         along_pixel=along_pixel,
     )
+
+
+def _steps(place: Array, deviates: Array, blur_px: float) -> Indices:
+    """How many pixels further on the light of each ray lies, shape (n_ray, n_axis)."""
+    wanted = 1 / 12 + blur_px**2
+    trials = [-np.floor(place - scale * blur_px * deviates).astype(np.int32) for scale in _SCALES]
+    return min(trials, key=lambda steps: abs(float(np.var(steps + place)) - wanted))
 
 
 def _gaussian_pairs(along_pixel: int) -> Array:
@@ -131,7 +143,8 @@ def trace(scene: Scene) -> RayTable:
 @lru_cache(maxsize=2)
 def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, columns: int) -> RayTable:
     along = rays_along_pixel(optics, rows * columns)
-    pattern = ray_pattern(along, optics.blur_px)
+    blur_rows_px, blur_columns_px = optics.blur_rows_columns_px
+    pattern = ray_pattern(along, blur_rows_px, blur_columns_px=blur_columns_px)
     view = view_of(wheel, mask, optics=optics, shape=(rows, columns))
     steps = (pattern.row_step, pattern.column_step, pattern.sub_row, pattern.sub_column)
     reach = float(max(abs(pattern.row_step).max(), abs(pattern.column_step).max()) + 2) * 2
@@ -154,7 +167,8 @@ def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, colu
 
 def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tuple[int, int]) -> View:
     """Numbers of the scene in the form that the kernel reads."""
-    middle_row, middle_column = (shape[0] - 1) / 2, (shape[1] - 1) / 2
+    middle_row = (shape[0] - 1) / 2 + optics.lens_centre_row_px
+    middle_column = (shape[1] - 1) / 2 + optics.lens_centre_column_px
     half_diagonal = math.hypot(*shape) / 2
     axle_row, axle_column = undistorted(
         optics.wheel_centre_row_px - middle_row,
@@ -162,6 +176,7 @@ def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tupl
         half_diagonal,
         optics.distortion,
     )
+    below, beside = optics.tilt_about_row_rad, optics.tilt_about_column_rad
     return View(
         middle_row=middle_row,
         middle_column=middle_column,
@@ -181,6 +196,14 @@ def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tupl
         mask_outer=mask.outer_radius_m,
         mask_centre=mask.centre_angle_rad,
         mask_half=mask.opening_angle_rad / 2,
+        tilted=optics.is_tilted,
+        focal=optics.focal_length_px,
+        right_of_right=math.cos(beside),
+        down_of_right=0.0,
+        away_of_right=-math.sin(beside),
+        right_of_down=math.sin(beside) * math.sin(below),
+        down_of_down=math.cos(below),
+        away_of_down=math.cos(beside) * math.sin(below),
     )
 
 

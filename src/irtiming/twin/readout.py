@@ -13,8 +13,12 @@ from irtiming.twin.lag import Fading
 from irtiming.twin.noise import FixedPattern, Values, corrected_pattern, digitise, fixed_pattern, generator
 from irtiming.twin.scene import CameraTiming, Detector, Scene, Timing
 from irtiming.twin.shutter import Shutter, covers
+from irtiming.twin.sway import swayed
 from irtiming.twin.upkeep import ShutterEvent
 from irtiming.twin.views import View, settled_dn, settling_s, view_of_wheel
+
+_FORGOTTEN_S = 1e-7
+"""Time constant with which the pixels of a photon camera forget their shutter."""
 
 
 @final
@@ -23,13 +27,15 @@ class Exposure:
     """One reading of all rows.
 
     ``number`` fixes its noise; ``start_s`` is when the turn of row 0 begins; ``level_dn``, drift and jumps up to then;
-    ``epoch``, which of the patterns is there.
+    ``epoch``, which of the patterns is there; ``gain``, by how much more than else the pixels give for what is not as
+    warm as the wheel.
     """
 
     number: int
     start_s: float
     level_dn: float
     epoch: int
+    gain: float = 0.0
 
     def pattern(self, patterns: tuple[FixedPattern, ...]) -> FixedPattern:
         """The one of these that is there, with the drift so far."""
@@ -42,13 +48,17 @@ class Exposure:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Readout:
-    """Rows behind lens and shutter; the turn of each comes ``row_s``, shape (row,), after that of row 0."""
+    """Rows behind lens and shutter; the turn of each comes ``row_s``, shape (row,), after that of row 0.
+
+    A mean pixel gives ``wheel_dn`` for the wheel.
+    """
 
     view: View
     row_s: Array
     patterns: tuple[FixedPattern, ...]
     seed: int
     shutter: Shutter | None = None
+    wheel_dn: float = 0.0
 
     def read(self, exposure: Exposure, *, signal_dn: Values, out: Pixels) -> None:
         """Write a frame, shape (row, column), to ``out``; ``signal_dn`` is room for the work."""
@@ -56,6 +66,8 @@ class Readout:
         self.view.show(row_time_s, out=signal_dn)
         if self.shutter is not None:
             self.shutter.cover(row_time_s, signal_dn=signal_dn)
+        if exposure.gain != 0:
+            signal_dn += np.float32(exposure.gain) * (signal_dn - np.float32(self.wheel_dn))
         random = generator(self.seed, "frame", index=exposure.number)
         digitise(signal_dn, exposure.pattern(self.patterns), random=random, out=out)
 
@@ -66,7 +78,7 @@ class WheelShots:
     """Frames of the turning wheel.
 
     Shapes: source (n_frame,), which exposure each frame shows. Of the exposures, shape (n_exposure,), as in `Exposure`:
-    start_s, level_dn, epoch.
+    start_s, level_dn, epoch, gain.
     """
 
     readout: Readout
@@ -74,6 +86,7 @@ class WheelShots:
     start_s: Array
     level_dn: Array
     epoch: Ticks
+    gain: Array
 
     def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
         """Read the frame out."""
@@ -83,6 +96,7 @@ class WheelShots:
             start_s=self.start_s[number],
             level_dn=self.level_dn[number],
             epoch=int(self.epoch[number]),
+            gain=float(self.gain[number]),
         )
         self.readout.read(exposure, signal_dn=signal_dn, out=out)
 
@@ -106,24 +120,32 @@ def wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> Whee
     """
     refuse_slow_readout(scene)
     trigger, before = scene.trigger, exposures_before(scene.timing)
-    clock_hz = trigger.clock_frequency_hz
-    set_s = round(trigger.trigger_delay_time_set_s * clock_hz) / clock_hz
+    clock_hz = trigger.true_frequency_hz
+    set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / clock_hz + trigger.late_trigger_s
     triggered_s = np.arange(-before, trigger.n_triggers) * trigger.camera_period_ticks / clock_hz + set_s
     jitter = generator(seed, "exposure").standard_normal(triggered_s.size)
     view = view_of_wheel(scene, motion)
     epoch, level_dn = upkeep_at(scene, triggered_s)
+    sway, wheel_dn = swayed(scene.sway, triggered_s, seed=seed), settled_dn(scene, scene.radiance.wheel_k)
+    contrast_dn = abs(settled_dn(scene, scene.radiance.blackbody_k) - wheel_dn)
     shutter = None
     for event in scene.correction.events:
         if event.kind == "closed":
             shutter = (shutter or open_shutter(scene)).closed_by(event, view, rows_columns=_shape(scene.detector))
     return WheelShots(
         readout=Readout(
-            view=view, shutter=shutter, row_s=rows_at_s(scene), patterns=patterns_of(scene, seed), seed=seed
+            view=view,
+            shutter=shutter,
+            row_s=rows_at_s(scene),
+            patterns=patterns_of(scene, seed),
+            seed=seed,
+            wheel_dn=wheel_dn,
         ),
         source=_thawed(triggered_s, scene.correction.events)[np.asarray(kept) + before],
         start_s=started_at_s(scene.timing, triggered_s, jitter=jitter),
-        level_dn=level_dn,
+        level_dn=level_dn + contrast_dn * sway.offset,
         epoch=epoch,
+        gain=sway.gain,
     )
 
 
@@ -171,7 +193,7 @@ def refuse_slow_readout(scene: Scene) -> None:
         return
     window_s = timing.integration_time_s if isinstance(timing, CameraTiming) else 0.0
     readout_s = abs(timing.row_delay_s) * rows + window_s
-    period_s = trigger.camera_period_ticks / trigger.clock_frequency_hz
+    period_s = trigger.camera_period_ticks / trigger.true_frequency_hz
     if not readout_s <= period_s:
         window = f" for {window_s * 1e3:.4g} ms each" if window_s else ""
         raise PlanError(
@@ -191,8 +213,9 @@ def upkeep_at(scene: Scene, triggered_s: Array) -> tuple[Ticks, Array]:
 
 
 def open_shutter(scene: Scene) -> Shutter:
-    """Shutter of a camera whose pixels lag, before its first closure."""
-    return Shutter(surface_dn=settled_dn(scene, scene.correction.surface_k), fading=Fading(settling_s(scene)))
+    """Shutter of a camera before its first closure; a photon detector remembers next to nothing of it."""
+    fading_s = _FORGOTTEN_S if isinstance(scene.timing, CameraTiming) else settling_s(scene)
+    return Shutter(surface_dn=settled_dn(scene, scene.correction.surface_k), fading=Fading(fading_s))
 
 
 def _thawed(triggered_s: Array, events: tuple[ShutterEvent, ...]) -> Ticks:
@@ -208,7 +231,7 @@ def patterns_of(scene: Scene, seed: int) -> tuple[FixedPattern, ...]:
     """A photon detector's pattern; a bolometer's at the start, which belongs to the camera, and those after each correction."""
     detector, n_corrections = scene.detector, len(scene.correction.events)
     if isinstance(scene.timing, CameraTiming):
-        return (pattern_of(detector),)
+        return (pattern_of(detector),) * (1 + n_corrections)
     surface_dn = settled_dn(scene, scene.correction.surface_k)
     chances = [generator(detector.pattern_seed, "correction")]
     chances += [generator(seed, "correction", index=1 + index) for index in range(n_corrections)]

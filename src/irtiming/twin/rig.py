@@ -2,18 +2,22 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 
 from irtiming.errors import GeometryError
+from irtiming.records.arrays import Ticks
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
+from irtiming.twin import window
 from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
+from irtiming.twin.defects import defects_of
 from irtiming.twin.frames import SimulatedFrames, nonuniformity_reference
 from irtiming.twin.noise import generator
+from irtiming.twin.processed_frames import ProcessedFrames
 from irtiming.twin.readout import pattern_of, wheel_shots
 from irtiming.twin.scene import (
     BolometerTiming,
@@ -146,9 +150,6 @@ def _measured(scene: Scene, spread: Tolerances, random: np.random.Generator) -> 
 
     ring = scene.wheel.ring_edges_rad
     n_slots = len(scene.wheel.control_slot_errors_rad)
-    between = scene.beams.beta_1_rad + scene.beams.beta_2_rad
-    if not 0 < between < math.pi:
-        raise GeometryError(f"{between} rad between the beams; it must lie between 0 and pi: check d, dh and h")
     return Rig(
         wheel=Wheel(
             control_slots=n_slots,
@@ -158,7 +159,7 @@ def _measured(scene: Scene, spread: Tolerances, random: np.random.Generator) -> 
         light_gates=LightGates(
             half_separation_m=reading(scene.beams.half_separation_m, spread.u_beam_m),
             height_difference_m=reading(scene.beams.height_difference_m, spread.u_beam_m),
-            whole_slots_between=math.floor(between * n_slots / (2 * math.pi)),
+            whole_slots_between=whole_slots_between(scene),
         ),
         mask_opening=MaskOpening(
             opening_angle_rad=Measured(scene.mask.opening_angle_rad),
@@ -166,6 +167,20 @@ def _measured(scene: Scene, spread: Tolerances, random: np.random.Generator) -> 
         ),
         source="twin",
     )
+
+
+def whole_slots_between(scene: Scene) -> int:
+    """Whole control slots between the beams, as somebody counts them on the wheel.
+
+    Raises
+    ------
+    GeometryError
+        If the beams are on the wrong sides of the axle.
+    """
+    between = scene.beams.beta_1_rad + scene.beams.beta_2_rad
+    if not 0 < between < math.pi:
+        raise GeometryError(f"{between} rad between the beams; it must lie between 0 and pi: check d, dh and h")
+    return math.floor(between * len(scene.wheel.control_slot_errors_rad) / (2 * math.pi))
 
 
 def simulate(scene: Scene, *, seed: int, name: str = "twin") -> Recording:
@@ -200,19 +215,14 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
     name
         Title of the recording.
     """
-    kept = _kept_frames(scene, seed)
-    shots = wheel_shots(scene, motion, kept=kept, seed=seed)
-    trigger, timing = scene.trigger, scene.timing
+    kept, trigger, timing = _kept_frames(scene, seed), scene.trigger, scene.timing
     photon = isinstance(timing, CameraTiming)
     referenced = photon and scene.radiance.reference_frames > 0
     return Recording(
         name=name,
         camera_type="photon" if photon else "microbolometer",
         readout_mode=readout_mode_of(timing),
-        frames=SimulatedFrames(
-            shape=(kept.size, scene.detector.rows, scene.detector.columns),
-            make=shots,
-        ),
+        frames=_frames(scene, motion, kept=kept, seed=seed),
         frame_number=kept,
         clock_frequency_hz=trigger.clock_frequency_hz,
         camera_trigger_ticks=ticks.camera_trigger,
@@ -220,20 +230,41 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         application_slot_ticks=ticks.application_slot,
         application_edge_ticks=ticks.application_edges,
         rotation_speed_hz=trigger.wheel_hz,
-        integration_time_s=timing.integration_time_s if isinstance(timing, CameraTiming) else None,
+        integration_time_s=_stated_window_s(timing),
         trigger_delay_time_set_s=trigger.trigger_delay_time_set_s,
         bit_depth=scene.detector.bits,
         camera_period_ticks=trigger.camera_period_ticks,
         wheel_period_ticks=trigger.turn_period_ticks,
         blackbody_temperature_k=scene.radiance.blackbody_k,
-        nonuniformity=_reference(scene.radiance, scene.detector) if referenced else None,
+        nonuniformity=_reference(scene.radiance, scene.detector, _reference_seed(scene, seed)) if referenced else None,
         source=f"twin, seed {seed}",
     )
 
 
+def _frames(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> SimulatedFrames | ProcessedFrames:
+    """Frames that arrive; where each has something of those before it, all are made."""
+    size = (scene.detector.rows, scene.detector.columns)
+    if scene.in_camera.is_plain:
+        return SimulatedFrames(shape=(kept.size, *size), make=wheel_shots(scene, motion, kept=kept, seed=seed))
+    all_triggers = np.arange(scene.trigger.n_triggers, dtype=np.int64)
+    shots = wheel_shots(scene, motion, kept=all_triggers, seed=seed)
+    return ProcessedFrames(
+        detector=SimulatedFrames(shape=(all_triggers.size, *size), make=shots), kept=kept, in_camera=scene.in_camera
+    )
+
+
+def _stated_window_s(timing: Timing) -> float | None:
+    return timing.integration_time_s + timing.count_time_error_s if isinstance(timing, CameraTiming) else None
+
+
+def _reference_seed(scene: Scene, seed: int) -> int:
+    """What fixes the noise of the references: the detector, or the recording too."""
+    return seed if scene.radiance.references_anew else scene.detector.pattern_seed
+
+
 @lru_cache(maxsize=2)
-def _reference(radiance: Radiance, detector: Detector) -> NonuniformityReference:
-    return nonuniformity_reference(radiance, pattern_of(detector), seed=detector.pattern_seed)
+def _reference(radiance: Radiance, detector: Detector, seed: int) -> NonuniformityReference:
+    return nonuniformity_reference(radiance, pattern_of(detector), seed=seed)
 
 
 def _kept_frames(scene: Scene, seed: int) -> Any:
@@ -291,8 +322,8 @@ def truth(scene: Scene) -> dict[str, object]:
         "wheel_centre_row_column_px": [optics.wheel_centre_row_px, optics.wheel_centre_column_px],
         "pixel_pitch_m": optics.pixel_pitch_m,
         "blur_px": optics.blur_px,
-        "distortion": optics.distortion,
         "rotation": scene.wheel.rotation,
+        **asdict(defects_of(scene)),
     }
 
 
@@ -318,7 +349,7 @@ def _camera_truth(scene: Scene) -> dict[str, object]:
         return {
             "camera": "photon",
             **shared,
-            "exposure_midpoint_delay_s": timing.trigger_delay_s + timing.integration_time_s / 2,
+            "exposure_midpoint_delay_s": timing.trigger_delay_s + window.centre_s(timing),
             "integration_time_s": timing.integration_time_s,
         }
     return {

@@ -13,9 +13,14 @@ from typing import TypeAlias, final
 from irtiming.errors import GeometryError, PlanError
 from irtiming.records.recording import ReadoutMode
 from irtiming.records.rig import Rotation
-from irtiming.twin.upkeep import Drift, SelfCorrection
+from irtiming.twin.beams import Beams
+from irtiming.twin.in_camera import InCamera
+from irtiming.twin.optics import Optics
+from irtiming.twin.upkeep import Drift, SelfCorrection, Sway
 
 _SHORTEST_LAG_S = 1e-6
+FADED_TAILS = 8.0
+"""Time constants after which nothing is left of a window's tail."""
 
 
 @final
@@ -89,30 +94,6 @@ class SpeedWander:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Beams:
-    """Light beams below the axle: application on the left at (d, h), control on the right at (d, h - dh).
-
-    ``jitter_s`` is the standard deviation of the moment at which a detector sees an edge.
-    """
-
-    half_separation_m: float = 13.0e-3
-    height_difference_m: float = 5.5e-3
-    height_m: float = 47.3e-3
-    jitter_s: float = 0.3e-6
-
-    @property
-    def beta_1_rad(self) -> float:
-        """Angle of the application beam to the vertical through the axle."""
-        return math.atan2(self.half_separation_m, self.height_m)
-
-    @property
-    def beta_2_rad(self) -> float:
-        """Angle of the control beam to the vertical through the axle."""
-        return math.atan2(self.half_separation_m, self.height_m - self.height_difference_m)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class MaskPlate:
     """Plate with an annular sector cut out about a centre of its own, which may lie off the axle."""
 
@@ -126,34 +107,15 @@ class MaskPlate:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Optics:
-    """From the rig plane to pixels.
-
-    ``wheel_centre_*_px`` is where the axle appears in the image. A point at undistorted distance r_u from
-    the image centre appears at r_d = r_u (1 + ``distortion`` r_u^2), both in half diagonals of the image.
-    ``blur_px`` is the standard deviation of the Gaussian that smears light along a row and along a column.
-    ``roll_rad`` turns the camera so that phi_image = phi_rig + roll.
-    """
-
-    pixel_pitch_m: float = 0.2e-3
-    wheel_centre_row_px: float = 255.5
-    wheel_centre_column_px: float = 319.5
-    roll_rad: float = 0.0
-    blur_px: float = 0.7
-    distortion: float = 0.0
-    rays_along_pixel: int = 0
-    """Rays per pixel are its square; 0 takes as many as keep tens of megabytes."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class Radiance:
     """What the camera sees, as temperatures.
 
     A mean pixel gives ``base_dn`` at 288.15 K and ``dn_per_k`` more per kelvin. A straight line is enough:
     the two-point correction and the normalisation take out any monotonic curve. ``narcissus_dn`` is missing
     at the image centre where solid wheel mirrors the cold detector, as a Gaussian of
-    ``narcissus_radius_m``; negative where it mirrors a warm camera.
+    ``narcissus_radius_m``; negative where it mirrors a warm camera. The blade between edges 2 and 3 is ``blade_share`` of
+    the contrast of blackbody and wheel warmer than the other. References are taken anew for each recording where they are
+    ``references_anew``, else once for all.
     """
 
     blackbody_k: float = 303.15
@@ -166,6 +128,13 @@ class Radiance:
     reference_low_k: float = 288.15
     reference_high_k: float = 303.15
     reference_frames: int = 50
+    blade_share: float = 0.0
+    references_anew: bool = False
+
+    @property
+    def blade_dn(self) -> float:
+        """By how much a mean pixel gives more before the blade between edges 2 and 3 than before the other, DN."""
+        return self.blade_share * abs(self.dn_per_k * (self.blackbody_k - self.wheel_k))
 
     def level_dn(self, temperature_k: float) -> float:
         """Value of a mean pixel that sees nothing but this temperature, DN."""
@@ -199,6 +168,10 @@ class CameraTiming:
 
     In a rolling camera, row y begins y ``row_delay_s`` later, which is None for a snapshot. ``jitter_s`` is the standard
     deviation of the start; ``substeps`` instants stand for the window.
+
+    The window rises within ``rise_s`` and falls within ``fall_s``, both straight lines about its start and end. A share
+    ``tail_share`` of all that counts comes after the end and fades with ``tail_s``. The camera says that it integrates
+    ``count_time_error_s`` longer than it does.
     """
 
     trigger_delay_s: float = 412.7e-6
@@ -206,6 +179,21 @@ class CameraTiming:
     row_delay_s: float | None = None
     jitter_s: float = 0.05e-6
     substeps: int = 16
+    rise_s: float = 0.0
+    fall_s: float = 0.0
+    tail_share: float = 0.0
+    tail_s: float = 0.3e-3
+    count_time_error_s: float = 0.0
+
+    @property
+    def is_rectangular(self) -> bool:
+        """Whether all instants from start to end count alike, and no others."""
+        return self.rise_s == self.fall_s == self.tail_share == 0
+
+    @property
+    def after_s(self) -> float:
+        """How long after the window's end something still counts."""
+        return self.fall_s / 2 + (FADED_TAILS * self.tail_s if self.tail_share else 0.0)
 
 
 @final
@@ -271,7 +259,8 @@ class TriggerGenerator:
     """Clock, periods T and C in ticks, and the run: how many triggers, from which count and angle on.
 
     ``start_angle_rad`` is the angle the chopper's reference asks for at the first trigger; edges are
-    timestamped from ``lead_turns`` before it.
+    timestamped from ``lead_turns`` before it. The clock runs at ``clock_frequency_hz`` (1 + ``clock_relative_error``); an edge
+    is at the camera's connector ``late_trigger_s`` after its timestamp.
     """
 
     clock_frequency_hz: float = 49_152_000.0
@@ -282,11 +271,23 @@ class TriggerGenerator:
     counter_start_ticks: int = 200_000_000
     start_angle_rad: float = 1.0
     lead_turns: float = 2.0
+    clock_relative_error: float = 0.0
+    late_trigger_s: float = 0.0
 
     @property
     def wheel_hz(self) -> float:
         """Nominal turns per second."""
         return self.clock_frequency_hz / self.turn_period_ticks
+
+    @property
+    def true_frequency_hz(self) -> float:
+        """Ticks in a second."""
+        return self.clock_frequency_hz * (1 + self.clock_relative_error)
+
+    @property
+    def true_wheel_hz(self) -> float:
+        """Turns in a second that the chopper's reference asks for."""
+        return self.true_frequency_hz / self.turn_period_ticks
 
 
 @final
@@ -314,7 +315,7 @@ class Faults:
 class Scene:
     """The whole simulated experiment; every number is the true one.
 
-    The kind of ``timing`` is the kind of camera. ``correction`` and ``drift`` are a microbolometer camera's.
+    The kind of ``timing`` is the kind of camera.
     """
 
     wheel: ChopperWheel = field(default_factory=ChopperWheel)
@@ -329,14 +330,8 @@ class Scene:
     faults: Faults = field(default_factory=Faults)
     correction: SelfCorrection = field(default_factory=SelfCorrection)
     drift: Drift = field(default_factory=Drift)
-
-    def __post_init__(self) -> None:
-        """Refuse what only a microbolometer camera does from another one."""
-        if isinstance(self.timing, CameraTiming) and (self.correction.events or self.drift != Drift()):
-            raise PlanError(
-                "shutter events or drift with a photon camera; the twin has them for the microbolometer only: "
-                "start from microbolometer_scene()"
-            )
+    sway: Sway = field(default_factory=Sway)
+    in_camera: InCamera = field(default_factory=InCamera)
 
 
 def paper_scene(rows: int = 512, columns: int = 640) -> Scene:

@@ -1,4 +1,4 @@
-"""How a microbolometer camera keeps its image even: shutter, residual offsets, and the drift in between."""
+"""How a camera keeps its image even: shutter, residual offsets, and how its levels drift and sway in between."""
 
 import itertools
 from dataclasses import dataclass
@@ -60,3 +60,17 @@ class Drift:
     per_second_dn: float = 0.0
     settling_dn: float = 0.0
     settling_time_s: float = 10.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sway:
+    """Levels that follow the camera's own temperature, smoothly and without any law; each run by itself.
+
+    What a pixel gives is wheel + (1 + g(t)) (signal - wheel) + o(t) contrast. g goes up and down by ``gain_share`` in the
+    ``within_s`` from the first trigger on, from the lowest value to the highest, and o by ``offset_share``.
+    """
+
+    gain_share: float = 0.0
+    offset_share: float = 0.0
+    within_s: float = 33.0

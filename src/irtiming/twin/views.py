@@ -1,6 +1,7 @@
 """What pixels make of the turning wheel: a photon detector's window, counted; a bolometer's lag, stepped."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Protocol, final
@@ -10,11 +11,14 @@ import numpy as np
 from irtiming.errors import PlanError
 from irtiming.records.arrays import Array
 from irtiming.twin import lag, window
-from irtiming.twin.node_picture import NodePicture, Response, node_picture, read_rows
+from irtiming.twin.node_picture import CUTOUTS, SECOND_BLADE, NodePicture, Response, node_picture, read_rows
 from irtiming.twin.noise import Values
 from irtiming.twin.pixels import Picture, expose, picture
 from irtiming.twin.scene import BolometerTiming, CameraTiming, Detector, Scene, Timing
 from irtiming.twin.wide_range import WidePicture, read_wide_rows, wide_picture, wide_pixel
+
+_WINDOW = ("integration_time_s", "substeps", "rise_s", "fall_s", "tail_share", "tail_s")
+"""What a window's response hangs on."""
 
 
 class Turning(Protocol):
@@ -91,13 +95,8 @@ def view_of_wheel(scene: Scene, motion: Turning) -> View:
         Of its wheel.
     """
     if isinstance(scene.timing, CameraTiming) and scene.timing.row_delay_s is None:
-        return WindowView(shot=still_picture(scene), motion=motion, instants_s=instants_s(scene.timing))
-    return rows_view(scene, motion, rad_per_s=2 * math.pi * scene.trigger.wheel_hz)
-
-
-def instants_s(timing: CameraTiming) -> Array:
-    """Middles of the equal parts of an integration window, shape (n_instant,), s after its beginning."""
-    return (np.arange(timing.substeps) + 0.5) / timing.substeps * timing.integration_time_s
+        return WindowView(shot=still_picture(scene), motion=motion, instants_s=window.instants_s(scene.timing))
+    return rows_view(scene, motion, rad_per_s=2 * math.pi * scene.trigger.true_wheel_hz)
 
 
 def rows_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> RowsView:
@@ -114,9 +113,8 @@ def rows_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> RowsView:
     """
     timing = scene.timing
     if isinstance(timing, CameraTiming):
-        window_s = timing.integration_time_s
-        alone: Timing = CameraTiming(integration_time_s=window_s, substeps=timing.substeps)
-        looks_s, until_s = 0.0, window_s
+        alone: Timing = replace(CameraTiming(), **{name: getattr(timing, name) for name in _WINDOW})
+        looks_s, until_s = 0.0, timing.integration_time_s
     else:
         alone = BolometerTiming(time_constant_s=timing.time_constant_s, radiative=timing.radiative)
         looks_s, until_s = -settling_s(scene), 0.0
@@ -124,12 +122,15 @@ def rows_view(scene: Scene, motion: Turning, *, rad_per_s: float) -> RowsView:
     return RowsView(shot=shot, motion=motion, nominal_rad_per_s=rad_per_s, looks_s=looks_s, until_s=until_s)
 
 
-def response_of(scene: Scene, rad_per_s: float) -> Response:
-    """What linear pixels make of the wheel that passes at this speed."""
+def response_of(scene: Scene, rad_per_s: float, *, seen: Sequence[float] = CUTOUTS) -> Response:
+    """What linear pixels make of the wheel that passes at this speed, or of what is ``seen`` after each of its edges."""
     timing = scene.timing
-    if isinstance(timing, CameraTiming):
-        return window.response(scene.wheel, rad_per_s * timing.integration_time_s, n_instants=timing.substeps)
-    return lag.response(scene.wheel, rad_per_s * timing.time_constant_s)
+    if isinstance(timing, BolometerTiming):
+        return lag.response(scene.wheel, rad_per_s * timing.time_constant_s, seen=seen)
+    instants = window.instants_s(timing) / timing.integration_time_s
+    if timing.is_rectangular:
+        instants = (np.arange(timing.substeps) + 0.5) / timing.substeps
+    return window.response(scene.wheel, rad_per_s * timing.integration_time_s, instants=instants, seen=seen)
 
 
 def lag_of(scene: Scene) -> BolometerTiming:
@@ -173,9 +174,12 @@ def _rows_picture(scene: Scene, rad_per_s: float) -> NodePicture | WidePicture:
     """Light of each pixel at one speed; the scene's timing is the response alone."""
     timing = scene.timing
     if isinstance(timing, BolometerTiming) and timing.radiative is not None:
+        if scene.radiance.blade_share:
+            raise PlanError("blades of two temperatures with a scene time constant; take one or the other")
         return wide_picture(scene, rad_per_s)
     span_s = timing.integration_time_s if isinstance(timing, CameraTiming) else timing.time_constant_s
-    return node_picture(scene, response_of(scene, rad_per_s), span_rad=rad_per_s * span_s)
+    blade = response_of(scene, rad_per_s, seen=SECOND_BLADE) if scene.radiance.blade_share else None
+    return node_picture(scene, response_of(scene, rad_per_s), span_rad=rad_per_s * span_s, blade=blade)
 
 
 def _still(scene: Scene) -> Scene:

@@ -102,7 +102,10 @@ def test_a_snapshot_camera_with_lag_gets_what_was_asked(tmp_path: Path) -> None:
         (("--camera", "microbolometer", "--reference-frames", "5"), "--reference-frames with --camera microbolometer"),
         (("--readout", "rolling", "--integration-time", "33 ms"), "longer than the camera period of 25 ms"),
         (("--row-delay", "1 us"), "--row-delay with --camera photon"),
-        (("--nuc-at", "1 s", "--time-constant", "5 ms"), "--time-constant, --nuc-at with --camera photon"),
+        (
+            ("--scene-time-constant", "9 ms", "--time-constant", "5 ms"),
+            "--time-constant, --scene-time-constant with --camera photon",
+        ),
         (("--camera", "microbolometer", "--integration-time", "1 ms"), "--integration-time with --camera microbol"),
         (("--camera", "microbolometer", "--nuc-at", "2 s"), "2 s lies outside the run of 1 s"),
         (("--camera", "microbolometer", "--nuc-at", "1 s", "--nuc-at", "1.2 s"), "not overlap"),

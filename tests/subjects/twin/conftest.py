@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from irtiming.twin.scene import Optics, Scene, paper_scene
+from irtiming.twin.optics import Optics
+from irtiming.twin.scene import Scene, paper_scene
 
 
 @pytest.fixture(scope="session")

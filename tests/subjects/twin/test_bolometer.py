@@ -299,8 +299,6 @@ def test_impossible_scenes_are_refused(short: Scene) -> None:
         SelfCorrection(events=(ShutterEvent(start_s=1.0), ShutterEvent(start_s=1.5)))
     with pytest.raises(PlanError, match="must be positive"):
         SelfCorrection(events=(ShutterEvent(start_s=1.0, duration_s=0.0),))
-    with pytest.raises(PlanError, match="microbolometer only"):
-        replace(paper_scene(64, 80), drift=Drift(per_second_dn=1.0))
     photon = paper_scene(64, 80)
     with pytest.raises(PlanError, match="pixels without lag in a photon camera"):
         settling_s(photon)

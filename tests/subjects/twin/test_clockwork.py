@@ -8,9 +8,10 @@ import h5py
 import numpy as np
 import pytest
 
+from irtiming.twin.beams import Beams
 from irtiming.twin.clockwork import first_tick_after, first_trigger_ticks, spin, tick_streams
 from irtiming.twin.rig import draw
-from irtiming.twin.scene import Beams, ChopperWheel, EdgeFaults, Faults, Ripple, Scene, SpeedWander
+from irtiming.twin.scene import ChopperWheel, EdgeFaults, Faults, Ripple, Scene, SpeedWander
 
 _STEADY = SpeedWander(relative=0.0, ripples=())
 _TURN = 16_384_000

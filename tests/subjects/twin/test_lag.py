@@ -184,7 +184,7 @@ def test_each_row_is_read_at_its_own_angle(scene: Scene) -> None:
 def test_places_of_a_pixel_have_the_moments_of_a_blurred_square() -> None:
     """Oracle: by hand: mean 0, variance 1/12 + blur^2, no covariance; kurtosis of square plus Gaussian."""
     for n, blur, variants in ((144, 0.7, 1), (3000, 0.7, 16), (1000, 0.0, 2)):
-        place = pixel_spread(n, blur, variants=variants).astype(float)
+        place = pixel_spread(n, (blur, blur), variants=variants).astype(float)
         assert place.shape == (variants, n, 2)
         assert place.mean(axis=1) == pytest.approx(0, abs=1e-6)
         assert np.mean(place**2, axis=1) == pytest.approx(1 / 12 + blur**2, rel=1e-5)
