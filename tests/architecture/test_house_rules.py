@@ -34,6 +34,8 @@ COMMANDS = (
     "verify",
     "calibrate_wheel",
     "clock",
+    "gates",
+    "loopback",
     "analyse",
     "import_capture",
     "export_vcd",

@@ -22,7 +22,7 @@ from irtiming.records.trigger_plan import PlannedRun
 
 STREAMS: tuple[Field, ...] = (
     layout.CAMERA_TRIGGER, layout.CONTROL_SLOT, layout.APPLICATION_SLOT, layout.APPLICATION_EDGES, layout.SPARE,
-    layout.LOST_AFTER,
+    layout.LOST_AFTER, layout.CAMERA_TRIGGER_DELAYED, layout.CAMERA_INPUT,
 )  # fmt: skip
 """Tick streams that a recording takes over; others stand beside them for whoever wants to look."""
 

@@ -18,7 +18,7 @@ def clock(
         ),
     ],
     rig: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the lines of its section [clock] into this rig.toml.")
+        Path | None, typer.Option(metavar="FILE", help="Write the lines of its section \\[clock] into this rig.toml.")
     ] = None,
     pulse_period: Annotated[str, typer.Option(metavar="TIME", help="From pulse to pulse.")] = "1 s",
     pulse_u: Annotated[

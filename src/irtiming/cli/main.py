@@ -19,6 +19,7 @@ from irtiming.cli.doctor_command import doctor
 from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.import_capture_command import import_capture
+from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
 from irtiming.cli.recover_command import recover
@@ -41,6 +42,7 @@ COMMANDS = (
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(latency)
 app.add_typer(gateware)
 
 
