@@ -9,8 +9,10 @@ import typer
 
 from irtiming.cli.gateware_build_command import build
 from irtiming.cli.gateware_firmware_command import firmware
+from irtiming.cli.latency_command import Json, LoopLine, RigToUpdate, show
 from irtiming.cli.options import ArrayBits, ArrayCamera, ArrayIntegration, ArrayReadout, Duration, filled, in_options
 from irtiming.cli.screen import say
+from irtiming.errors import GatewareError
 from irtiming.units import seconds
 
 if TYPE_CHECKING:
@@ -138,6 +140,13 @@ def simulate(
         float, typer.Option(min=0.001, max=1000, help="Seconds of the device per second, if it can.")
     ] = 1.0,
     seed: Annotated[int, typer.Option(min=0, help="Draws the wheel and how it turns.")] = 1,
+    loop: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="With --model: the trigger is led back to spare_in and takes that time, such as '40 ns'.",
+        ),
+    ] = None,
 ) -> None:
     """Serve a simulated trigger generator at a serial port of its own, with a chopper wheel that follows it.
 
@@ -154,7 +163,11 @@ def simulate(
     lasts_s = None if duration is None else seconds(duration)
     wheel = DrivenWheel(draw(paper_scene(), seed=seed).scene, clock_frequency_hz=clock_hz, seed=seed)
     notes = Console(stderr=True, highlight=False)
-    with _device(wheel, clock_hz, is_model=model) as device, PseudoTerminal(device, speed=speed) as terminal:
+    later = None if loop is None else round(seconds(loop) * clock_hz)
+    with (
+        _device(wheel, clock_hz, is_model=model, loop_cycles=later) as device,
+        PseudoTerminal(device, speed=speed) as terminal,
+    ):
         print(terminal.path, flush=True)  # noqa: T201 - for a program that reads it
         kind = "integer model" if model else "compiled circuit"
         end = "Ctrl-C ends it" if lasts_s is None else f"ends after {duration}"
@@ -165,17 +178,34 @@ def simulate(
             notes.print("ended")
 
 
-for command in (build, firmware, identify, record, combine, simulate):
+@in_options
+def loopback(port: Port, line: LoopLine = "spare", rig: RigToUpdate = None, json: Json = None) -> None:
+    """Measure the trigger generator's own latency: its trigger, led back to an input, makes 300 timestamps.
+
+    The camera's line goes to spare_in or camera_in, bare or through the cable and buffers of the rig; nothing else is needed. A
+    chopper that is connected goes to 3 Hz.
+    """
+    given = locals()
+    from irtiming.session.latency import LoopTestOrder, measure_loop
+
+    show(asyncio.run(measure_loop(filled(LoopTestOrder, given))), rig)
+
+
+for command in (build, firmware, identify, record, combine, loopback, simulate):
     app.command()(command)
 
 
 @contextmanager
-def _device(wheel: "Wheel", clock_hz: int, *, is_model: bool) -> "Iterator[SimulatedDevice]":
+def _device(wheel: "Wheel", clock_hz: int, *, is_model: bool, loop_cycles: int | None) -> "Iterator[SimulatedDevice]":
     from irtiming.gateware.model_device import ModelDevice
+    from irtiming.gateware.register_map import Channel
 
     if is_model:
-        yield ModelDevice(wheel, clock_frequency_hz=clock_hz)
+        loop = None if loop_cycles is None else (Channel.SPARE, loop_cycles)
+        yield ModelDevice(wheel, clock_frequency_hz=clock_hz, loop=loop)
         return
+    if loop_cycles is not None:
+        raise GatewareError("--loop is of the integer model; say --model too")
     from irtiming.gateware.compiled import CompiledCircuit
     from irtiming.gateware.compiled_device import CompiledDevice
 

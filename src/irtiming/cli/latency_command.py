@@ -19,6 +19,7 @@ app = typer.Typer(
 RigToUpdate = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Write the lines of its section \\[latency] into this rig.toml.")
 ]
+LoopLine = Annotated[Literal["spare", "camera_input"], typer.Option(help="The input to which the trigger is led back.")]
 Json = Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write all numbers there.")]
 
 
@@ -67,7 +68,7 @@ def gates(
 
     place = None if place_u_mrad is None else 1e-3 * place_u_mrad
     order = filled(GatesOrder, given, recordings=tuple(recording), place_u_rad=place)
-    _show(of_gates(order), rig)
+    show(of_gates(order), rig)
 
 
 @in_options
@@ -75,9 +76,7 @@ def loopback(
     recording: Annotated[
         list[Path], typer.Argument(help="Recordings, or timestamps, with camera_out led to an input as well.")
     ],
-    line: Annotated[
-        Literal["spare", "camera_input"], typer.Option(help="The input to which the trigger is led back.")
-    ] = "spare",
+    line: LoopLine = "spare",
     rig: RigToUpdate = None,
     json: Json = None,
 ) -> None:
@@ -85,14 +84,15 @@ def loopback(
     given = locals()
     from irtiming.session.latency import LoopOrder, of_trigger
 
-    _show(of_trigger(filled(LoopOrder, given, recordings=tuple(recording))), rig)
+    show(of_trigger(filled(LoopOrder, given, recordings=tuple(recording))), rig)
 
 
 for command in (gates, loopback):
     app.command()(command)
 
 
-def _show(found: "LatencyFound", rig: Path | None) -> None:
+def show(found: "LatencyFound", rig: Path | None) -> None:
+    """Tables and lines of rig.toml, which ``rig`` has taken if it is given."""
     from rich.console import Console
 
     from irtiming.cli.result_table import print_table

@@ -40,6 +40,7 @@ from irtiming.gateware.register_map import (
     REGISTERS,
     Channel,
     Command,
+    Polarity,
     Refusal,
     Register,
     Status,
@@ -98,12 +99,17 @@ class SimulatedDevice(Protocol):
 
 @final
 class ModelDevice:
-    """Device at cycle 0 after its reset. ``registers`` may replace what it says of itself, to be another one."""
+    """Device at cycle 0 after its reset. ``registers`` may replace what it says of itself, to be another one.
+
+    ``loop`` is an input to which the camera's trigger is led back, and the cycles that it takes on its way.
+    """
 
     def __init__(
         self, wheel: Wheel | None = None, *, camera: TriggeredCamera | None = None,
         clock_frequency_hz: int = 48_000_000, registers: Mapping[str, int] | None = None,
+        loop: tuple[Channel, int] | None = None,
     ) -> None:  # fmt: skip
+        self._loop = loop
         self._wheel = wheel
         self._camera = camera
         self._clock_frequency_hz = clock_frequency_hz
@@ -260,6 +266,8 @@ class ModelDevice:
         """Events of the cycles from this one to before another, into the queue and from there to the line."""
         if self._wheel is not None:
             self._see(self._wheel.turn(until_cycle, slot_period_cycles=self._committed["CHOPPER_PERIOD"]))
+        if self._loop is not None and self._train_ends is not None:
+            self._see({self._loop[0]: self._led_back(until_cycle, later=self._loop[1])})
         if self._is_armed:
             settings = self._settings(until_cycle)
             run = Run(
@@ -279,6 +287,17 @@ class ModelDevice:
         edges = np.arange(first + begun * period, min(until_cycle, self._train_ends), period, dtype=np.int64)
         if edges.size:
             self._camera.trigger(edges)
+
+    def _led_back(self, until_cycle: int, *, later: int) -> PinChanges:
+        """Changes of the camera's line from this cycle to before another, at the other end of a wire."""
+        period, width = self._values["CAMERA_PERIOD"], self._values["CAMERA_WIDTH"]
+        first = self._first_delayed() + OUTPUT_LATENCY_CYCLES
+        begun = np.arange(first, min(until_cycle, self._train_ends or 0), period, dtype=np.int64)
+        cycle = (begun[:, None] + np.array([0, width])).ravel() + later
+        level = np.tile(np.array([1, 0], dtype=np.int64), begun.size)
+        inverted = int(bool(self._values["POLARITY"] & Polarity.CAMERA_OUTPUT))
+        new = (cycle >= self._cycle) & (cycle < until_cycle)
+        return PinChanges(cycle=cycle[new], level=level[new] ^ inverted, initial=inverted)
 
     def _settings(self, until_cycle: int) -> Settings:
         """Registers as the model wants them; of the train only the triggers that begin before a cycle."""

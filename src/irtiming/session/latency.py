@@ -1,5 +1,6 @@
-"""Latencies of light gates and trigger from recordings, as lines of rig.toml."""
+"""Latencies of light gates and trigger from recordings, or from a trigger led back, as lines of rig.toml."""
 
+import asyncio
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, final
@@ -9,15 +10,19 @@ from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.layout import Field
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
-from irtiming.errors import EstimationError
+from irtiming.errors import EstimationError, InstrumentError
 from irtiming.estimate import latency
+from irtiming.gateware.register_map import Channel
+from irtiming.instruments.generator.trigger_generator import Wiring, connected
 from irtiming.physics.wheel import TURN
 from irtiming.records.latency_check import GateRegister, LatencyDifference, LoopBack
 from irtiming.records.rig import Latency, Measured
+from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 from irtiming.reduce.wheel.gate_register import register
 
 _USUAL_SLOTS = 100
 LoopLine = Literal["spare", "camera_input"]
+_LOOP_TRIGGERS, _LOOP_STEPS, _LOOP_POLL_S = 300, 7, 0.05
 _LOOP_LINES: dict[LoopLine, Field] = {"spare": layout.SPARE, "camera_input": layout.CAMERA_INPUT}
 
 
@@ -63,6 +68,17 @@ class LoopOrder:
     """What a person wants: recordings, or timestamps, in which the trigger is led back to an input."""
 
     recordings: tuple[Path, ...]
+    line: LoopLine = "spare"
+    rig: Path | None = None
+    json: Path | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LoopTestOrder:
+    """What a person wants: the trigger generator at a port tested by its own trigger, led back to an input."""
+
+    port: str
     line: LoopLine = "spare"
     rig: Path | None = None
     json: Path | None = None
@@ -135,6 +151,39 @@ def of_trigger(order: LoopOrder) -> LatencyFound:
     found = LatencyFound(loops=loops, latency=longest.latency)
     _write(found, rig=order.rig, json=order.json)
     return found
+
+
+async def measure_loop(order: LoopTestOrder) -> LatencyFound:
+    """Latency of the trigger from a short train that the trigger generator makes and stamps.
+
+    Raises
+    ------
+    IrTimingError
+        If the device cannot be used, timestamps were lost, or no trigger came back.
+    """
+    if order.json is not None:
+        require_place(order.json)
+    channel = {"spare": Channel.SPARE, "camera_input": Channel.CAMERA_INPUT}[order.line]
+    async with connected(order.port, wiring=Wiring(also_recorded=channel)) as generator:
+        clock_hz = generator.clock_frequency_hz
+        step = clock_hz // (3 * _LOOP_TRIGGERS)
+        scheme = TriggerScheme(turn_period_ticks=_LOOP_TRIGGERS * step, camera_period_ticks=_LOOP_STEPS * step)
+        run = PlannedRun(scheme=scheme, trigger_delay_ticks=0, repeats=1, is_after_correction=False)
+        await generator.load(run, clock_frequency_hz=clock_hz)
+        await generator.arm()
+        await generator.start()
+        while not await generator.has_finished():
+            await asyncio.sleep(_LOOP_POLL_S)
+        found = await generator.stop()
+    if not found.is_whole:
+        raise InstrumentError(f"{order.port}: timestamps were lost; check the line and try again")
+    stamps = found.spare_ticks if order.line == "spare" else found.camera_input_ticks
+    loop = latency.of_loop(
+        found.camera_trigger_delayed_ticks, stamps, name=order.port, line=order.line, clock_frequency_hz=clock_hz
+    )
+    outcome = LatencyFound(loops=(loop,), latency=loop.latency)
+    _write(outcome, rig=order.rig, json=order.json)
+    return outcome
 
 
 def _register(run: TimedRun, field: Field, *, control_slots: int) -> GateRegister:

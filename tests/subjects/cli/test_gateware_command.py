@@ -17,6 +17,7 @@ from irtiming.cli.gateware_command import app
 from irtiming.errors import ArchiveError, InstrumentError, InstrumentRefused, PlanError, UnitError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
+from irtiming.gateware.register_map import Channel
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
 from irtiming.session.plan_json import plan_as_json
 from irtiming.twin.driven_wheel import DrivenWheel
@@ -214,3 +215,24 @@ def test_simulate_prints_its_port_and_serves_it(run):
     assert served.returncode == 0
     assert "integer model, clock 24000000 Hz; ends after 3 s" in notes
     assert time.monotonic() - begun > 3
+
+
+@pytest.mark.parametrize("cycles", [0, 3])
+def test_a_trigger_that_is_led_back_is_stamped_as_much_later_as_the_wire_takes(run, tmp_path, cycles):
+    """Oracle: by hand; an input is stamped with the first clock cycle after its edge, so a wire of n cycles gives n + 1."""
+    device = ModelDevice(
+        DrivenWheel(paper_scene(64, 80), clock_frequency_hz=CLOCK_HZ, seed=1), loop=(Channel.SPARE, cycles)
+    )
+    with PseudoTerminal(device, speed=10) as terminal:
+        done = run("loopback", terminal.path, "--json", tmp_path / "out.json")
+    assert done.exit_code == 0, done.output
+    (loop,) = json.loads((tmp_path / "out.json").read_text())["loops"]
+    assert loop["counts"] == [[cycles + 1, 300]]
+    assert (loop["n_triggers"], loop["n_missing"], loop["spread_s"]) == (300, 0, 0.0)
+    assert f"trigger_us = {1e6 * (cycles + 1) / CLOCK_HZ / 2:.4f}" in done.output
+
+
+def test_a_trigger_that_is_not_led_back_is_told(run, port):
+    """Oracle: nothing is connected to the spare input of this device."""
+    done = run("loopback", port)
+    assert "no trigger came back at spare" in str(done.exception)
