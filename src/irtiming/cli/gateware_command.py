@@ -197,11 +197,11 @@ for command in (build, firmware, identify, record, combine, loopback, simulate):
 
 @contextmanager
 def _device(wheel: "Wheel", clock_hz: int, *, is_model: bool, loop_cycles: int | None) -> "Iterator[SimulatedDevice]":
-    from irtiming.gateware.model_device import ModelDevice
+    from irtiming.gateware.model_device import Loop, ModelDevice
     from irtiming.gateware.register_map import Channel
 
     if is_model:
-        loop = None if loop_cycles is None else (Channel.SPARE, loop_cycles)
+        loop = None if loop_cycles is None else Loop(channel=Channel.SPARE, cycles=loop_cycles)
         yield ModelDevice(wheel, clock_frequency_hz=clock_hz, loop=loop)
         return
     if loop_cycles is not None:

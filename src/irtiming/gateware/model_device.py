@@ -6,6 +6,7 @@ some bits; times of events are those of `irtiming.gateware.event_model`.
 
 from collections import deque
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Protocol, final
 
 import numpy as np
@@ -98,16 +99,25 @@ class SimulatedDevice(Protocol):
 
 
 @final
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """A wire from the camera's output to an input, on which an edge takes some ``cycles``."""
+
+    channel: Channel
+    cycles: int = 0
+
+
+@final
 class ModelDevice:
     """Device at cycle 0 after its reset. ``registers`` may replace what it says of itself, to be another one.
 
-    ``loop`` is an input to which the camera's trigger is led back, and the cycles that it takes on its way.
+    ``loop`` leads the camera's trigger back to an input.
     """
 
     def __init__(
         self, wheel: Wheel | None = None, *, camera: TriggeredCamera | None = None,
         clock_frequency_hz: int = 48_000_000, registers: Mapping[str, int] | None = None,
-        loop: tuple[Channel, int] | None = None,
+        loop: Loop | None = None,
     ) -> None:  # fmt: skip
         self._loop = loop
         self._wheel = wheel
@@ -267,7 +277,7 @@ class ModelDevice:
         if self._wheel is not None:
             self._see(self._wheel.turn(until_cycle, slot_period_cycles=self._committed["CHOPPER_PERIOD"]))
         if self._loop is not None and self._train_ends is not None:
-            self._see({self._loop[0]: self._led_back(until_cycle, later=self._loop[1])})
+            self._see({self._loop.channel: self._led_back(until_cycle, later=self._loop.cycles)})
         if self._is_armed:
             settings = self._settings(until_cycle)
             run = Run(

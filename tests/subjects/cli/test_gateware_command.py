@@ -15,7 +15,7 @@ from irtiming.archive.plan_file import read_plan
 from irtiming.archive.verify import verify
 from irtiming.cli.gateware_command import app
 from irtiming.errors import ArchiveError, InstrumentError, InstrumentRefused, PlanError, UnitError
-from irtiming.gateware.model_device import ModelDevice
+from irtiming.gateware.model_device import Loop, ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
 from irtiming.gateware.register_map import Channel
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
@@ -221,7 +221,8 @@ def test_simulate_prints_its_port_and_serves_it(run):
 def test_a_trigger_that_is_led_back_is_stamped_as_much_later_as_the_wire_takes(run, tmp_path, cycles):
     """Oracle: by hand; an input is stamped with the first clock cycle after its edge, so a wire of n cycles gives n + 1."""
     device = ModelDevice(
-        DrivenWheel(paper_scene(64, 80), clock_frequency_hz=CLOCK_HZ, seed=1), loop=(Channel.SPARE, cycles)
+        DrivenWheel(paper_scene(64, 80), clock_frequency_hz=CLOCK_HZ, seed=1),
+        loop=Loop(channel=Channel.SPARE, cycles=cycles),
     )
     with PseudoTerminal(device, speed=10) as terminal:
         done = run("loopback", terminal.path, "--json", tmp_path / "out.json")
