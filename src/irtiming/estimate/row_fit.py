@@ -86,7 +86,7 @@ def with_shape_effect(
     found, rows, wheel, light
         The fit and what it was made of.
     changes
-        Derivatives of the light to the sector's numbers, shape (10, n_row, M + 1); see `row_light.changes`.
+        Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
     """
     with one_thread():
         task = _task(rows, wheel, light)

@@ -14,7 +14,7 @@ from irtiming.records.row_timing import SectorFit, SectorShape
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
 """Numbers of the sector in the order of its covariance."""
 
-_STEPS = {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3}
+_STEPS = {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "glare": 1e-3, "glare_px": 3e-2}
 SHAPE_STEPS = tuple(_STEPS.get(name, 3e-3) for name in SHAPE_NUMBERS)
 """By how much each is varied for a derivative."""
 
@@ -74,7 +74,7 @@ def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight
 
 
 def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
-    """Derivatives of the light's harmonics to the sector's numbers, shape (10, n_row, M + 1).
+    """Derivatives of the light's harmonics to the sector's numbers, shape (n_shape, n_row, M + 1).
 
     Parameters
     ----------
@@ -98,8 +98,12 @@ def shape_of(numbers: Mapping[str, float], mirrored: bool, *, image: tuple[int, 
 
 def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
-    points, blur_px = blurred_sector.light_points(sector.shape, n_harmonics=n_harmonics), sector.shape.blur_px
+    shape, roi = sector.shape, sector.roi
+    points, (blur_px, _) = blurred_sector.light_points(shape, n_harmonics=n_harmonics), shape.blur_of_axes_px
     inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=n_harmonics)
+    if shape.glare != 0:
+        wide = blurred_sector.glare_harmonics(shape, sector.summed, roi=roi, n_harmonics=n_harmonics)
+        inside = (1 - shape.glare) * inside + shape.glare * wide[row_px - roi[0]]
     return (1 - sector.plate) * inside + _of_pixels(sector, row_px, n_harmonics=n_harmonics)
 
 
@@ -107,9 +111,8 @@ def _of_pixels(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> Complex
     """Ring, excess and what dead pixels borrow, by row: in each pixel light about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
-    smear = [
-        blurred_sector.pixel_smear(radius[rows], blur_px=sector.shape.blur_px, order=m) for m in range(n_harmonics + 1)
-    ]
+    blur_px = blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows]
+    smear = [blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=m) for m in range(n_harmonics + 1)]
     out = np.zeros((row_px.size, n_harmonics + 1), complex)
     for light, angle in (
         (sector.ring, sector.ring_angle_rad),

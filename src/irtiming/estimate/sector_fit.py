@@ -12,6 +12,7 @@ A lens that distorts moves the phases where the axle is not in the middle of the
 nor does the lens matter; then what rig.toml states holds, or that few lenses distort more than tenths.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -33,6 +34,9 @@ from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
+_MOST_ELLIPTIC = 0.6
+_LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
+_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _FIRMEST_DISTORTION = 1e-5  # uncertainty of one that counts as exact
 _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
@@ -41,7 +45,8 @@ _FIRST_SCATTER = 0.02
 _MOST_EVALUATIONS = 30
 _FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
-_N_PRIORS = 4
+_N_PRIORS = 6
+_U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
 _CLUSTER_PX = 3.0
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
 _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
@@ -53,6 +58,9 @@ _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "bisector_rad": 0.05,
     "opening_angle_rad": 0.05,
     "blur_px": 0.5,
+    "blur_ellipticity": 0.2,
+    "glare": 0.02,
+    "glare_px": 3.0,
     "distortion": 0.02,
     "row_delay_s": 1e-5,
     "turn_rad": 0.02,
@@ -64,6 +72,9 @@ _LIMITS = {
     "inner_radius_px": (0.0, np.inf),
     "ring_inner_px": (0.0, np.inf),
     "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
+    "blur_ellipticity": (-_MOST_ELLIPTIC, _MOST_ELLIPTIC),
+    "glare": (_LEAST_GLARE, _MOST_GLARE),
+    "glare_px": (_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX),
     "distortion": (lens.LOWEST, lens.HIGHEST),
     "plate_reflection": (0.0, 1.0),
 }
@@ -154,15 +165,19 @@ def _chi_square(images: _Images, residual: Array) -> float:
 def _clusters(images: _Images, numbers: Mapping[str, float], n_residual: int) -> Ticks:
     """Number of the cluster of each residual, -1 for priors, shape (n_residual,).
 
-    Along its phase a pixel has gain and light of its own; across it, the errors of the wheel's angle in the frames in which an
-    edge passes, which it shares with all pixels of its sector of a few pixels' width.
+    Along its phase a pixel has gain and light of its own, but on the border its light is off by what the mask's border is off
+    there, as is that of its neighbours; across it, the errors of the wheel's angle in the frames in which an edge passes, which
+    it shares with all pixels of its sector of a few pixels' width.
     """
-    view = images.view
-    angle, radius = blurred_sector.pixel_places(shape_of(numbers, view.mirrored, image=view.image), roi=view.roi)
+    view, shape = images.view, shape_of(numbers, images.view.mirrored, image=images.view.image)
+    angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     width = _CLUSTER_PX / float(radius[view.good].mean())
     sector = np.unique((angle[view.good] / width).astype(np.int64), return_inverse=True)[1]
     n_good = sector.size
-    own = np.concatenate([np.arange(n_good), n_good + sector])
+    row, column = np.indices(view.good.shape) // round(_CLUSTER_PX)
+    cell = n_good + sector.max() + 1 + row * (column.max() + 1) + column
+    alone = np.where(blurred_sector.near_border(shape, roi=view.roi)[view.good], cell[view.good], np.arange(n_good))
+    own = np.concatenate([alone, n_good + sector])
     length, out = (n_residual - _N_PRIORS) // len(images.seen), np.full(n_residual, -1)
     for k in range(len(images.seen)):
         first = _N_PRIORS + k * length
@@ -226,9 +241,9 @@ def _begin(seen: Look, view: View, rig: Rig) -> dict[str, float]:
 def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, float]) -> SectorFit:
     """The measured contrast, split into sector, plate and excess, with the covariance and how well all fits."""
     view, seen = images.view, images.contrast(numbers)
-    inside = view.good & (seen.light > _WELL_INSIDE)
-    border = view.good & (np.abs(seen.light - 0.5) < _BORDER)
-    weight = _border_weight(seen.light, numbers["blur_px"])
+    inside = view.good & (seen.sharp > _WELL_INSIDE)
+    border = view.good & (np.abs(seen.sharp - 0.5) < _BORDER)
+    weight = _border_weight(seen.sharp, numbers["blur_px"])
     gains = _scatter(seen.residual[inside], seen.u)
     burrs = _scatter((seen.residual / weight)[border], seen.u)
     covariance, chi_square = known
@@ -242,6 +257,7 @@ def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, 
         unevenness=seen.unevenness,
         gain_scatter=gains,
         border_scatter=burrs,
+        summed=view.summed,
         odd=_odd(seen, weight, gain_scatter=gains, border_scatter=burrs),
         turn_rad=numbers["turn_rad"],
         ring_radii_px=(numbers["ring_inner_px"], numbers["ring_outer_px"]),
@@ -324,12 +340,13 @@ def _numbers(found: SectorFit) -> dict[str, float]:
 
 
 def _priors(numbers: Mapping[str, float], distortion: Measured) -> Array:
-    """A loose word on the radii of the cutouts and the plate's reflection, for where they do not show, and on the lens."""
+    """A loose word on the radii of the cutouts, the plate's reflection and the glare, for where they do not show; on the lens."""
     inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
     outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
     off = (numbers["distortion"] - distortion.value) / max(distortion.standard_uncertainty, _FIRMEST_DISTORTION)
     margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
-    return np.array([*margins, numbers["plate_reflection"], off])
+    glare = numbers["glare"] / _U_GLARE, math.log(numbers["glare_px"] / sector_image.GLARE_PX) / _U_GLARE_WIDTH
+    return np.array([*margins, numbers["plate_reflection"], off, *glare])
 
 
 def _summed(rows: ReducedRecording) -> Mask:

@@ -6,7 +6,7 @@ are solved for at each step: the contrast of the opening; that of the mask plate
 it need not be as warm as the wheel; and a smooth field over the ring, since the solid wheel reflects the camera unevenly.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -17,6 +17,7 @@ from scipy.special import ndtr
 
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
 from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics.blurred_sector import LightPoints
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
 from irtiming.physics.smooth_field import SmoothField
@@ -24,6 +25,7 @@ from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.row_timing import SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
 NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_outer_px", "plate_reflection")
@@ -34,6 +36,8 @@ _HARMONICS = 256  # beyond, the wheel turns by less than a pixel that is as many
 _CENTRE_STEPS = 9
 _HERMITE = np.sqrt(3.0)  # place of the outer two of the three nodes of a Gauss-Hermite quadrature, of weight 1/6
 _FIRST_BLUR_PX = 0.7
+GLARE_PX = 6.0
+"""Width of the glare, roughly, of which an image says nothing."""
 _CUTOUT_MARGIN_PX = 1.5
 
 
@@ -131,13 +135,15 @@ class Fitted:
 class SeenContrast:
     """Contrast in the terms of the sector; arrays of shape (roi rows, roi columns).
 
-    ``light`` is the sector's share in each pixel, ``ring`` that of the ring that the cutouts sweep, ``plate`` the plate's
-    contrast as a share of the opening's, ``field`` the smooth one as it shows, with ``unevenness`` as its standard deviation,
-    ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty ``u``; ``light_angle_rad`` is
-    the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of its centre, both from the bisector.
+    ``light`` is the sector's share in each pixel, ``sharp`` the same without glare, ``ring`` that of the ring that the cutouts
+    sweep, ``plate`` the plate's contrast as a share of the opening's, ``field`` the smooth one as it shows, with ``unevenness``
+    as its standard deviation, ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty
+    ``u``; ``light_angle_rad`` is the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of even light,
+    both from the bisector.
     """
 
     light: Array
+    sharp: Array
     ring: Array
     plate: float
     field: Array
@@ -247,32 +253,52 @@ def fitted(look: Look, numbers: Mapping[str, float], *, view: View, u_dn: Comple
         plate=float(found[1] / found[0]),
         field=field / found[0],
         coverage=cover / parts.size,
-        unevenness=_unevenness(field / found[0], parts.ring * good),
+        unevenness=_unevenness(field / found[0], np.maximum(parts.ring * good, 0.0)),
     )
 
 
 def _parts(look: Look, numbers: Mapping[str, float], view: View) -> _Parts:
     shape, turn = shape_of(numbers, view.mirrored, image=view.image), numbers["turn_rad"] + look.turn_rad
     row_turn = look.omega * numbers["row_delay_s"]
-    points = blurred_sector.border_points(shape)
-    value = look.values(points.angle_rad - turn - row_turn * points.row_px) * np.exp(-2j * row_turn * points.row_px)
-    border = blurred_sector.image(points, value, blur_px=shape.blur_px, roi=view.roi) * np.exp(
-        2j * row_turn * view.rows
-    )
+
+    def seen(points: LightPoints) -> ComplexArray:
+        """What each point of light shows, as if read in the row in which it is seen."""
+        value = look.values(points.angle_rad - turn - row_turn * points.row_px)
+        return np.asarray(value * np.exp(-2j * row_turn * points.row_px))
+
+    read = np.exp(2j * row_turn * view.rows)
+    border = _smeared(shape, seen, view, near_border=True) * read
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     smear = blurred_sector.angular_reach(shape, roi=view.roi)
-    at, aside = angle - turn - row_turn * view.rows, _HERMITE * smear
+    middle = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
+    at, aside = middle - turn - row_turn * view.rows, _HERMITE * smear
     point = (look.values(at - aside) + 4 * look.values(at) + look.values(at + aside)) / 6
     sector = np.where(blurred_sector.well_inside(shape, roi=view.roi), point, border)
+    if shape.glare != 0:
+        sector = (1 - shape.glare) * sector + shape.glare * read * _glare(shape, seen, view)
     size = np.abs(point)
     back = point.conj() / size
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
     return _Parts(
         lit=sector * back,
-        ring=_ring(radius, numbers) * size,
+        ring=_ring(shape, numbers, radius=radius, view=view) * size,
         seen=look.projection * back * np.exp(-1j * own),
         size=size,
     )
+
+
+def _smeared(
+    shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View, *, near_border: bool = False
+) -> ComplexArray:
+    """Image of the sector with that brightness, without glare; perhaps only of what lies near its border."""
+    points = (blurred_sector.border_points if near_border else blurred_sector.light_points)(shape)
+    return blurred_sector.image(points, value(points), blur_px=shape.blur_of_axes_px, roi=view.roi)
+
+
+def _glare(shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View) -> ComplexArray:
+    """The same of the glare alone, per unit of its share."""
+    points = blurred_sector.glare_points(shape)
+    return blurred_sector.image(points, value(points), blur_px=shape.glare_px, roi=view.roi)
 
 
 def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
@@ -290,21 +316,30 @@ def _unevenness(field: Array, ring: Array) -> float:
     return float(np.sqrt(np.average((field - mean) ** 2, weights=ring)))
 
 
-def _ring(radius: Array, numbers: Mapping[str, float]) -> Array:
-    width = float(np.hypot(numbers["blur_px"], np.sqrt(1 / 12)))
-    inner, outer = (
-        ndtr(side / width) for side in (radius - numbers["ring_inner_px"], numbers["ring_outer_px"] - radius)
-    )
-    return np.asarray(inner * outer)
+def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, view: View) -> Array:
+    """Share of the ring that the cutouts sweep in each pixel at these radii, shape (roi rows, roi columns)."""
+
+    def smeared(blur_px: Array | float) -> Array:
+        width = np.hypot(blur_px, np.sqrt(1 / 12))
+        inner, outer = (
+            ndtr(side / width) for side in (radius - numbers["ring_inner_px"], numbers["ring_outer_px"] - radius)
+        )
+        return np.asarray(inner * outer)
+
+    ring = smeared(blurred_sector.blur_across_px(shape, roi=view.roi, along=True))
+    return ring if shape.glare == 0 else (1 - shape.glare) * ring + shape.glare * smeared(shape.glare_px)
 
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = shape_of(numbers, view.mirrored, image=view.image)
-    points = blurred_sector.light_points(shape)
-    light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=view.roi).real
-    moment = blurred_sector.image(points, points.angle_rad.astype(complex), blur_px=shape.blur_px, roi=view.roi).real
-    centre, radius = blurred_sector.pixel_places(shape, roi=view.roi)
+    light = sharp = _smeared(shape, _ones, view).real
+    moment = _smeared(shape, _angles, view).real
+    if shape.glare != 0:
+        light = (1 - shape.glare) * sharp + shape.glare * _glare(shape, _ones, view).real
+        moment = (1 - shape.glare) * moment + shape.glare * _glare(shape, _angles, view).real
+    angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
+    centre = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
     models = [fitted(look, numbers, view=view, u_dn=u) for look, u in zip(seen, u_dn, strict=True)]
     weights = np.array([
         (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
@@ -313,7 +348,8 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
     return SeenContrast(
         light=np.asarray(light),
-        ring=_ring(radius, numbers),
+        sharp=np.asarray(sharp),
+        ring=_ring(shape, numbers, radius=radius, view=view),
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),
@@ -322,6 +358,14 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         light_angle_rad=np.asarray(np.where(light > 1e-3, moment / np.maximum(light, 1e-3), centre), dtype=float),
         centre_angle_rad=centre,
     )
+
+
+def _ones(points: LightPoints) -> ComplexArray:
+    return np.ones(points.row_px.size, complex)
+
+
+def _angles(points: LightPoints) -> ComplexArray:
+    return points.angle_rad.astype(complex)
 
 
 def _stood_in(value: Array, view: View) -> Array:
@@ -354,6 +398,7 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
         "bisector_rad": middle,
         "opening_angle_rad": angle,
         "blur_px": _FIRST_BLUR_PX,
+        "glare_px": GLARE_PX,
         "turn_rad": float(np.angle(np.sum(turned))) / 2,
         "ring_inner_px": max(0.0, inner - _CUTOUT_MARGIN_PX),
         "ring_outer_px": outer + _CUTOUT_MARGIN_PX,

@@ -11,7 +11,7 @@ inner, outer radius    of the arcs about the mask's own centre, px
 bisector               direction of the mask's bisector, polar angle in the image
 opening angle          gamma, between the two radial edges
 distortion             of the lens (`physics.lens`); offset, radii and angles are those of the undistorted, flat plane
-blur                   standard deviation of the Gaussian that smears light along rows and columns, px
+blur                   standard deviations of the Gaussian that smears light over rows and over columns, px
 =====================  =======================================================================================
 
 Blur moves light, it does not lose any: the light that leaves the opening in one row is seen by its neighbours. And it mixes
@@ -20,12 +20,13 @@ angle, which the wheel's harmonics see as the weight's own Fourier coefficients.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, final
 
 import numpy as np
 from numba import njit
+from scipy.special import ndtr
 
 from irtiming.physics.lens import Lens
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
@@ -35,6 +36,7 @@ _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(
 _MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 _REACH = 5.0  # blurs beyond which no light comes
+_DIRECTIONS = 33  # in the sector, among which its sharpest are sought
 
 
 @final
@@ -68,17 +70,24 @@ def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
 def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
     nodes = _nodes(shape)
-    near = _depth_px(shape, nodes.down, nodes.across) < 2 * (_REACH * shape.blur_px + 1)
+    near = _depth_px(shape, nodes.down, nodes.across) < 2 * (_REACH * max(shape.blur_of_axes_px) + 1)
     return _in_image(shape, _Nodes(down=nodes.down[near], across=nodes.across[near], area=nodes.area[near]))
 
 
+def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
+    """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
+    return _in_image(
+        shape, _nodes(replace(shape, blur_px=shape.glare_px, blur_ellipticity=0.0), n_harmonics=n_harmonics)
+    )
+
+
 def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
-    gap = _NODES_PER_BLUR * shape.blur_px * 2 / np.pi / _widest(shape)
     half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
     half_angle = shape.opening_angle_rad / 2
-    radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / gap)))
+    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / _widest(shape) for blur in _sharpest(shape))
+    radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / along)))
     for_waves = math.ceil(half_angle * n_harmonics) + _MORE_NODES
-    around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / gap)))
+    around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / across)))
     radius = shape.inner_radius_px + half_width * (1 + radial)
     polar = shape.bisector_rad + half_angle * around
     return _Nodes(
@@ -86,6 +95,14 @@ def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
         across=shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel(),
         area=np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
     )
+
+
+def _sharpest(shape: SectorShape) -> tuple[float, float]:
+    """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show."""
+    polar = shape.bisector_rad + shape.opening_angle_rad * np.linspace(-0.5, 0.5, _DIRECTIONS)
+    rows, columns = np.square(shape.blur_of_axes_px)
+    along = rows * np.sin(polar) ** 2 + columns * np.cos(polar) ** 2
+    return math.sqrt(along.min()), math.sqrt((rows + columns - along).min())
 
 
 def _in_image(shape: SectorShape, nodes: _Nodes) -> LightPoints:
@@ -139,7 +156,7 @@ def _gauss_legendre(n: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(n)
 
 
-def pixel_smear(radius_px: Array, *, blur_px: float, order: int | Ticks) -> Array:
+def pixel_smear(radius_px: Array, *, blur_px: Array | float, order: int | Ticks) -> Array:
     """What a pixel's width and the blur leave of exp(-i m phi) where its light is even: exp(-m^2 sigma^2 / 2 r^2).
 
     Parameters
@@ -147,7 +164,7 @@ def pixel_smear(radius_px: Array, *, blur_px: float, order: int | Ticks) -> Arra
     radius_px
         Distance r of the pixel's centre from the axle, any shape; taken as 1 px where it is less.
     blur_px
-        Standard deviation of the blur; sigma^2 is its square and 1/12 for the pixel itself.
+        Standard deviation of the blur across the radius; sigma^2 is its square and 1/12 for the pixel itself.
     order
         m, one number or an array that broadcasts against ``radius_px``.
     """
@@ -161,7 +178,34 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
     """
     row, column = _pixels(roi)
     away = np.hypot(row - shape.axle_row_px, column - shape.axle_column_px)
-    return np.asarray(reach_px(shape.blur_px) / np.maximum(away, 1.0))
+    return np.asarray(np.sqrt(blur_across_px(shape, roi=roi) ** 2 + _PIXEL_PX2) / np.maximum(away, 1.0))
+
+
+def blur_across_px(shape: SectorShape, *, roi: tuple[int, int, int, int], along: bool = False) -> Array:
+    """Standard deviation of the blur across each pixel's radius, or ``along`` it, px, shape (roi rows, roi columns)."""
+    down, across = _direction(shape, roi)
+    rows, columns = shape.blur_of_axes_px
+    return np.asarray(np.hypot(rows * down, columns * across) if along else np.hypot(rows * across, columns * down))
+
+
+def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
+    r"""By how much the mean polar angle of even light exceeds that of a pixel's centre, rad, shape (roi rows, roi columns).
+
+    A blur that is not round has a covariance of places along and across the radius, :math:`c = (b_y^2 - b_x^2) \sin\phi
+    \cos\phi`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
+    """
+    row, column = _pixels(roi)
+    down, across = _direction(shape, roi)
+    rows, columns = shape.blur_of_axes_px
+    away = np.hypot(row - shape.axle_row_px, column - shape.axle_column_px)
+    return np.asarray((columns**2 - rows**2) * down * across / np.maximum(away, 1.0) ** 2)
+
+
+def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
+    """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
+    row, column = _pixels(roi)
+    polar = np.arctan2(row - shape.axle_row_px, (-1.0 if shape.mirrored else 1.0) * (column - shape.axle_column_px))
+    return np.sin(polar), np.cos(polar)
 
 
 def reach_px(blur_px: float) -> float:
@@ -171,7 +215,13 @@ def reach_px(blur_px: float) -> float:
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    return np.asarray(_depth_px(shape, *_to_axle(shape, *_pixels(roi))) > _REACH * shape.blur_px + 1)
+    return np.asarray(_depth_px(shape, *_to_axle(shape, *_pixels(roi))) > _REACH * max(shape.blur_of_axes_px) + 1)
+
+
+def near_border(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
+    """Pixels that the blur of the border reaches, from either side, shape (roi rows, roi columns)."""
+    depth_px = _depth_px(shape, *_to_axle(shape, *_pixels(roi)))
+    return np.asarray(np.abs(depth_px) <= _REACH * max(shape.blur_of_axes_px) + 1)
 
 
 def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
@@ -197,10 +247,16 @@ def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi, np.hypot(down, across)
 
 
-def image(points: LightPoints, value: ComplexArray, *, blur_px: float, roi: tuple[int, int, int, int]) -> ComplexArray:
-    """Blurred image of points of light of complex brightness ``value`` per px^2, shape (roi rows, roi columns)."""
+def image(
+    points: LightPoints, value: ComplexArray, *, blur_px: float | tuple[float, float], roi: tuple[int, int, int, int]
+) -> ComplexArray:
+    """Blurred image of points of light of complex brightness ``value`` per px^2, shape (roi rows, roi columns).
+
+    ``blur_px`` is the standard deviation of the Gaussian, or those over rows and over columns.
+    """
+    over_rows, over_columns = (blur_px, blur_px) if isinstance(blur_px, float) else blur_px
     return _deposit(
-        points.row_px - roi[0], points.column_px - roi[2], value * points.area_px2, blur_px,
+        points.row_px - roi[0], points.column_px - roi[2], value * points.area_px2, (over_rows, over_columns),
         (roi[1] - roi[0], roi[3] - roi[2]),
     )  # fmt: skip
 
@@ -215,7 +271,7 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     rows
         Image rows, shape (n_row,).
     blur_px
-        Standard deviation of the blur; across the columns it moves light within the row and plays no part.
+        Standard deviation of the blur over rows; over columns it moves light within the row and plays no part.
     n_harmonics
         Highest order M.
 
@@ -228,6 +284,26 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     return np.asarray(found[np.argsort(ascending)])
 
 
+def glare_harmonics(
+    shape: SectorShape, summed: Mask, *, roi: tuple[int, int, int, int], n_harmonics: int
+) -> ComplexArray:
+    """Like `row_harmonics`, of the glare alone and per unit of its share, in the rows of the region: shape (roi rows, M + 1).
+
+    ``summed``, of shape (roi rows, roi columns), are the pixels of which each row's sum is made; what falls beside them is lost.
+    """
+    points = glare_points(shape, n_harmonics=n_harmonics)
+    into_row = _shares(points.row_px, roi[:2], shape.glare_px)
+    into_sum = into_row * (_shares(points.column_px, roi[2:], shape.glare_px) @ summed.T.astype(float))
+    waves = np.exp(-1j * np.multiply.outer(points.angle_rad, np.arange(n_harmonics + 1)))
+    return np.asarray(into_sum.T @ (waves * points.area_px2[:, None]))
+
+
+def _shares(place: Array, ends: tuple[int, int], blur: float) -> Array:
+    """Part of the light at each place that a Gaussian carries into each pixel of a range, shape (place, pixel)."""
+    border = np.arange(ends[0], ends[1] + 1) - 0.5
+    return np.diff(ndtr((border - place[:, None]) / blur), axis=1)
+
+
 @njit(cache=True, nogil=True)
 def _share(low: float, high: float, blur: float) -> float:
     """Part of a Gaussian about zero between two ends."""
@@ -236,22 +312,23 @@ def _share(low: float, high: float, blur: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, value: ComplexArray, blur: float, size: tuple[int, int]) -> Any:
+def _deposit(row: Array, column: Array, value: ComplexArray, blur: tuple[float, float], size: tuple[int, int]) -> Any:
     """Light of each point spread over the pixels around it."""
     n_row, n_column = size
     out = np.zeros((n_row, n_column), np.complex128)
     across = np.empty(n_column)
-    reach, scale = _REACH * blur + 0.5, 1 / (blur * math.sqrt(2.0))
+    reach, scale = _REACH * blur[0] + 0.5, 1 / (blur[1] * math.sqrt(2.0))
+    beside = _REACH * blur[1] + 0.5
     for k in range(row.size):
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
-        first, last = max(0, math.ceil(column[k] - reach)), min(n_column - 1, math.floor(column[k] + reach))
+        first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
         below = math.erf((first - 0.5 - column[k]) * scale)
         for j in range(first, last + 1):
             above = math.erf((j + 0.5 - column[k]) * scale)
             across[j] = 0.5 * (above - below)
             below = above
         for i in range(first_row, last_row + 1):
-            light = value[k] * _share(i - 0.5 - row[k], i + 0.5 - row[k], blur)
+            light = value[k] * _share(i - 0.5 - row[k], i + 0.5 - row[k], blur[0])
             for j in range(first, last + 1):
                 out[i, j] += light * across[j]
     return out

@@ -17,11 +17,12 @@ class SectorShape:
 
     ``axle_row_px``, ``axle_column_px`` say where the wheel's axle appears; polar angles are taken about it. The mask's own
     arcs have their centre ``offset_row_px``, ``offset_column_px`` beside it, and radii about that centre. ``bisector_rad`` is
-    the direction of the mask's bisector, ``opening_angle_rad`` gamma, ``blur_px`` the standard deviation of the Gaussian that
-    smears light along rows and along columns of the image. ``distortion`` is that of the lens (`physics.lens`), in an image of
-    ``image_rows`` by ``image_columns`` pixels: offsets, radii and angles are those of the undistorted plane. ``mirrored`` is
-    true for a counterclockwise wheel: then columns are counted leftwards from the axle, and polar angles, bisector and column
-    offset with them.
+    the direction of the mask's bisector, ``opening_angle_rad`` gamma. Light is smeared by a Gaussian of the standard deviations
+    ``blur_px`` (1 - ``blur_ellipticity``) over rows and ``blur_px`` (1 + ``blur_ellipticity``) over columns of the image, but for
+    the share ``glare`` of it, which a round Gaussian of the standard deviation ``glare_px`` spreads wider. ``distortion`` is that
+    of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels: offsets, radii and angles are those
+    of the undistorted plane. ``mirrored`` is true for a counterclockwise wheel: then columns are counted leftwards from the axle,
+    and polar angles, bisector and column offset with them.
     """
 
     axle_row_px: float
@@ -34,9 +35,17 @@ class SectorShape:
     opening_angle_rad: float
     blur_px: float
     distortion: float = 0.0
+    blur_ellipticity: float = 0.0
+    glare: float = 0.0
+    glare_px: float = 6.0
     mirrored: bool = False
     image_rows: int = 0
     image_columns: int = 0
+
+    @property
+    def blur_of_axes_px(self) -> tuple[float, float]:
+        """Standard deviations of the blur over rows and over columns."""
+        return self.blur_px * (1 - self.blur_ellipticity), self.blur_px * (1 + self.blur_ellipticity)
 
 
 @final
@@ -70,6 +79,8 @@ class SectorFit:
     odd
         Pixels whose contrast strays ten standard deviations from the model: a screw beside the opening, a gain that is not
         what it was; shape (roi rows, roi columns).
+    summed
+        Pixels that the row sums add up, same shape: what glare carries beyond them is lost.
     turn_rad
         By how much further the wheel has turned than the timing explains.
     ring_radii_px
@@ -102,6 +113,7 @@ class SectorFit:
     gain_scatter: float
     border_scatter: float
     odd: Mask
+    summed: Mask
     turn_rad: float
     ring_radii_px: tuple[float, float]
     plate_reflection: float

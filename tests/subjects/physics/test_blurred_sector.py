@@ -8,7 +8,12 @@ from matplotlib.path import Path
 from scipy.stats import norm
 
 from irtiming.physics.blurred_sector import (
+    angular_reach,
+    blur_across_px,
     border_points,
+    even_angle_rad,
+    glare_harmonics,
+    glare_points,
     image,
     light_points,
     pixel_places,
@@ -112,6 +117,82 @@ def test_image_is_that_of_the_counted_sub_pixels(shape, blur):
     assert found.shape == (34, 50)
     np.testing.assert_allclose(found, expected, atol=0.012)  # the border is jagged by a sixteenth of a pixel
     assert np.abs(found - expected).mean() < 6e-4
+
+
+ELLIPTIC = replace(SHAPE, blur_px=0.75, blur_ellipticity=0.3, glare=0.03, glare_px=5.0)
+
+
+def _spread(shape, value):
+    """Image of the counted sub-pixels, and of the glare alone, each spread along rows and columns by the normal distribution."""
+    row, column, _, _ = _counted(shape)
+    widths = [(0.7 * shape.blur_px, 1.3 * shape.blur_px), (shape.glare_px, shape.glare_px)]
+    return [_into(np.arange(*ROI[:2]), row, a).T @ value @ _into(np.arange(*ROI[2:]), column, b) for a, b in widths]
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_blur_that_is_not_round_and_glare_are_those_of_the_counted_sub_pixels(mirrored):
+    """Oracle: 16 x 16 sub-pixels a pixel, spread by one width over rows and by another over columns, or by that of the glare."""
+    shape = replace(ELLIPTIC, mirrored=mirrored)
+    _, _, polar, area = _counted(shape)
+    narrow, wide = _spread(shape, np.exp(-2j * polar) * area)
+    near, far = light_points(shape), glare_points(shape)
+    assert far.row_px.size < near.row_px.size / 10
+    found = image(near, np.exp(-2j * near.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
+    np.testing.assert_allclose(found, narrow, atol=0.012)
+    assert np.abs(found - narrow).mean() < 6e-4
+    found = image(far, np.exp(-2j * far.angle_rad), blur_px=shape.glare_px, roi=ROI)
+    np.testing.assert_allclose(found, wide, atol=1e-3)
+    border = border_points(shape)
+    near_border = image(border, np.exp(-2j * border.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
+    inside = well_inside(shape, roi=ROI)
+    np.testing.assert_allclose(near_border[~inside], narrow[~inside], atol=0.012)
+
+
+def test_glare_of_the_rows_is_what_falls_into_their_summed_pixels():
+    """Oracle: sub-pixels spread over the image, summed over a ragged region; all rows and columns together hold all light."""
+    _, _, polar, area = _counted(ELLIPTIC)
+    summed = np.ones((34, 50), bool)
+    summed[:, 40:], summed[3, :20] = False, False
+    found = glare_harmonics(ELLIPTIC, summed, roi=ROI, n_harmonics=12)
+    for m in (0, 2, 11):
+        _, wide = _spread(ELLIPTIC, np.exp(-1j * m * polar) * area)
+        np.testing.assert_allclose(found[:, m], (wide * summed).sum(axis=1), atol=0.02)
+    everywhere = glare_harmonics(ELLIPTIC, np.ones((140, 140), bool), roi=(-50, 90, -40, 100), n_harmonics=0)
+    assert everywhere.sum() == pytest.approx(light_points(ELLIPTIC).area_px2.sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_even_light_through_a_blur_that_is_not_round(mirrored):
+    """Oracle: mean and standard deviation of the polar angles of a pixel's points, each blurred by a Gaussian of two widths."""
+    shape = replace(ELLIPTIC, mirrored=mirrored)
+    place = (np.arange(60) + 0.5) / 60 - 0.5
+    node, weight = np.polynomial.hermite_e.hermegauss(16)
+    weights = np.tile(weight / weight.sum() / 60, 60)
+    box = (3, 10, 40, 55)
+    shift, reach = even_angle_rad(shape, roi=box), angular_reach(shape, roi=box)
+    sense = -1 if mirrored else 1
+    for row, column in ((4, 41), (9, 54)):
+        rows, columns = ((place[:, None] + blur * node).ravel() for blur in shape.blur_of_axes_px)
+        down = (row - shape.axle_row_px + rows)[:, None]
+        across = sense * (column - shape.axle_column_px + columns)
+        centre = np.arctan2(row - shape.axle_row_px, sense * (column - shape.axle_column_px))
+        off = np.arctan2(down, across) - centre
+        off = np.angle(np.exp(1j * off))
+        mean = weights @ off @ weights
+        assert abs(mean) > 3e-5
+        assert shift[row - 3, column - 40] == pytest.approx(mean, rel=0.02)
+        assert reach[row - 3, column - 40] == pytest.approx(np.sqrt(weights @ off**2 @ weights), rel=3e-3)
+
+
+def test_a_round_blur_without_glare_is_the_case_of_equal_widths():
+    """Oracle: the numbers of one width for both axes, to rounding."""
+    points = light_points(SHAPE)
+    value = np.exp(-2j * points.angle_rad)
+    one, two = (image(points, value, blur_px=blur, roi=ROI) for blur in (0.8, (0.8, 0.8)))
+    np.testing.assert_allclose(one, two, rtol=0, atol=1e-15)
+    assert np.all(even_angle_rad(SHAPE, roi=ROI) == 0)
+    np.testing.assert_allclose(blur_across_px(SHAPE, roi=ROI), 0.8, rtol=1e-14)
+    np.testing.assert_allclose(blur_across_px(SHAPE, roi=ROI, along=True), 0.8, rtol=1e-14)
 
 
 def test_row_harmonics_are_the_sums_over_the_sub_pixels(shape):

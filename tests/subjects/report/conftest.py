@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import EDGE_SIGNS, exposed_fraction, slope_centres_rad, wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
@@ -393,7 +394,8 @@ def _sector() -> SectorFit:
             axle_row_px=45.0, axle_column_px=40.0, offset_row_px=0.1, offset_column_px=0.0, inner_radius_px=12.0,
             outer_radius_px=38.0, bisector_rad=-np.pi / 2, opening_angle_rad=np.radians(75), blur_px=0.7,
         ),
-        "covariance": np.eye(10) * 1e-6, "contrast": even, "model_contrast": 0.98 * even, "excess": 0.01 * even,
+        "names": SHAPE_NUMBERS, "covariance": np.eye(len(SHAPE_NUMBERS)) * 1e-6,
+        "contrast": even, "model_contrast": 0.98 * even, "excess": 0.01 * even,
         "excess_angle_rad": angle, "row_delay_s": ROW_S, "u_row_delay_s": 1e-7, "reduced_chi_square": 2.0,
         "roi": (2, 40, 5, 75),
     }  # fmt: skip

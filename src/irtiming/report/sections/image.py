@@ -28,6 +28,9 @@ _SHAPE = (
     ("opening angle (degrees)", "opening_angle_rad", 180 / np.pi),
     ("blur, standard deviation (px)", "blur_px", 1.0),
     ("distortion of the lens", "distortion", 1.0),
+    ("blur over columns against rows", "blur_ellipticity", 1.0),
+    ("glare, share of the light", "glare", 1.0),
+    ("glare, standard deviation (px)", "glare_px", 1.0),
 )
 
 
@@ -237,10 +240,9 @@ def _sector(axes: Axes, shape: SectorShape) -> None:
 
 def sector(found: SectorFit) -> Table:
     """The opening in the image as fitted."""
-    u = np.sqrt(np.diag(found.covariance))
     rows = [
-        (words, f"{getattr(found.shape, name) * factor:.4f}".replace("-", "−"), significant(float(u[k]) * factor))
-        for k, (words, name, factor) in enumerate(_SHAPE)
+        (words, f"{getattr(found.shape, name) * factor:.4f}".replace("-", "−"), significant(found.u(name) * factor))
+        for words, name, factor in _SHAPE
     ]
     if found.u_row_delay_s > 0:
         phases = f"{1e6 * found.row_delay_s:.3f}".replace("-", "−")
