@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numba import vectorize
 
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Array
@@ -82,14 +83,16 @@ def wheel_model(
     )
 
 
-def _passages(alpha: Array, edge: float) -> Array:
+@vectorize(cache=True)  # type: ignore[no-untyped-call]
+def _passages(alpha, edge):  # type: ignore[no-untyped-def]
     """Integral over alpha of the number of times that the edge has passed: the integral of floor."""
     turns = (alpha - edge) / TURN
     whole = np.floor(turns)
     return TURN * (whole * turns - whole * (whole + 1) / 2)
 
 
-def _passages_twice(alpha: Array, edge: float) -> Array:
+@vectorize(cache=True)  # type: ignore[no-untyped-call]
+def _passages_twice(alpha, edge):  # type: ignore[no-untyped-def]
     """Second integral of the floor function."""
     turns = (alpha - edge) / TURN
     n = np.floor(turns)
