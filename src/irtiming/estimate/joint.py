@@ -21,6 +21,7 @@ from typing import final
 import numpy as np
 
 from irtiming.estimate.shared_numbers import DELAY, SharedNumber, design
+from irtiming.estimate.shared_residual import Trace, TraceModel
 from irtiming.inference import optimiser
 from irtiming.inference.information import NOISE, Combined, Information, Weights, combine, prior
 from irtiming.inference.optimiser import Linearised, Minimum, Model
@@ -32,10 +33,14 @@ from irtiming.records.estimate import Estimate
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LocalModel:
-    """What one recording says of its local numbers ``names``: residuals over the noise, with derivatives."""
+    """What one recording says of its local numbers ``names``: residuals over the noise, with derivatives.
+
+    ``trace`` is the same along the wheel angle, of recordings with one value per frame.
+    """
 
     names: tuple[str, ...]
     at: Model
+    trace: TraceModel | None = None
 
     def widened(self, factor: float) -> "LocalModel":
         """The same with variances that many times larger."""
@@ -45,7 +50,12 @@ class LocalModel:
             there = self.at(numbers)
             return Linearised(residual=there.residual / spread, jacobian=there.jacobian / spread)
 
-        return LocalModel(names=self.names, at=at)
+        def trace(numbers: Mapping[str, float]) -> Trace:
+            assert self.trace is not None
+            there = self.trace(numbers)
+            return replace(there, residual=there.residual / spread)
+
+        return LocalModel(names=self.names, at=at, trace=None if self.trace is None else trace)
 
 
 def parabola(estimate: Estimate) -> LocalModel:
@@ -191,6 +201,22 @@ def at_point(models: Sequence[LocalModel], shared: Sequence[SharedNumber], *, fo
         if one.u is not None
     )
     return Joint(models=tuple(models), shared=tuple(shared), found=found, pieces=tuple(pieces), priors=priors)
+
+
+def traces(joint: Joint) -> tuple[Trace, ...]:
+    """Residuals of every recording along the wheel angle at the minimum; none where one has no trace.
+
+    Parameters
+    ----------
+    joint
+        The joint fit.
+    """
+    told = [
+        model.trace(dict(zip(model.names, (made @ joint.values).tolist(), strict=True)))
+        for model, made in zip(joint.models, joint.designs(), strict=True)
+        if model.trace is not None
+    ]
+    return tuple(told) if len(told) == len(joint.models) else ()
 
 
 def residuals(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Model:

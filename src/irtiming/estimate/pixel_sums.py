@@ -23,6 +23,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
@@ -131,6 +132,17 @@ class PixelSums:
     def at(self, numbers: Mapping[str, float]) -> Linearised:
         """Residuals over the noise, and derivatives; the model of the optimiser."""
         return self.projected(numbers).at
+
+    def trace(self, numbers: Mapping[str, float]) -> Trace:
+        """Residuals over the noise along the wheel angle, and all that the recording's own fit can take from them."""
+        there = self.projected(numbers)
+        scale = np.linalg.norm(there.at.jacobian, axis=0)
+        taken, _ = np.linalg.qr(np.hstack([there.basis, there.at.jacobian / np.where(scale > 0, scale, 1.0)]))
+        return Trace(
+            angle_rad=np.mod(self.passing(numbers).middle_rad, TURN),
+            residual=there.at.residual,
+            taken=np.asarray(taken),
+        )
 
 
 def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:

@@ -1,14 +1,14 @@
 """By how much recordings differ, over what their noise explains: between edges, between runs, and along the wheel angle."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EDGE_DELAYS, Estimate, RecordingFit
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.wheel_geometry import WheelGeometry
 
@@ -111,6 +111,19 @@ def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> Array:
         if len(group.members) >= _RUNS_THAT_TELL:
             factor[group.members] = max(1.0, birge_ratio([fits[k] for k in group.members]) ** 2)
     return factor
+
+
+def with_variance(fit: EdgeDelayFit, factor: float) -> EdgeDelayFit:
+    """The fit with variances that many times larger.
+
+    Parameters
+    ----------
+    fit
+        Of one recording.
+    factor
+        1 leaves it as it is.
+    """
+    return replace(fit, estimate=replace(fit.estimate, covariance=fit.estimate.covariance * factor))
 
 
 def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> list[Finding]:

@@ -91,10 +91,8 @@ def same(
     )  # fmt: skip
 
 
-def rig_errors(
-    fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float, residuals_rad2: Array | None = None
-) -> list[SharedNumber]:
-    """Errors of the wheel's angles: of every edge alike by source, of each cutout edge, and what the residuals share.
+def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float) -> list[SharedNumber]:
+    """Errors of the wheel's angles: of every edge alike by source, and of each cutout edge.
 
     Parameters
     ----------
@@ -104,15 +102,9 @@ def rig_errors(
         Sizes of the common errors.
     u_edge_rad
         Standard uncertainty of one cutout edge.
-    residuals_rad2
-        Shape (4, 4); covariance of the edges' angles that the residuals' structure stands for; None where it was not looked at.
     """
     kind: EvaluationType = "A" if geometry.u_edge_rad is None else "B"
     errors = [
-        _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
-        for k, column in enumerate([] if residuals_rad2 is None else _root(residuals_rad2).T)
-    ]
-    errors += [
         _turned(f"cutout edge {k}", fits, column, source=EDGES, kind=kind)
         for k, column in enumerate(u_edge_rad * np.eye(4))
     ]
@@ -121,6 +113,22 @@ def rig_errors(
         for source, kind, u in geometry.angle_budget
     ]
     return errors
+
+
+def residual_errors(fits: Sequence[RecordingFit], covariance_rad2: Array) -> list[SharedNumber]:
+    """What the residuals of all recordings share, as errors of the edges' angles.
+
+    Parameters
+    ----------
+    fits
+        One per recording; of each the wheel's speed counts.
+    covariance_rad2
+        Shape (4, 4); of the edges' angles.
+    """
+    return [
+        _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
+        for k, column in enumerate(_root(covariance_rad2).T)
+    ]
 
 
 def _turned(

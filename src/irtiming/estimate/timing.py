@@ -12,6 +12,7 @@ from irtiming.estimate import (
     doubts,
     joint,
     measurands,
+    own_noise,
     pixel_sums,
     rolling_camera,
     scatter,
@@ -104,10 +105,10 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
     own = opening_and_window(recordings, fits, geometry=geometry)
+    found = _by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings)
     return Timing(
-        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=weighed(fits, models),
-        found=_by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings),
-    )  # fmt: skip
+        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found
+    )
 
 
 def _by_file(found: Combination, recordings: Sequence[ReducedRecording]) -> Combination:
@@ -137,13 +138,16 @@ def of_pixel_fits(
     stated_s
         Integration time as the recordings state it; None where they do not.
     """
-    shared_part = shared_residual.split(fits)
     groups, u_edge = scatter.alike(fits, [range(len(fits))]), scatter.edge_uncertainty(fits, geometry)
     middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
-    errors = shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge, residuals_rad2=shared_part.shared_rad2)
-    found = joint.fit(weighed(fits, models), [shared_numbers.delay(fits, start=middle_s), *own, *errors])
+    errors = shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge)
+    plain = joint.fit(models, [shared_numbers.delay(fits, start=middle_s), *own, *errors])
+    parts = shared_residual.split(joint.traces(plain)) or shared_residual.all_own(len(fits))
+    found = own_noise.weighed(plain, fits, groups=groups, parts=parts)
     freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - fit.n_own for fit in fits))
-    reported = measurands.of_window(found, _window(found, fits, stated_s=stated_s), degrees_of_freedom=freedom)
+    reported = measurands.of_window(
+        found, _window(found, fits, stated_s=stated_s), degrees_of_freedom=min(freedom, parts.degrees_of_freedom)
+    )
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
         n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
@@ -157,19 +161,6 @@ def of_pixel_fits(
         joint=found, joint_fit=record, profiled=reported.profiled,
         result=_result(found, fits, reported=reported, method="pixel-sum", findings=findings),
     )  # fmt: skip
-
-
-def weighed(fits: Sequence[EdgeDelayFit], models: Sequence[LocalModel]) -> tuple[LocalModel, ...]:
-    """The models with the noise that is the recordings' own: less where residuals are common to all, more where runs scatter.
-
-    Parameters
-    ----------
-    fits, models
-        As for `of_pixel_fits`.
-    """
-    factor = shared_residual.split(fits).own_share
-    factor = factor * scatter.run_to_run(fits, scatter.alike(fits, [range(len(fits))]))
-    return tuple(model.widened(float(scale)) for model, scale in zip(models, factor, strict=True))
 
 
 def _window(found: Joint, fits: Sequence[EdgeDelayFit], *, stated_s: float | None) -> Window:
@@ -192,7 +183,7 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
-    return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at)
+    return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at, trace=given.trace)
 
 
 def opening_and_window(

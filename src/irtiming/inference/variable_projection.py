@@ -16,10 +16,11 @@ from irtiming.records.arrays import Array
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Projected:
-    """The model without its linear parameters, and these at their best, shape (j,)."""
+    """The model without its linear parameters, and these at their best, shape (j,); ``basis`` (m, j) spans their shapes."""
 
     at: Linearised
     levels: Array
+    basis: Array
 
 
 def project(data: Array, shapes: Array, *, slopes_of: Callable[[Array], Array]) -> Projected:
@@ -40,5 +41,7 @@ def project(data: Array, shapes: Array, *, slopes_of: Callable[[Array], Array]) 
     levels = np.linalg.lstsq(triangle, along, rcond=1e-12)[0] / np.where(scale > 0, scale, 1.0)
     slopes = slopes_of(levels)
     return Projected(
-        at=Linearised(residual=data - basis @ along, jacobian=basis @ (basis.T @ slopes) - slopes), levels=levels
+        at=Linearised(residual=data - basis @ along, jacobian=basis @ (basis.T @ slopes) - slopes),
+        levels=levels,
+        basis=np.asarray(basis),
     )

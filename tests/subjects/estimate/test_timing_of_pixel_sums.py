@@ -246,34 +246,6 @@ def test_relative_delay_between_speeds_holds_the_angle_error(fits, geometry):
     assert relative.relative_delays[1].standard_uncertainty_s == pytest.approx(5e-4 / (2 * OMEGA), rel=1e-3)
 
 
-def test_one_recording_given_twice_is_one_recording(fits, geometry):
-    """Oracle: the same numbers once; a copy of a file adds nothing and must not crash."""
-    fit = fits([4e-4])[0]
-    once, twice = (_combined([fit] * n, geometry(), integration_time_s=250e-6) for n in (1, 2))
-    np.testing.assert_allclose(twice.estimate.values, once.estimate.values, rtol=1e-9)
-    np.testing.assert_allclose(twice.estimate.standard_uncertainties, once.estimate.standard_uncertainties, rtol=1e-6)
-
-
-def test_structure_that_all_recordings_share_widens_the_absolute_delay_only(fits, geometry):
-    """Oracle: by hand; equal residuals are no noise: they cancel in relative delays and stay in the absolute one."""
-    own = fits([4e-4] * 4, nominal=[0.0, 0.025, 0.05, 0.075], correlation=0.0)
-    structure = np.random.default_rng(9).normal(0, 1e-3, 600)
-    shared = [
-        replace(
-            fit,
-            residual=structure + 0.01 * fit.residual,
-            estimate=replace(fit.estimate, covariance=own[0].estimate.covariance),
-        )
-        for fit in own
-    ]
-    rig = geometry(common=(), u_edge=0.0)
-    alone, together = (_combined(f, rig, integration_time_s=0.0) for f in (own, shared))
-    assert together.estimate.standard_uncertainties[0] == pytest.approx(0.5e-6, rel=0.01)
-    assert together.relative_delays[2].standard_uncertainty_s < 0.02e-6
-    assert alone.estimate.standard_uncertainties[0] < 0.4e-6
-    assert alone.relative_delays[2].standard_uncertainty_s > 0.5e-6
-
-
 def test_few_frames_split_without_complaint(fits, geometry):
     """Oracle: none of the 200 bins of the angle needs a frame; 120 frames in a recording are allowed."""
     few = [
