@@ -20,7 +20,6 @@ NONE = -1
 """Intervals of a gain that does not drift."""
 
 _INTERVALS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # of a spline
-_SHORTEST = 60  # frames per interval
 _TURNS = 3  # offset and gain by turns
 _MOST_JUMPS = 12
 _LEAST_STRETCH = 10  # frames between two jumps
@@ -63,7 +62,7 @@ class Levels:
         return self.drift.shape[1] + self.gain.shape[1]
 
 
-def choose(values: Array, moving: Array, *, shapes: Array, place: Array) -> Levels:
+def choose(values: Array, moving: Array, *, shapes: Array, place: Array, shortest: int = 60) -> Levels:
     """Levels that explain the values with as few numbers as the criterion wants.
 
     Parameters
@@ -74,9 +73,11 @@ def choose(values: Array, moving: Array, *, shapes: Array, place: Array) -> Leve
         Shape (n, j); S.
     place
         Shape (n,); time from 0 to 1, ascending.
+    shortest
+        Frames per interval of a spline, at least.
     """
     fixed = _Fixed(values=values, moving=moving, shapes=shapes, place=place)
-    most = values.size // _SHORTEST
+    most = values.size // shortest
     ladder = (0, *(n for n in _INTERVALS if n <= most))
     smooth = fixed.levels(0, NONE, with_jumps=False)
     n_offset, n_gain = 0, NONE
@@ -130,12 +131,13 @@ class _Fixed:
 
     def _fitted(self, drift: Array, gain: Array, *, jumps: list[int]) -> Levels:
         design, n = self._design(drift, gain), self.values.size
-        weight, amounts = np.ones(n), np.zeros(design.shape[1])
+        weight: Array = np.ones(n)
+        amounts: Array = np.zeros(design.shape[1])
         deviance = np.inf
         least = _ROUNDING * float(np.ptp(self.values))
         for _ in range(_ROUNDS):
             root = np.sqrt(weight)
-            amounts = np.linalg.lstsq(design * root[:, None], self.values * root, rcond=1e-12)[0]
+            amounts = np.asarray(np.linalg.lstsq(design * root[:, None], self.values * root, rcond=1e-12)[0])
             size = np.abs(self.values - design @ amounts)
             limit = max(_HUBER * 1.4826 * float(np.median(size)), least)
             deviance = float(np.sum(np.where(size <= limit, size**2, 2 * limit * size - limit**2)))

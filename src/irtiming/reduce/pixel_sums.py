@@ -22,6 +22,7 @@ from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import contrast_image, in_plateau_frames
+from irtiming.reduce.opening.in_plateau_frames import Sighting
 from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.wheel import frame_angles, nominal_angles
@@ -48,7 +49,9 @@ def reduce(
     """
     correct = nonuniformity.correction(recording)
     angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
-    sighting = in_plateau_frames.find(recording, correct, choices=choices, before=before)
+    sighting = in_plateau_frames.find(
+        recording, correct, choices=choices, before=before, wheel_angle_rad=angles.angle_rad
+    )
     found, n_frames = sighting.opening, recording.frames.shape[0]
     thresholds = nonuniformity.raw_thresholds(sighting.histogram.threshold_dn, correct)[_box(found)]
     counts = Counts(thresholds, n_frames=n_frames)
@@ -69,7 +72,7 @@ def reduce(
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
-    settled = _settled(recording, found, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
+    settled = _settled(recording, sighting, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
     contrast = contrast_image.of(
         projection, settled, correct=correct, drift_dn=np.zeros(int(kept.sum())), noise_dn=sighting.noise_dn
     )
@@ -113,13 +116,14 @@ class _Alive:
         return self.good[first:end], np.zeros(min(end, n_read) - first, bool)
 
 
-def _settled(recording: Recording, found: Opening, correct: Correction, angle: Array, total: Array) -> Opening:
+def _settled(recording: Recording, sighting: Sighting, correct: Correction, angle: Array, total: Array) -> Opening:
     """The opening with mean frames from the middle of the plateaus, where no blurred edge is near.
 
     The sample frames were chosen by their brightness alone: an edge that just touches the border hides
     in the noise of the sum, yet turns the image of the mask by a milliradian.
     """
-    known = np.flatnonzero(np.isfinite(angle))
+    known, found = np.flatnonzero(np.isfinite(angle)), sighting.opening
+    total = total if sighting.steady is None else sighting.steady.without_drift(total)
     intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
     bright_when_open = not found.blackbody_is_colder
     means = []

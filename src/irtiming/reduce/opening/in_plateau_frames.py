@@ -7,28 +7,34 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
-from irtiming.records.arrays import Array, Mask, Pixels
+from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Histogram, Opening
 from irtiming.reduce.nonuniformity import Correction, corrected
-from irtiming.reduce.opening import dead_pixels, mask_shape, sample_frames
+from irtiming.reduce.opening import dead_pixels, mask_shape, never_open, sample_frames, steady_levels
+from irtiming.reduce.opening.steady_levels import SteadyLevels
 from irtiming.reduce.remarks import doubt
 
 _CLOSER_LOOK = 48  # frames that noise is taken from
+_FAR_PX = 15  # from the opening
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sample:
-    """A sample of frames, and which of them show the opening wholly open and wholly covered."""
+    """A sample of frames, which of them show the opening wholly open and wholly covered, and what their levels do.
+
+    ``steady`` is None where their levels need no care.
+    """
 
     raw: Pixels
     seeds: Mask
     open_frames: Mask
     covered_frames: Mask
+    steady: SteadyLevels | None
 
 
 @final
@@ -36,16 +42,21 @@ class _Sample:
 class Sighting:
     """The opening, the histogram that its threshold stands in, and what is doubtful about them.
 
-    ``noise_dn`` is that of one raw pixel from frame to frame.
+    ``noise_dn`` is that of one raw pixel from frame to frame; ``steady`` what the levels of the sample frames do, None where they
+    need no care.
     """
 
     opening: Opening
     histogram: Histogram
     noise_dn: float
     findings: tuple[Finding, ...]
+    steady: SteadyLevels | None = None
 
 
-def find(recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None) -> Sighting:
+def find(
+    recording: Recording, correct: Correction, *, choices: Choices, before: Opening | None = None,
+    wheel_angle_rad: Array | None = None,
+) -> Sighting:  # fmt: skip
     """The opening, its region of interest, threshold and weights.
 
     Parameters
@@ -59,15 +70,19 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     before
         The opening of an earlier recording of the same camera. Where it is still in place it is taken over: a border that
         is drawn anew each time, a pixel more here or there, would shift the delays against each other.
+    wheel_angle_rad
+        Shape (n_frame,), nan where unknown; tells drifting levels and unlike blades from the wheel. None: levels are taken as
+        steady.
 
     Raises
     ------
     ReductionError
         If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
     """
-    seen = _sample(recording, correct)
+    seen = _sample(recording, correct, wheel_angle_rad)
     open_dn = mean_frame(seen.raw[seen.open_frames], correct)
     covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
+    covered_dn += 0.0 if seen.steady is None else _apart(open_dn - covered_dn, seen.seeds)
     step = float(np.median((open_dn - covered_dn)[seen.seeds]))
     contrast = (open_dn - covered_dn) / step
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
@@ -80,14 +95,7 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
     mask_shape.check_roi(roi, mask, name=recording.name)
     in_roi = np.zeros_like(mask)
     in_roi[slice(*roi[:2]), slice(*roi[2:])] = True
-    plate, blackbody = _peaks(open_dn, mask, in_roi)
-    threshold = choices.threshold_dn
-    if threshold is None:
-        threshold = plate + choices.threshold_level * (blackbody - plate)
-    count, bins = np.histogram(open_dn[in_roi & ~correct.bad], bins=128)
-    histogram = Histogram(
-        threshold_dn=threshold, plate_dn=plate, blackbody_dn=blackbody, bin_edges_dn=bins, count=count.astype(np.int64)
-    )
+    histogram = _histogram(open_dn, mask, in_roi=in_roi, choices=choices, bad=correct.bad)
     summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
     found = Opening(
         roi=roi,
@@ -102,7 +110,20 @@ def find(recording: Recording, correct: Correction, *, choices: Choices, before:
         histogram=histogram,
     )
     noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
-    return Sighting(opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram))
+    return Sighting(
+        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=seen.steady
+    )
+
+
+def _histogram(open_dn: Array, mask: Mask, *, in_roi: Mask, choices: Choices, bad: Mask) -> Histogram:
+    plate, blackbody = _peaks(open_dn, mask, in_roi)
+    threshold = choices.threshold_dn
+    if threshold is None:
+        threshold = plate + choices.threshold_level * (blackbody - plate)
+    count, bins = np.histogram(open_dn[in_roi & ~bad], bins=128)
+    return Histogram(
+        threshold_dn=threshold, plate_dn=plate, blackbody_dn=blackbody, bin_edges_dn=bins, count=count.astype(np.int64)
+    )
 
 
 def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
@@ -115,33 +136,58 @@ def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
     return (doubt(code="threshold-outside-peaks", recording=recording, what=what),)
 
 
-def _sample(recording: Recording, correct: Correction) -> _Sample:
-    raw = _alive(recording, recording.frames.pick(sample_frames.indices(recording.frames.shape)))
+def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | None) -> _Sample:
+    raw, picked = _alive(recording, np.array(sample_frames.indices(recording.frames.shape)))
     seeds = _changing_pixels(raw, correct, recording.name)
     values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
-    low, high = float(values.min()), float(values.max())
-    near = 0.02 * (high - low)
-    tops, bottoms = values > high - near, values < low + near
-    for plateau, word in ((tops, "brightest"), (bottoms, "darkest")):
-        if plateau.mean() < _PLATEAU_SHARE or plateau.sum() < 3:
-            raise ReductionError(
-                f"{recording.name}: only {plateau.sum()} of {plateau.size} sampled frames are as bright as the {word} one "
-                f"(within 2 %), at least {max(3, int(np.ceil(_PLATEAU_SHARE * plateau.size)))} are needed: the opening is "
-                "never wholly open or covered; the mask must be narrower than the cutouts, the recording must span whole turns"
-            )
     around = (
         ndimage.binary_dilation(seeds, iterations=12) & ~ndimage.binary_dilation(seeds, iterations=5) & ~correct.bad
     )
-    surroundings = corrected(raw[0], correct)[around].mean() if around.any() else low
-    _refuse_saturation(recording, raw[tops][:, seeds])
-    tops, bottoms = _level_part(tops, values), _level_part(bottoms, values)
+    first, (low, high) = corrected(raw[0], correct), (float(values.min()), float(values.max()))
+    surroundings = first[around].mean() if around.any() else low
     bright_when_open = abs(high - surroundings) >= abs(low - surroundings)
+    angle = None if wheel_angle_rad is None else wheel_angle_rad[picked]
+    steady = None
+    if angle is not None:
+        place = picked / recording.frames.shape[0]
+        steady = steady_levels.find(values, angle, place=place, is_colder=not bright_when_open)
+    is_disturbed = steady is not None and steady.is_disturbed
+    level = steady.steadied(values) if steady is not None and is_disturbed else values
+    near = 0.02 * float(np.ptp(level))
+    tops, bottoms = level > level.max() - near, level < level.min() + near
+    for plateau, word in ((tops, "brightest"), (bottoms, "darkest")):
+        if plateau.mean() < _PLATEAU_SHARE or plateau.sum() < 3:
+            glare = _follows(raw, values, around=around, correct=correct)
+            why = never_open.diagnosis(steady, angle, glare=glare)
+            raise ReductionError(
+                f"{recording.name}: only {plateau.sum()} of {plateau.size} sampled frames are as bright as the {word} one "
+                f"(within 2 %), at least {max(3, int(np.ceil(_PLATEAU_SHARE * plateau.size)))} are needed: the opening is "
+                f"never wholly open or covered; {why}"
+            )
+    _refuse_saturation(recording, raw[tops][:, seeds])
+    tops, bottoms = _level_part(tops, level), _level_part(bottoms, level)
     return _Sample(
         raw=raw,
         seeds=seeds,
         open_frames=tops if bright_when_open else bottoms,
         covered_frames=bottoms if bright_when_open else tops,
+        steady=steady if is_disturbed else None,
     )
+
+
+def _follows(raw: Pixels, values: Array, *, around: Mask, correct: Correction) -> float:
+    """By how much pixels around the opening follow it, as a share."""
+    if not around.any():
+        return 0.0
+    beside = np.array([corrected(frame, correct)[around].mean() for frame in raw])
+    rest = values - values.mean()
+    return abs(float(rest @ beside) / float(rest @ rest))
+
+
+def _apart(contrast_dn: Array, seeds: Mask) -> float:
+    """Contrast of the pixels far from the opening, DN: levels drift between the open and the covered frames."""
+    far = ~ndimage.binary_dilation(seeds, iterations=_FAR_PX)
+    return float(np.median(contrast_dn[far])) if far.any() else 0.0
 
 
 def _level_part(near: Mask, values: Array) -> Mask:
@@ -151,15 +197,16 @@ def _level_part(near: Mask, values: Array) -> Mask:
     return np.asarray(near & (np.abs(values - level) <= 4 * spread))
 
 
-def _alive(recording: Recording, raw: Pixels) -> Pixels:
-    """The sampled frames without those that are constant: blanks that stand for a lost or broken frame."""
+def _alive(recording: Recording, picked: Ticks) -> tuple[Pixels, Ticks]:
+    """The picked frames, and which they are, without those that are constant: blanks that stand for a lost or broken frame."""
+    raw = recording.frames.pick([int(i) for i in picked])
     alive = raw.reshape(len(raw), -1).min(axis=1) < raw.reshape(len(raw), -1).max(axis=1)
     if alive.mean() < 0.8:
         raise ReductionError(
             f"{recording.name}: {np.sum(~alive)} of {alive.size} sampled frames are dead (all pixels alike), at most 20 % "
             "may be; check the camera's window, integration time and transfer"
         )
-    return raw[alive]
+    return raw[alive], picked[alive]
 
 
 def _refuse_saturation(recording: Recording, bright: Pixels) -> None:

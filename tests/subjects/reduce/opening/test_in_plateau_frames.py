@@ -28,9 +28,9 @@ def look(paper_wheel, recorded):
     """Find the opening in frames: ``look(frames, choices=..., **fields of the recording).opening``."""
     wheel = paper_wheel(duration_s=5.0)
 
-    def run(frames, *, choices=None, **fields):
+    def run(frames, *, choices=None, wheel_angle_rad=None, **fields):
         recording = recorded(wheel, frames=frames, n_triggers=len(frames), **fields)
-        return find(recording, correction(recording), choices=choices or Choices())
+        return find(recording, correction(recording), choices=choices or Choices(), wheel_angle_rad=wheel_angle_rad)
 
     return run
 
@@ -203,6 +203,26 @@ def test_mask_as_wide_as_the_cutouts_is_refused(look, paper_camera):
         ReductionError, match=r"never wholly open or covered; the mask must be narrower than the cutouts"
     ):
         look(_frames(camera))
+    with pytest.raises(ReductionError, match=r"never wholly open or covered; geometry: the frames show an opening of"):
+        look(_frames(camera), wheel_angle_rad=_THETA)
+
+
+def test_levels_that_sway_and_unlike_blades_leave_the_opening(look, hot, paper_camera):
+    """Oracle: the opening of the same frames without either; without the wheel's angles they are refused.
+
+    All pixels sway by 2.5 % of the contrast, and the second half turn has its covered wheel 1.5 % warmer.
+    """
+    still = look(hot).opening
+    light = _true_light(paper_camera())
+    sway = 25 * np.sin(TURN * 1.3 * np.arange(len(hot)) / len(hot))
+    dark = 1 - np.clip((hot[:, light.reshape(hot.shape[1:]) > 0.99].mean(axis=1) - 4950) / 1050, 0, 1)
+    warmer = 15 * dark * (np.mod(_THETA, TURN) > TURN / 2)
+    frames = np.rint(hot + sway[:, None, None] + warmer[:, None, None] * light.reshape(hot.shape[1:])).astype(np.uint16)
+    with pytest.raises(ReductionError, match="never wholly open or covered"):
+        look(frames)
+    found = look(frames, wheel_angle_rad=_THETA).opening
+    assert np.sum(found.mask ^ still.mask) <= 0.02 * still.mask.sum()
+    assert abs(found.border_px - still.border_px) <= 1
 
 
 @pytest.mark.parametrize("roi", [(0, 61, 0, 80), (0, 50, 0, 81)])

@@ -1,0 +1,199 @@
+"""The brightness of the opening without what its levels do: drift, jumps, blades that are not equally warm.
+
+How open the wheel is at each angle follows from four edges near 0, 90, 180 and 270 deg and one opening angle, all of which are
+fitted here: roughly, to look at plateaus, and with nothing known of the rig. What is left over tells what the levels do.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.inference import drifting_levels, optimiser, variable_projection
+from irtiming.inference.drifting_levels import Levels
+from irtiming.inference.optimiser import Linearised
+from irtiming.physics.light import pixel_sum
+from irtiming.physics.light.pixel_sum import Passing, Shapes
+from irtiming.physics.wheel import TURN, wheel_model
+from irtiming.records.arrays import Array
+
+_WHEEL = wheel_model((0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.0, opening_angle_rad=1.0, centre_angle_rad=0.0)
+_SCAN = 90  # wheel angles over half a turn, after which the wheel is nearly the same
+_OPENINGS_RAD = (0.6, 0.9, 1.2, 1.5)
+_EDGES = ("edge_0", "edge_1", "edge_2", "edge_3")
+_OPENING = "opening_angle"
+_ROUNDS = 2
+_SHORTEST = 20  # frames per bend of a level
+_FEWEST = 60
+_FOLLOWS = 0.05  # of the step: frames that scatter more about the wheel do not follow it
+_DISTURBED = 0.005  # of the step; a frame within 0.02 counts as on the plateau
+_NARROWEST_RAD, _WIDEST_RAD = 0.05, 3.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteadyLevels:
+    """What the levels of some frames do.
+
+    Parameters
+    ----------
+    place, offset, gain
+        Shape (n,); part of the recording's frames before this one, by how much the covered level lies over its mean, in steps,
+        and the step over its mean.
+    second_blade
+        Shape (n,); by how much the second blade, less the first, is in the values, in steps.
+    blades
+        Covered level of the second blade less that of the first, in steps; which is which is not known here.
+    scatter
+        Standard deviation of the frames about the wheel, in steps.
+    step, opening_angle_rad, narrowest_rad
+        The step in units of the values; the opening angle, and the narrowest cutout or blade, as they appear.
+    jumps
+        Places of the frames after a jump.
+    """
+
+    place: Array
+    offset: Array
+    gain: Array
+    second_blade: Array
+    blades: float
+    scatter: float
+    step: float
+    opening_angle_rad: float
+    narrowest_rad: float
+    jumps: Array
+
+    @property
+    def sway(self) -> float:
+        """Range of what drift and jumps do to a frame of the open or of the covered wheel, in steps."""
+        return float(max(np.ptp(self.offset), np.ptp(self.offset + self.gain)))
+
+    @property
+    def is_disturbed(self) -> bool:
+        """Whether levels or blades differ by more than a plateau may be uneven."""
+        return max(self.sway, abs(self.blades)) > _DISTURBED
+
+    def steadied(self, values: Array) -> Array:
+        """The values, shape (n,), as they would be with steady levels and equal blades."""
+        covered = float(np.min(values)) if self.step > 0 else float(np.max(values))
+        rest = values - covered - self.step * self.offset
+        return np.asarray(covered + rest / self.gain - self.step * self.second_blade)
+
+    def without_drift(self, values: Array) -> Array:
+        """Other values of all frames of the recording, shape (n_frame,), about as they would be with steady levels."""
+        place = np.arange(values.size) / values.size
+        offset, gain = (np.interp(place, self.place, one) for one in (self.offset, self.gain))
+        low, high = np.quantile(values, [0.02, 0.98])
+        covered, step = (low, high - low) if self.step > 0 else (high, low - high)
+        return np.asarray(covered + (values - covered - step * offset) / gain)
+
+
+def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool) -> SteadyLevels | None:
+    """What the levels do; None where the values do not follow a wheel with two cutouts.
+
+    Parameters
+    ----------
+    values, wheel_angle_rad
+        Shape (n,); mean brightness of the opening in each frame, and angle of the wheel, nan where unknown.
+    place
+        Shape (n,); part of the recording's frames before each, ascending.
+    is_colder
+        Whether the opening gets darker as it is uncovered.
+    """
+    known = np.isfinite(wheel_angle_rad)
+    swing = float(np.ptp(values[known])) if known.any() else 0.0
+    if known.sum() < _FEWEST or swing <= 0:
+        return None
+    given = _Given(values=values[known] / swing, angle=wheel_angle_rad[known], place=place[known])
+    numbers = given.scanned(-1.0 if is_colder else 1.0)
+    levels: Levels | None = None
+    for _ in range(_ROUNDS):
+        numbers = optimiser.minimise(given.model(levels), start=numbers).values
+        if not _NARROWEST_RAD < numbers[_OPENING] < _WIDEST_RAD:
+            return None
+        made = given.shapes(numbers)
+        levels = drifting_levels.choose(
+            given.values, made.fraction, shapes=made.blades[:, None], place=given.place, shortest=_SHORTEST
+        )
+    return None if levels is None else given.result(numbers, levels, swing=swing, known=known)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Given:
+    values: Array
+    angle: Array
+    place: Array
+
+    def passing(self, numbers: Mapping[str, float]) -> Passing:
+        return Passing(
+            wheel=_WHEEL,
+            middle_rad=self.angle,
+            edges_early_rad=np.array([numbers[name] for name in _EDGES]),
+            opening_angle_rad=numbers[_OPENING],
+            swept_rad=0.0,
+        )
+
+    def shapes(self, numbers: Mapping[str, float]) -> Shapes:
+        return pixel_sum.shapes(self.passing(numbers))
+
+    def scanned(self, sign: float) -> dict[str, float]:
+        """The best of a grid of wheel angles and openings, by its correlation with the values."""
+        beside = self.values - self.values.mean()
+        best, numbers = -np.inf, dict.fromkeys(_EDGES, 0.0) | {_OPENING: _OPENINGS_RAD[0]}
+        for opening in _OPENINGS_RAD:
+            for shift in TURN / 2 * np.arange(_SCAN) / _SCAN:
+                trial = dict.fromkeys(_EDGES, float(shift)) | {_OPENING: opening}
+                fraction = self.shapes(trial).fraction
+                match = sign * float(beside @ (fraction - fraction.mean())) / max(float(fraction.std()), 1e-9)
+                best, numbers = (match, trial) if match > best else (best, numbers)
+        return numbers
+
+    def model(self, levels: Levels | None) -> optimiser.Model:
+        """Residuals with all levels at their best."""
+        n = self.values.size
+        root = np.ones(n) if levels is None else np.sqrt(levels.weight)
+        drift = np.zeros((n, 0)) if levels is None else levels.drift
+        gain = np.zeros((n, 0)) if levels is None else levels.gain
+
+        def at(numbers: Mapping[str, float]) -> Linearised:
+            passing = self.passing(numbers)
+            made = pixel_sum.shapes(passing)
+            moving = made.fraction[:, None]
+            columns = np.concatenate([np.ones((n, 1)), moving, made.blades[:, None], gain * moving, drift], axis=1)
+
+            def slopes_of(amounts: Array) -> Array:
+                found = pixel_sum.slopes(passing, blades=float(amounts[2] / amounts[1]))
+                step = amounts[1] + gain @ amounts[3 : 3 + gain.shape[1]]
+                return np.stack([root * step * found[name] for name in numbers], axis=1)
+
+            weighted = columns * root[:, None]
+            return variable_projection.project(self.values * root, weighted, slopes_of=slopes_of).at
+
+        return at
+
+    def result(self, numbers: dict[str, float], levels: Levels, *, swing: float, known: Array) -> SteadyLevels | None:
+        """In steps, over all frames: those of unknown angle lie between their neighbours."""
+        made = self.shapes(numbers)
+        moving = made.fraction[:, None]
+        columns = np.concatenate(
+            [np.ones_like(moving), moving, made.blades[:, None], levels.gain * moving, levels.drift], axis=1
+        )
+        root = np.sqrt(levels.weight)[:, None]
+        amounts = np.linalg.lstsq(columns * root, self.values * root[:, 0], rcond=1e-12)[0]
+        step = float(amounts[1])
+        scatter = 1.4826 * float(np.median(np.abs(self.values - columns @ amounts))) / abs(step)
+        if not scatter < _FOLLOWS:
+            return None
+        at = np.arange(known.size)
+        place, offset, gain, second = (
+            np.interp(at, at[known], one)
+            for one in (self.place, levels.offset_change / step, levels.relative_gain, amounts[2] / step * made.blades)
+        )
+        edges = np.array([_WHEEL.cutout_edges_rad[k] - numbers[name] for k, name in enumerate(_EDGES)])
+        return SteadyLevels(
+            place=place, offset=offset, gain=gain, second_blade=second, blades=float(amounts[2] / step), scatter=scatter,
+            step=step * swing, opening_angle_rad=numbers[_OPENING], jumps=self.place[list(levels.jumps)],
+            narrowest_rad=float(np.diff(np.append(edges, edges[0] + TURN)).min()),
+        )  # fmt: skip
