@@ -106,7 +106,7 @@ def find(
         weight=dead_pixels.weights(summed, correct.bad),
         border_px=border_px,
         bad=correct.bad,
-        blackbody_is_colder=not blackbody > plate,
+        blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn,
         histogram=histogram,
     )
     noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
