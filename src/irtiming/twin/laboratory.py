@@ -27,8 +27,9 @@ _OFF_S = (2e-6, 15e-6)
 _SLOWEST_EDGE, _MOST_OFF = 0.25, 0.05
 """Of the window: how long it may rise at most, and by how much the time that the camera states may be off."""
 
-_EVENT_S, _EVENT_JUMP = (4.0, 26.0), 0.008
-"""When the camera corrects itself, and by how much its levels change then, in units of the contrast."""
+_SHUTTER_K = 300.15
+_EVENT, _EVENT_JUMP = (0.1, 0.85), 0.008
+"""When in a run the camera corrects itself, and by how much its levels change then, in units of the contrast."""
 
 
 @final
@@ -45,7 +46,7 @@ class Knowledge:
     u_integration_time_s: float | None = None
 
 
-def draw_defects(scene: Scene, *, seed: int) -> Defects:
+def draw_defects(scene: Scene, *, seed: int, always: bool = False) -> Defects:
     """Every defect that this kind of camera may have, of the size that is usual; the same seed draws the same.
 
     Half of the cameras have neither filter nor memory, and half of the windows no tail.
@@ -56,6 +57,8 @@ def draw_defects(scene: Scene, *, seed: int) -> Defects:
         The camera and the size of its image count.
     seed
         Of the rig.
+    always
+        Whether there is a filter, a memory and a tail in any case.
     """
     random, width = generator(seed, "laboratory"), scene.detector.columns
     tilt_rad, towards = random.uniform(0, _TILT_RAD), random.uniform(0, 2 * math.pi)
@@ -81,7 +84,7 @@ def draw_defects(scene: Scene, *, seed: int) -> Defects:
         blade_share=_signed(random, *_BLADE),
         sway_share=random.uniform(*_SWAY),
     )
-    often = bool(random.random() < 0.5)
+    often, tailed = (bool(random.random() < 0.5) or always for _ in range(2))
     if not isinstance(scene.timing, CameraTiming):
         return replace(shared, filter_share=random.uniform(*_FILTER) if often else 0.0)
     window_s = scene.timing.integration_time_s
@@ -91,7 +94,7 @@ def draw_defects(scene: Scene, *, seed: int) -> Defects:
         memory_share=random.uniform(*_MEMORY) if often else 0.0,
         rise_s=random.uniform(min(_EDGE_S[0], slowest_s), slowest_s),
         fall_s=random.uniform(min(_EDGE_S[0], slowest_s), slowest_s),
-        tail_share=random.uniform(*_TAIL) if random.random() < 0.5 else 0.0,
+        tail_share=random.uniform(*_TAIL) if tailed else 0.0,
         tail_s=random.uniform(*_TAIL_S),
         count_time_error_s=float(generator(seed, "statement", index=2).standard_normal() * _u_window_s(window_s, seed)),
         references_anew=bool(random.random() < 0.5),
@@ -117,7 +120,7 @@ def _u_window_s(window_s: float, seed: int) -> float:
     return min(float(generator(seed, "statement", index=1).uniform(*_OFF_S)), _MOST_OFF * window_s)
 
 
-def with_self_correction(scene: Scene, *, seed: int) -> Scene:
+def with_self_correction(scene: Scene, *, seed: int, always: bool = False) -> Scene:
     """The scene with a shutter that closes once in the run: always in a microbolometer camera, in half of the others.
 
     Parameters
@@ -126,15 +129,21 @@ def with_self_correction(scene: Scene, *, seed: int) -> Scene:
         Of any camera.
     seed
         Of the rig.
+    always
+        Whether the shutter closes in any case.
     """
-    random = generator(seed, "laboratory", index=1)
-    start_s, seldom = random.uniform(*_EVENT_S), random.random() < 0.5
+    random, run_s = generator(seed, "laboratory", index=1), _run_s(scene)
+    start_s, seldom = run_s * random.uniform(*_EVENT), random.random() < 0.5 and not always
     if scene.correction.events or (isinstance(scene.timing, CameraTiming) and seldom):
         return scene
     radiance = scene.radiance
     contrast_dn = abs(radiance.level_dn(radiance.blackbody_k) - radiance.level_dn(radiance.wheel_k))
     event = ShutterEvent(start_s=start_s, level_jump_dn=_EVENT_JUMP * contrast_dn)
-    return replace(scene, correction=SelfCorrection(surface_k=scene.correction.surface_k, events=(event,)))
+    return replace(scene, correction=SelfCorrection(surface_k=_SHUTTER_K, events=(event,)))
+
+
+def _run_s(scene: Scene) -> float:
+    return scene.trigger.n_triggers * scene.trigger.camera_period_ticks / scene.trigger.clock_frequency_hz
 
 
 def known(rig: SimulatedRig, *, seed: int, knowledge: Knowledge | None = None) -> SimulatedRig:
