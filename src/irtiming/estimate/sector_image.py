@@ -298,7 +298,7 @@ def _smeared(
 def _glare(shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View) -> ComplexArray:
     """The same of the glare alone, per unit of its share."""
     points = blurred_sector.glare_points(shape)
-    return blurred_sector.image(points, value(points), blur_px=shape.glare_px, roi=view.roi)
+    return blurred_sector.glare_image(points, value(points), glare_px=shape.glare_px, roi=view.roi)
 
 
 def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:

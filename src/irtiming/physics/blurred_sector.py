@@ -204,8 +204,9 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
 def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
     row, column = _pixels(roi)
-    polar = np.arctan2(row - shape.axle_row_px, (-1.0 if shape.mirrored else 1.0) * (column - shape.axle_column_px))
-    return np.sin(polar), np.cos(polar)
+    down, across = row - shape.axle_row_px, (-1.0 if shape.mirrored else 1.0) * (column - shape.axle_column_px)
+    away = np.maximum(np.hypot(down, across), 1e-9)
+    return down / away, across / away
 
 
 def reach_px(blur_px: float) -> float:
@@ -282,6 +283,16 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     ascending = np.argsort(rows)
     found = _row_harmonics(points.row_px, points.angle_rad, points.area_px2, blur_px, (rows[ascending], n_harmonics))
     return np.asarray(found[np.argsort(ascending)])
+
+
+def glare_image(
+    points: LightPoints, value: ComplexArray, *, glare_px: float, roi: tuple[int, int, int, int]
+) -> ComplexArray:
+    """Like `image`, of points that are few and spread over most of the region: as products of matrices."""
+    over_rows, over_columns = _shares(points.row_px, roi[:2], glare_px), _shares(points.column_px, roi[2:], glare_px)
+    light = value * points.area_px2
+    real, imaginary = (over_rows.T @ (part[:, None] * over_columns) for part in (light.real, light.imag))
+    return np.asarray(real + 1j * imaginary)
 
 
 def glare_harmonics(
