@@ -7,6 +7,7 @@ import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.finding import error_at, warning_at
+from irtiming.archive.line_checks import is_exchanged
 from irtiming.records.finding import Finding
 from irtiming.units import readable_time
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from irtiming.archive.layout import Field
     from irtiming.records.arrays import Ticks
 
+_OF_THE_GATES = (layout.CONTROL_SLOT, layout.APPLICATION_SLOT)
 _SPEED_TOLERANCE = 0.02
 _TRIGGER_TOLERANCE_TICKS = 1
 
@@ -22,6 +24,8 @@ _TRIGGER_TOLERANCE_TICKS = 1
 def check_ticks(contents: "Contents") -> list[Finding]:
     """Warnings and errors about triggers, slots and edges; fields that are None or go back are left out."""
     contents = {field: None if _goes_back(field, value) else value for field, value in contents.items()}
+    if is_exchanged(contents):
+        contents = {field: None if field in _OF_THE_GATES else value for field, value in contents.items()}
     return [
         *_lost_timestamps(contents),
         *_triggers_within(contents),

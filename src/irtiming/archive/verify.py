@@ -17,11 +17,14 @@ from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
+from irtiming.archive.line_checks import check_lines
 from irtiming.archive.live.unfinished import unfinished
 from irtiming.archive.reader import check_version, reduce_reference
+from irtiming.archive.signal_checks import check_signal
 from irtiming.archive.tick_checks import check_ticks, duration
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
+from irtiming.records.rig import Rig
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called with frames seen and all frames."""
@@ -31,7 +34,7 @@ _SOME_CLIPPED = 0.001
 _LARGE_CHUNK = 64 * 2**20
 
 
-def verify(path: str | Path, *, progress: Progress | None = None) -> list[Finding]:
+def verify(path: str | Path, *, progress: Progress | None = None, rig: Rig | None = None) -> list[Finding]:
     """Read a whole recording file and list every complaint, errors first.
 
     Never raises because of the file. Without an error the list begins with one finding "ok" that says what
@@ -43,6 +46,8 @@ def verify(path: str | Path, *, progress: Progress | None = None) -> list[Findin
         The recording.
     progress
         Called with frames seen and all frames while the frames are streamed.
+    rig
+        On which it was recorded: then what the frames show is held against it.
     """
     findings: list[Finding] = []
     contents: Contents = {}
@@ -63,10 +68,11 @@ def verify(path: str | Path, *, progress: Progress | None = None) -> list[Findin
     findings += left_out
     findings += consistency.check(contents)
     findings += check_ticks(contents)
+    findings += check_lines(contents)
     findings += _what_a_photon_detector_needs(contents)
     whole = None if stored_shape is None else FileFrames(path, shape=stored_shape, kept=kept)
-    findings += _of_frames(Path(path), contents, whole=whole, progress=progress)
-    order = ("error", "warning", "info")
+    findings += _of_frames(Path(path), contents, whole=whole, progress=progress, rig=rig)
+    order = ("error", "doubt", "warning", "info")
     findings.sort(key=lambda finding: order.index(finding.severity))
     if not any(finding.severity == "error" for finding in findings):
         findings.insert(0, _summary(contents))
@@ -142,7 +148,7 @@ def _what_a_photon_detector_needs(contents: Contents) -> Iterator[Finding]:
 
 
 def _of_frames(
-    path: Path, contents: Contents, *, whole: FileFrames | None, progress: Progress | None
+    path: Path, contents: Contents, *, whole: FileFrames | None, progress: Progress | None, rig: Rig | None
 ) -> Iterator[Finding]:
     """Stream all stacks and complain about their values."""
     for field in (layout.FRAMES, layout.REFERENCE_LOW, layout.REFERENCE_HIGH):
@@ -159,6 +165,8 @@ def _of_frames(
             yield cause.finding if isinstance(cause, Complaint) else wrong
             continue
         yield from _of_survey(seen, field, bit_depth=bit_depth)
+        if field is layout.FRAMES and not seen.dead_frames.size:
+            yield from check_signal(contents, seen.tiles_dn, rig)
     yield from _of_reference(path, contents)
 
 

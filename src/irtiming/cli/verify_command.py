@@ -11,16 +11,20 @@ from rich.markup import escape
 from rich.table import Table
 
 from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.rig_file import read_rig
 from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
 from irtiming.cli.screen import say
 from irtiming.records.finding import Finding
 
-_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
+_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "doubt": "bold yellow", "error": "bold red"}
 
 
 def verify(
     files: Annotated[list[Path], typer.Argument(help="Recordings to check.", metavar="FILE...")],
+    rig: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="rig.toml: what the frames show is held against it.")
+    ] = None,
     json: Annotated[Path | None, typer.Option("--json", help="Write all findings there.", metavar="OUT")] = None,
 ) -> None:
     """Check recordings and list everything that is wrong with them, with its cure.
@@ -30,10 +34,11 @@ def verify(
     screen = Console()
     if json is not None:
         require_place(json, besides=files)
+    stated = None if rig is None else read_rig(rig)
     results: dict[Path, list[Finding]] = {}
     for path in files:
         with shown("frames") as told:
-            results[path] = verify_file(path, progress=partial(told, escape(path.name)))
+            results[path] = verify_file(path, progress=partial(told, escape(path.name)), rig=stated)
         _show(path, results[path], screen=screen)
     failed = [path for path, findings in results.items() if _has_error(findings)]
     if json is not None:
