@@ -86,11 +86,13 @@ def _triggers_without_frames(contents: "Contents") -> Iterator[Finding]:
     cure = "the camera cannot follow, or the line carries more than triggers: lower the frame rate, check line and polarity"
     if numbers is None:
         what += ", and no frame_number says which made a frame: frames may be given wrong triggers"
-        yield Finding(
-            code="triggers-outnumber-frames", severity="doubt", where=layout.CAMERA_TRIGGER.path, what=what, cure=cure
-        )
-    else:
-        yield warning_at(layout.CAMERA_TRIGGER.path, what, code="triggers-outnumber-frames", cure=cure)
+    yield Finding(
+        code="triggers-outnumber-frames",
+        severity="doubt" if numbers is None else "warning",
+        where=layout.CAMERA_TRIGGER.path,
+        what=what,
+        cure=cure,
+    )
 
 
 def _camera_clock(contents: "Contents") -> Iterator[Finding]:
@@ -114,8 +116,12 @@ def _camera_clock(contents: "Contents") -> Iterator[Finding]:
         return
     rate, u = 1e6 * found.relative_rate.value, 1e6 * found.relative_rate.standard_uncertainty
     what = f"the camera's clock runs {rate:+.3f} ppm (u = {u:.2g} ppm) against the trigger generator's"
-    if abs(found.relative_rate.value) > _CRYSTALS + 4 * found.relative_rate.standard_uncertainty:
-        cure = "two crystals agree better: check timestamp_frequency and clock_frequency, and that triggers make the frames"
-        yield warning_at(layout.FRAME_TIMESTAMP.path, what, code="camera-clock-rate", cure=cure)
-    else:
-        yield Finding(code="camera-clock-rate", severity="info", where=layout.FRAME_TIMESTAMP.path, what=what)
+    is_off = abs(found.relative_rate.value) > _CRYSTALS + 4 * found.relative_rate.standard_uncertainty
+    cure = "two crystals agree better: check timestamp_frequency and clock_frequency, and that triggers make the frames"
+    yield Finding(
+        code="camera-clock-rate",
+        severity="warning" if is_off else "info",
+        where=layout.FRAME_TIMESTAMP.path,
+        what=what,
+        cure=cure if is_off else "",
+    )

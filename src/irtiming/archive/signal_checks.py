@@ -24,7 +24,7 @@ _LEAST_TURN_RAD = 0.05
 """From tile to tile, of an angle that goes round twice a turn: less is an axle forty tiles away, or no picture of a wheel."""
 
 
-def check_signal(contents: "Contents", tiles_dn: "Array", rig: Rig | None) -> Iterator[Finding]:
+def check_signal(contents: "Contents", tiles_dn: "Array", *, rig: Rig | None) -> Iterator[Finding]:
     """Findings about the light that the frames saw; none where frames or edges are too few to tell.
 
     Parameters

@@ -166,7 +166,7 @@ def _of_frames(
             continue
         yield from _of_survey(seen, field, bit_depth=bit_depth)
         if field is layout.FRAMES and not seen.dead_frames.size:
-            yield from check_signal(contents, seen.tiles_dn, rig)
+            yield from check_signal(contents, seen.tiles_dn, rig=rig)
     yield from _of_reference(path, contents)
 
 
