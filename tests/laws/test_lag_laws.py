@@ -40,6 +40,7 @@ def _rows(draw):
         row_harmonics=light[:, 0] + 1j * light[:, 1],
         row_px=np.array(draw(st.lists(st.integers(0, 500), min_size=3, max_size=3, unique=True))),
         angular_frequency_rad_per_s=TURN * draw(st.floats(0.5, 50)),
+        step_rad=draw(st.floats(0.01, 3)),
     )
 
 

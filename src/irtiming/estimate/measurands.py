@@ -13,12 +13,20 @@ import numpy as np
 
 from irtiming.estimate.joint import Joint, Measurand
 from irtiming.estimate.shared_numbers import DELAY, IMAGE
+from irtiming.inference.information import prior
 from irtiming.physics.covariance import inverse
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution
 
 WINDOW, LAG, ROW_DELAY = "integration_time", "time_constant", "row_delay"
+MEMORIES = ("recursive_filter", "pixel_memory")
+"""Shares of the frame before, by name: of a camera that lags, and of one with a window."""
+
+MEMORY = "share of the frame before in each frame"
+"""Source of a budget: what not knowing that share adds."""
+
+_TOLD = 1e-7  # standard uncertainty of a share that counts as known: thousands of times less than frames tell
 _FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
 _SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter is not told from none
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -73,6 +81,7 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         Measurand(name="trigger_delay_rising", weights={DELAY: 1.0}, forgotten=_FALLING),
     ]
     base += [Measurand(name=name, weights={name: 1.0}) for name in (WINDOW, ROW_DELAY) if name in joint.names]
+    base += _memories(joint)
     found = _with_more(joint.estimate(base), WINDOW, u_beside=window.u_beside_s)
     is_seen = window.is_told and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
     rows = {"exposure_midpoint_delay": {"exposure_midpoint_delay": 1.0}}
@@ -85,6 +94,7 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         rows[WINDOW] = {WINDOW: 1.0}
     if ROW_DELAY in found:
         rows[ROW_DELAY] = {ROW_DELAY: 1.0}
+    rows |= {name: {name: 1.0} for name in MEMORIES if name in found}
     offsets = {name: -half_s for name in rows if name.startswith("trigger_delay")}
     own = {one.name: one for one in base}
     budget = _budget(
@@ -101,7 +111,7 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     profiled = [
         replace(own[next(iter(parts))], name=name, offset=offsets.get(name, 0.0))
         for name, parts in rows.items()
-        if len(parts) == 1
+        if len(parts) == 1 and name not in MEMORIES
     ]
     return Reported(
         estimate=mixed(found, rows, offsets=offsets),
@@ -129,16 +139,22 @@ def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float)
     measurands = [Measurand(name="trigger_delay", weights={DELAY: 1.0}), Measurand(name=LAG, weights=mean)]
     if ROW_DELAY in joint.names:
         measurands.append(Measurand(name=ROW_DELAY, weights={ROW_DELAY: 1.0}))
+    measurands += _memories(joint)
     found = joint.estimate(measurands)
     budget = _budget(joint, {one.name: one for one in measurands}, degrees_of_freedom=degrees_of_freedom)
     keep, bounds, findings = _determined(found)
     return Reported(
         estimate=found.pick(*keep),
         budget=budget,
-        profiled=tuple(one for one in measurands if one.name in keep),
+        profiled=tuple(one for one in measurands if one.name in keep and one.name not in MEMORIES),
         bounds=bounds,
         findings=findings,
     )
+
+
+def _memories(joint: Joint) -> list[Measurand]:
+    """What frames keep of those before, as measurands."""
+    return [Measurand(name=name, unit="1", weights={name: 1.0}) for name in MEMORIES if name in joint.names]
 
 
 def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[str, float] | None = None) -> Estimate:
@@ -156,7 +172,7 @@ def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[s
     mix = np.array([[weights.get(name, 0.0) for name in found.names] for weights in rows.values()])
     return Estimate(
         names=tuple(rows),
-        units=("s",) * len(rows),
+        units=tuple(found.units[found.names.index(next(iter(weights)))] for weights in rows.values()),
         values=mix @ found.values + np.array([(offsets or {}).get(name, 0.0) for name in rows]),
         covariance=mix @ found.covariance @ mix.T,
     )
@@ -189,10 +205,10 @@ def _budget(
     joint: Joint, measurands: Mapping[str, Measurand], *, degrees_of_freedom: float
 ) -> tuple[Contribution, ...]:
     """What each source adds to the uncertainty of each parameter."""
-    whole = joint.combined()
+    whole, known = joint.combined(), _with_known_memory(joint)
     kinds = {part.source: part.kind for part in whole.parts}
-    shares = {name: joint.combined(one.forgotten).shares(one.weights) for name, one in measurands.items()}
-    return tuple(
+    shares = {name: known.combined(one.forgotten).shares(one.weights) for name, one in measurands.items()}
+    lines = tuple(
         Contribution(
             source=source,
             kind=kind,
@@ -201,6 +217,26 @@ def _budget(
         )
         for source, kind in kinds.items()
     )
+    if known is joint:
+        return lines
+    beside = {
+        name: sum(joint.combined(one.forgotten).shares(one.weights).values()) - sum(shares[name][s] for s in kinds)
+        for name, one in measurands.items()
+    }
+    return (*lines, Contribution(
+        source=MEMORY, kind="A", degrees_of_freedom=degrees_of_freedom,
+        standard_uncertainty={name: float(np.sqrt(max(0.0, size))) for name, size in beside.items()},
+    ))  # fmt: skip
+
+
+def _with_known_memory(joint: Joint) -> Joint:
+    """The same as if somebody had told the shares of the frame before; itself where nothing was free.
+
+    What they add to a variance then is the difference: the square of what one unit of the share does, times its variance.
+    """
+    free = [one.name for one in joint.shared if one.name in MEMORIES and one.u is None]
+    told = tuple(prior(name, _TOLD, source=MEMORY, kind="A", gap=0.0) for name in free)
+    return replace(joint, priors=(*joint.priors, *told)) if free else joint
 
 
 def _window_findings(found: Estimate, window: Window) -> tuple[Finding, ...]:
@@ -248,7 +284,7 @@ def _determined(found: Estimate) -> tuple[tuple[str, ...], tuple[Bound, ...], tu
         f"between {1e3 * (delay - 2 * u_delay):.3g} and {1e3 * (delay + 2 * u_delay):.3g} ms",
         cure="record longer or with more contrast",
     )
-    return tuple(name for name in found.names if name == ROW_DELAY), bounds, (doubt,)
+    return tuple(name for name in found.names if name in (ROW_DELAY, *MEMORIES)), bounds, (doubt,)
 
 
 def edge_angles(joint: Joint, angular_frequency_rad_per_s: float) -> tuple[Measurand, ...]:

@@ -49,8 +49,8 @@ class FittedRows:
     @property
     def likelihoods(self) -> tuple[Callable[[Timing], Linearised], ...]:
         """How well any numbers fit each recording."""
-        both = zip(self.recordings, self.lights, strict=True)
-        return tuple(row_fit.likelihood(one, self.bare, light=light) for one, light in both)
+        every = zip(self.recordings, self.lights, self.fits, strict=True)
+        return tuple(row_fit.likelihood(one, self.bare, light=light, undone=fit.undone) for one, light, fit in every)
 
 
 def rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:

@@ -6,27 +6,30 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate import harmonic_data, row_timing
+from irtiming.estimate import frame_steps, harmonic_data, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
-from irtiming.estimate.row_residuals import robust_covariance
+from irtiming.estimate.row_residuals import robust_covariance, widened_in_time
 from irtiming.estimate.row_timing import Solution
+from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
-from irtiming.physics.response import integration_window
+from irtiming.physics.response import in_camera_filter, integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.result import LEAST_WHITENESS
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
+_SEEN = 3.0  # standard uncertainties of a recursive filter from which frames are rid of it before they are fitted
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
@@ -35,9 +38,11 @@ _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say 
 class _Task:
     """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model.
 
+    ``kept`` (n_kept,) are the frames of the recording that take part.
     ``stated`` is what the recording says of the model's numbers, ``signs`` which way the contrast goes.
     """
 
+    kept: Mask
     angle: Array
     sums: Array
     stretches: list[Mask]
@@ -89,13 +94,13 @@ def with_shape_effect(
         Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
     """
     with one_thread():
-        task = _task(rows, wheel, light)
+        task = _task(rows, wheel, light, undone=found.undone)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
         return replace(found, shape_effect=_shape_effect(task, at, changes))
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
-    task = _task(rows, wheel, light)
+    task = _task(rows, wheel, light, undone=_to_undo(start))
     found, held = _solved(task, start)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
@@ -104,18 +109,23 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     residual, fraction = _residuals(task, found, model)
     scores = _scores(task, found, residual=residual, waves=waves)
     covariance, widening = robust_covariance(scores[np.argsort(np.mod(task.angle, TURN))], found.normal)
-    mass = light.harmonics[:, 0].real
+    mass, noise = light.harmonics[:, 0].real, np.std(fraction - model, axis=0)
+    if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
+        covariance = widened_in_time(covariance, scores, normal=found.normal)
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
         estimate=Estimate(
             names=names,
-            units=("s",) * len(names),
+            units=tuple(map(task.model.camera.unit, names)),
             values=np.array([found.timing[name] for name in names]),
             covariance=covariance,
         ),
         held=held,
+        step_rad=task.model.step_rad,
+        undone=task.model.undone,
+        kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
         shape_names=SHAPE_NUMBERS,
@@ -125,7 +135,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         fraction=fraction / mass,
         model=model / mass,
         residual=(fraction - model) / mass,
-        noise=np.std((fraction - model) / mass, axis=0),
+        noise=noise / mass,
         harmonics=whole / mass[:, None],
         gain_dn=found.gain.mean(axis=0) * mass,
         widening=widening,
@@ -151,28 +161,47 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     return replace(again, began=found.began, n_steps=found.n_steps + again.n_steps), held
 
 
-def likelihood(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight) -> Callable[[Timing], Linearised]:
+def likelihood(
+    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, undone: float = 0.0
+) -> Callable[[Timing], Linearised]:
     """How well any numbers fit one recording, as few residuals with derivatives in the order of the model's names.
 
-    Parameters as for `fit`.
+    Parameters as for `fit`; ``undone`` is the share of the recursion that the frames are rid of before.
     """
-    task = _task(rows, wheel, light)
+    task = _task(rows, wheel, light, undone=undone)
     return lambda timing: row_timing.likelihood(task.data, task.model, timing=timing)
 
 
-def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight) -> _Task:
+def _to_undo(start: RowTimingFit | None) -> float:
+    """Share of a recursive filter that an earlier fit has found beyond doubt."""
+    name = in_camera_filter.PARAMETER
+    if start is None or name not in start.estimate:
+        return 0.0 if start is None else start.held.get(name, 0.0)
+    share, u = start.estimate.value(name), start.estimate.u(name)
+    return share if share > _SEEN * u else 0.0
+
+
+def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, undone: float) -> _Task:
     angle = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks, set_s=rows.trigger_delay_time_set_s)
     sums = rows.row_sums.row_sum_dn[:, light.is_lit]
-    stretches = [np.asarray(rows.segment == number) for number in np.unique(rows.segment)]
+    kept = np.ones(angle.size, bool)
+    if undone:
+        kept = frame_steps.follows(rows)
+        angle, sums = angle[kept], in_camera_filter.undone(sums, undone, follows=kept)
+    segment = rows.segment[kept]
+    stretches = [np.asarray(segment == number) for number in np.unique(segment)]
     model = RowSum(
         camera=camera(rows.camera_type, rows.readout_mode),
         open_harmonics=wheel_harmonics.open_harmonics(wheel, light.harmonics.shape[1] - 1),
         row_harmonics=light.harmonics,
         row_px=light.row_px.astype(float),
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
+        step_rad=frame_steps.step_rad(rows),
+        undone=undone,
     )
     window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
+        kept=kept,
         angle=angle,
         sums=sums,
         stretches=stretches,

@@ -34,3 +34,19 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
     stretch = np.sqrt(np.maximum(1.0, 1 / np.maximum(ratio, 1e-3)))
     found = found * np.outer(stretch, stretch)
     return found, max(1.0, float(np.mean(ratio)))
+
+
+def widened_in_time(covariance: Array, scores: Array, *, normal: Array) -> Array:
+    """The covariance, no smaller than what frames say that hang together in the order of the triggers.
+
+    Parameters
+    ----------
+    covariance
+        Shape (k, k); as known so far.
+    scores, normal
+        As for `robust_covariance`, frames in the order of their triggers.
+    """
+    middle = of_correlated_scores(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=False)
+    white = np.linalg.inv(normal)
+    stretch = np.sqrt(np.maximum(1.0, np.diag(white @ middle @ white) / np.diag(covariance)))
+    return np.asarray(covariance * np.outer(stretch, stretch))

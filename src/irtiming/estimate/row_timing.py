@@ -92,7 +92,7 @@ def solve(
 
 
 def uncertainty(data: Sequence[HarmonicData], model: RowSum, *, timing: Timing, name: str) -> float:
-    """Standard uncertainty of one number at a minimum in the others, s, were residuals white; infinite where nothing tells it."""
+    """Standard uncertainty of one number at a minimum in the others, were residuals white; infinite where nothing tells it."""
     normal, k = _project(data, model, timing).normal, model.names.index(name)
     others = np.delete(np.arange(len(normal)), k)
     apart = normal[k, others] @ np.linalg.solve(normal[np.ix_(others, others)], normal[others, k])
@@ -166,7 +166,7 @@ def _project(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> _Pr
 
 
 def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...], held: Timing) -> Timing:
-    """Start values: for each of some responses the delay and row delay by the phases of the rows' second harmonic.
+    """Start values: for each of some responses and memories the delay and row delay by the phases of the rows' second harmonic.
 
     The wheel looks the same after half a turn, so the middle row is taken to be read at most a fifth of that before the trigger
     and four fifths after it.
@@ -174,6 +174,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
     every = slice(None, None, max(1, model.row_px.size // _SEARCHED_ROWS))
     model, data = model.some_rows(every), [part.some_rows(every) for part in data]
     omega, response = model.angular_frequency_rad_per_s, model.camera.response.PARAMETER
+    memory = model.camera.memory
     part = max(data, key=lambda one: one.n_frames)
     most = (part.gram.shape[0] - 1) // 2
     amplitude = np.linalg.solve(part.gram[1:, 1:] + 1e-9 * np.trace(part.gram) * np.eye(2 * most), part.moment[:, 1:].T)
@@ -183,8 +184,10 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
             "the row sums do not change with the wheel; check the recording and its region of interest"
         )
     tried = [held[response]] if response in held else (2 / omega * _RESPONSE_TURNS).tolist()
+    shares = [held[memory.PARAMETER]] if memory.PARAMETER in held else memory.LOOKED_AT
     trials = [
-        _by_phases(seen, model, sign=sign, held={response: value})
+        _by_phases(seen, model, sign=sign, held={response: value, memory.PARAMETER: share})
+        for share in shares
         for value in tried
         for sign in signs  # the other one is half a period of the second harmonic later
     ]

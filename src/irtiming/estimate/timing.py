@@ -10,6 +10,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import (
     by_blackbody,
     doubts,
+    frame_memory,
     joint,
     measurands,
     own_noise,
@@ -280,6 +281,7 @@ def of_row_fits(
     effective = _effective(found, fits, blackbodies=blackbodies, constants=constants)
     findings = (
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
+        *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
         *doubts.of_row_fits(fits, sectors[0]), *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective),
         *doubts.of_joint(record),
     )  # fmt: skip
@@ -315,7 +317,11 @@ def _of_camera(
     """
     names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
     several = len(blackbodies) > 1 and LAG in names
-    found = [shared_numbers.same(name, fits, start=first.timing[name]) for name in names if name != LAG or not several]
+    found = [
+        shared_numbers.same(name, fits, start=first.timing[name], unit="1" if name in measurands.MEMORIES else "s")
+        for name in names
+        if name != LAG or not several
+    ]
     if not several:
         return found
     sense = dict(zip(EDGE_DELAYS, (-1.0, 1.0, -1.0, 1.0), strict=True))
@@ -329,7 +335,7 @@ def _of_camera(
 def _record(
     found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
-    own = [one for one in found.shared if one.unit != "1"]
+    own = [one for one in found.shared if one.unit != "1" or one.name in measurands.MEMORIES]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
     every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(

@@ -1,4 +1,4 @@
-"""A camera is a response times a readout; nothing but its type and its readout mode chooses them.
+"""A camera is a response times a memory times a readout; nothing but its type and its readout mode chooses them.
 
 ================  ==========================================  ==============================================
                   snapshot (all rows at once)                 rolling (eq. 3)
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol, final
 
 from irtiming.physics.readout import rolling, snapshot
-from irtiming.physics.response import first_order_lag, integration_window
+from irtiming.physics.response import first_order_lag, in_camera_filter, integration_window, pixel_memory
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.recording import CameraType, ReadoutMode
 
@@ -35,6 +35,26 @@ class Response(Protocol):
         ...
 
 
+class Memory(Protocol):
+    """What frames keep of those before: a factor on each harmonic of the wheel angle, with one share as parameter.
+
+    ``LOOKED_AT`` are shares from which a search begins. One that ``IS_RECURSIVE`` can be undone between two frames that followed
+    each other (`in_camera_filter.undone`).
+    """
+
+    PARAMETER: str
+    IS_RECURSIVE: bool
+    LOOKED_AT: tuple[float, ...]
+
+    def transfer(self, step_rad: float, share: float, /, *, n_harmonics: int) -> ComplexArray:
+        """Factors, shape (M + 1,), where the wheel turns by ``step_rad`` from frame to frame."""
+        ...
+
+    def transfer_slope(self, step_rad: float, share: float, /, *, n_harmonics: int) -> ComplexArray:
+        """Their derivatives to the share, shape (M + 1,)."""
+        ...
+
+
 class Readout(Protocol):
     """When each row is read: a delay that is linear in its parameters, s."""
 
@@ -48,10 +68,15 @@ class Readout(Protocol):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """How it responds and how it is read."""
+    """How it responds, what its frames keep of those before, and how it is read."""
 
     response: Response
+    memory: Memory
     readout: Readout
+
+    def unit(self, parameter: str) -> str:
+        """Of a parameter of a row sum: a share has none, all others are times."""
+        return "1" if parameter == self.memory.PARAMETER else "s"
 
     @property
     def n_harmonics(self) -> int:
@@ -60,9 +85,10 @@ class Camera:
 
 
 _RESPONSES: dict[CameraType, Response] = {"photon": integration_window, "microbolometer": first_order_lag}
+_MEMORIES: dict[CameraType, Memory] = {"photon": pixel_memory, "microbolometer": in_camera_filter}
 _READOUTS: dict[ReadoutMode, Readout] = {"snapshot": snapshot, "rolling": rolling}
 
 
 def camera(camera_type: CameraType, readout_mode: ReadoutMode) -> Camera:
     """The camera of this type and readout mode."""
-    return Camera(response=_RESPONSES[camera_type], readout=_READOUTS[readout_mode])
+    return Camera(response=_RESPONSES[camera_type], memory=_MEMORIES[camera_type], readout=_READOUTS[readout_mode])

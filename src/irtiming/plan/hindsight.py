@@ -109,7 +109,8 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
         Sizes of the angle errors.
     """
     fits, sector = [fit for fit in analysis.fits if isinstance(fit, RowTimingFit)], analysis.sectors[0]
-    n_harmonics = camera(analysis.camera_type, analysis.readout_mode).response.HARMONICS
+    camera_model = camera(analysis.camera_type, analysis.readout_mode)
+    n_harmonics = camera_model.response.HARMONICS
     rows = rolling_information.rows_of(sector.shape, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector.shape)
     noises = [_pixel_noise(fit, rows) for fit in fits]
@@ -119,7 +120,8 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
             rows=rows,
             angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
             n_frames=fit.wheel_angle_rad.size,
-            knows_response=all(one.held for one in fits),
+            step_rad=fit.step_rad,
+            knows_response=all(camera_model.response.PARAMETER in one.held for one in fits),
         )
         for fit, noise in zip(fits, noises, strict=True)
     ]
@@ -130,7 +132,8 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
         )
         for run in runs
     ]
-    weights = {name: {name: 1.0} for name in rolling_information.timing_names(runs[0])}
+    names = rolling_information.timing_names(runs[0])
+    weights = {name: {name: 1.0} for name in names if name != camera_model.memory.PARAMETER}
     if analysis.camera_type == "photon":
         weights |= _window(analysis, weights)
     try:

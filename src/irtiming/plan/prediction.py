@@ -141,6 +141,7 @@ def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Told]:
             rows=rows,
             angular_frequency_rad_per_s=TURN * setting.clock_frequency_hz / scheme.turn_period_ticks,
             n_frames=scheme.samples_per_turn,
+            step_rad=TURN * scheme.camera_period_ticks / scheme.turn_period_ticks,
             knows_response=camera.camera_type == "photon" and setting.structure is photon_information.KNOWN_WINDOW,
         )
         return rolling_information.one_run(

@@ -120,7 +120,7 @@ def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int) -> ComplexArra
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RollingRun:
-    """One run: the camera, its rows in the light, the wheel's speed and the number of frames.
+    """One run: the camera, its rows in the light, the wheel's speed, the number of frames, and the wheel's step between them.
 
     With ``knows_response`` the camera's integration time or time constant counts as exact.
     """
@@ -129,6 +129,7 @@ class RollingRun:
     rows: Rows
     angular_frequency_rad_per_s: float
     n_frames: int
+    step_rad: float
     knows_response: bool = False
 
 
@@ -176,9 +177,9 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
 
 
 def timing_names(run: RollingRun) -> tuple[str, ...]:
-    """What a run tells of its camera: the trigger delay, what the response and the readout have."""
-    response, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
-    return ("trigger_delay", *([] if run.knows_response else [response]), *readout)
+    """What a run tells of its camera: the trigger delay, what response, memory and readout have."""
+    response, memory, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
+    return ("trigger_delay", *([] if run.knows_response else [response]), memory, *readout)
 
 
 def _timing_design(run: RollingRun) -> Array:
@@ -231,8 +232,13 @@ def _row_sums(run: RollingRun, model: WheelModel) -> tuple[RowSum, Timing]:
         row_harmonics=run.rows.harmonics,
         row_px=run.rows.row_px,
         angular_frequency_rad_per_s=run.angular_frequency_rad_per_s,
+        step_rad=run.step_rad,
     )
-    own = {rows.camera.response.PARAMETER: _response_s(run.camera), "row_delay": run.camera.row_delay_s or 0.0}
+    own = {
+        rows.camera.memory.PARAMETER: 0.0,
+        rows.camera.response.PARAMETER: _response_s(run.camera),
+        "row_delay": run.camera.row_delay_s or 0.0,
+    }
     return rows, dict.fromkeys(row_sum.EDGE_DELAYS, 0.0) | own
 
 

@@ -139,9 +139,16 @@ class RowTimingFit:
     estimate
         What was fitted, by name: ``edge_delay_0`` to ``edge_delay_3``, delay of row 0 as the passing of each wheel edge gives it,
         set delay taken off; ``time_constant`` of a lagging camera or ``integration_time`` of one with a window, whose middle the
-        delays are then counted to; ``row_delay`` of a rolling one. Covariance from the residuals.
+        delays are then counted to; ``recursive_filter`` or ``pixel_memory``, the share of the frame before; ``row_delay`` of a
+        rolling one. Covariance from the residuals.
     held
         Numbers that were not fitted: an integration time of which the frames say less than the recording does.
+    step_rad
+        Angle by which the wheel turns from trigger to trigger.
+    undone
+        Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
+    kept
+        Shape (n_kept,); which of the recording's kept frames were fitted: all, or those whose predecessor is known as well.
     start
         Where the search began, by name.
     n_steps
@@ -172,6 +179,9 @@ class RowTimingFit:
     angular_frequency_rad_per_s: float
     estimate: Estimate
     held: Mapping[str, float]
+    step_rad: float
+    undone: float
+    kept: Mask
     start: Mapping[str, float]
     n_steps: int
     shape_names: tuple[str, ...]

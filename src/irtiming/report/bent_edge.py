@@ -3,6 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from irtiming.physics.wheel import TURN
+from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.row_timing import RowTimingFit
@@ -25,7 +27,11 @@ def draw(axes: Axes, analysis: Analysis, *, marked: dict[int, str]) -> None:
     if recording.rows is None or not isinstance(fit, RowTimingFit):
         return
     place = recording.rows.edge_frame
-    angle, frame = float(fit.wheel_angle_rad[place]), recording.rows.edge_frame_dn
+    at = recording.trigger_ticks[place : place + 1]
+    angle = float(
+        np.mod(wheel_angle_rad(0.0, recording.track, at_ticks=at, set_s=recording.trigger_delay_time_set_s)[0], TURN)
+    )
+    frame = recording.rows.edge_frame_dn
     row0, row1, column0, column1 = recording.opening.roi
     low, high = (float(v) for v in np.quantile(frame[row0:row1, column0:column1], [0.01, 0.99]))
     axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")

@@ -8,7 +8,7 @@ from typing import final
 import GTC
 
 from irtiming.records.result import Contribution, Result
-from irtiming.report.rounding import uncertainty_text
+from irtiming.report.rounding import significant, uncertainty_text
 
 COVERAGE_PERCENT = 95.45
 """Probability with which value ± U holds the measurand: that of two standard deviations of a normal distribution."""
@@ -118,10 +118,10 @@ def _line(part: Contribution, u: float) -> Line:
     return Line(source=part.source, kind=part.kind, standard_uncertainty=u, degrees_of_freedom=part.degrees_of_freedom)
 
 
-def expanded_text(u_s: float, degrees_of_freedom: float) -> tuple[str, str]:
-    """Expanded uncertainty and its k as text: ``("60 µs", "2.00")``."""
+def expanded_text(u: float, degrees_of_freedom: float, *, unit: str = "s") -> tuple[str, str]:
+    """Expanded uncertainty, of a time or of a share, and its k as text: ``("60 µs", "2.00")``."""
     k = coverage_factor(degrees_of_freedom)
-    return uncertainty_text(k * u_s), f"{k:.2f}"
+    return uncertainty_text(k * u) if unit == "s" else f"{significant(100 * k * u)} %", f"{k:.2f}"
 
 
 def freedom_text(degrees_of_freedom: float) -> str:

@@ -10,10 +10,13 @@ from irtiming.report.rounding import time_unit
 SIGN = "positive: after the trigger edge that the camera accepts"
 RELATIVE_SIGN = "positive: later"
 METHOD_NAMES = {"pixel-sum": "pixel sums", "row-sum": "row sums", "published": "as published (Schatz 2023)"}
-SYMBOLS = {"trigger_delay": "t_delay", "time_constant": "τ", "row_delay": "t_row", "integration_time": "T"}
+SYMBOLS = {"trigger_delay": "t_delay", "time_constant": "τ", "row_delay": "t_row", "integration_time": "T",
+           "recursive_filter": "k", "pixel_memory": "s"}  # fmt: skip
 _SIGNS = {
     "integration_time": None,
     "time_constant": "never negative",
+    "recursive_filter": None,
+    "pixel_memory": None,
     "row_delay": "positive: rows are read from the top down; negative: from the bottom up",
 }
 _EVENTS = {  # by response: a window integrates (eq. 1), a lagging pixel is read (eq. 2)
@@ -23,11 +26,13 @@ _EVENTS = {  # by response: a window integrates (eq. 1), a lagging pixel is read
         "trigger_delay_falling": "start of integration{row}, falling slopes only",
         "trigger_delay_rising": "start of integration{row}, rising slopes only",
         "integration_time": "length of the integration window",
+        "pixel_memory": "share of the frame before that a pixel keeps",
         "row_delay": "from the integration of one image row to that of the row below it",
     },
     "microbolometer": {
         "trigger_delay": "reading of {image}",
         "time_constant": "63 % response of a pixel to a step of the scene",
+        "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
         "row_delay": "from the reading of one image row to that of the row below it",
     },
 }
@@ -102,6 +107,11 @@ def relative_event(analysis: Analysis) -> str:
     """What relative delays count from and to."""
     first = event("trigger_delay", analysis).removeprefix("start of ")
     return f"{first}, counted from that of the smallest set delay"
+
+
+def unit_of(name: str, result: Result) -> str:
+    """Of a determined parameter: "s", or "1" of a share."""
+    return result.estimate.units[result.estimate.names.index(name)]
 
 
 def words(name: str) -> str:

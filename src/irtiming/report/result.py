@@ -20,6 +20,7 @@ from irtiming.report.meanings import (
     headline,
     meaning,
     relative_event,
+    unit_of,
 )
 from irtiming.report.sections.inputs import versions
 from irtiming.report.sections.parameters import entries
@@ -105,7 +106,7 @@ def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
         ],
         "last_row_read": _last_row(analysis, chosen),
         "budget": _of_delay(chosen) if has_pixel_sums(analysis) else _by_parameter(chosen, headline(analysis, chosen)),
-        "contributions": _by_parameter(chosen, chosen.estimate.names),
+        "contributions": _by_parameter(chosen, _times(chosen)),
         "edge_delays": _edge_delays(analysis, chosen),
     }
 
@@ -117,7 +118,7 @@ def _parameter(analysis: Analysis, chosen: Result, *, name: str) -> dict[str, An
         "value": value,
         "standard_uncertainty": u,
         **budget.expanded_numbers(u, budget.of(chosen, name).degrees_of_freedom),
-        "unit": "s",
+        "unit": unit_of(name, chosen),
         "reference_event": means.event,
         "sign": means.sign,
     }
@@ -151,6 +152,11 @@ def _of_delay(chosen: Result) -> list[dict[str, Any]]:
         }
         for line in budget.of(chosen, delay_name(chosen)).lines
     ]
+
+
+def _times(chosen: Result) -> tuple[str, ...]:
+    """Parameters that are times."""
+    return tuple(name for name in chosen.estimate.names if unit_of(name, chosen) == "s")
 
 
 def _by_parameter(chosen: Result, names: tuple[str, ...]) -> list[dict[str, Any]]:

@@ -51,6 +51,16 @@ def time_text(value_s: float, u_s: float | None = None) -> str:
     return f"{fixed(value_s / factor, decimals)} ± {fixed(u_s / factor, decimals)} {unit}"
 
 
+def value_text(value: float, u: float | None = None, *, unit: str = "s") -> str:
+    """A number with its standard uncertainty: a time as `time_text` gives it, a share in per cent."""
+    if unit == "s":
+        return time_text(value, u)
+    if u is None or not isfinite(u) or u <= 0:
+        return f"{100 * value:.6g} %".replace("-", _MINUS)
+    decimals = places(100 * u)
+    return f"{fixed(100 * value, decimals)} ± {fixed(100 * u, decimals)} %"
+
+
 def uncertainty_text(u_s: float) -> str:
     """An uncertainty alone, two digits and unit, in µs down to 10 ns: ``"31 µs"``, ``"0.47 µs"``; a dash for none."""
     if not isfinite(u_s) or u_s <= 0:

@@ -24,7 +24,7 @@ def camera(brute_bolometer):
 
 @pytest.fixture(scope="module")
 def truth(camera):
-    return np.array([*camera.edge_delay_s, camera.time_constant_s, camera.row_delay_s])
+    return np.array([*camera.edge_delay_s, camera.time_constant_s, 0.0, camera.row_delay_s])
 
 
 @pytest.fixture(scope="module")
@@ -64,10 +64,10 @@ def _white(size_dn):
 
 @pytest.mark.parametrize("contrast_dn", [-600.0, 700.0])
 def test_what_made_the_frames_comes_back(camera, truth, light, brute_rows, contrast_dn):
-    """Oracle: the camera's numbers, before a cold and a warm blackbody; points and harmonics leave 1.5 us and 30 ns."""
+    """Oracle: the camera's numbers, before a cold and a warm blackbody; points and harmonics leave 2.5 us and 30 ns."""
     fit = row_fit.fit(brute_rows(camera, contrast_dn=contrast_dn), camera.model, light=light)
-    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=1.5e-6)
-    assert fit.row_delay_s == pytest.approx(truth[5], abs=4e-8)
+    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=2.5e-6)
+    assert fit.row_delay_s == pytest.approx(truth[6], abs=4e-8)
     np.testing.assert_allclose(fit.gain_dn, contrast_dn * light.harmonics[:, 0].real, rtol=2e-3)
     assert fit.noise.max() < 1e-3
 
@@ -109,14 +109,14 @@ def test_set_delay_is_taken_off(camera, truth, light, brute_rows):
     """Oracle: the camera's delay; the same frames as if triggered 20 ms earlier and 20 ms set."""
     rows = brute_rows(camera, set_s=0.02)
     assert row_fit.fit(rows, camera.model, light=light).trigger_delay_time_set_s == 0.02
-    np.testing.assert_allclose(_six(row_fit.fit(rows, camera.model, light=light))[:4], truth[:4], atol=1.5e-6)
+    np.testing.assert_allclose(_six(row_fit.fit(rows, camera.model, light=light))[:4], truth[:4], atol=2.5e-6)
 
 
 def test_a_shift_of_the_delay_is_a_shift_of_the_gate(camera, exact, light):
     """Oracle: the gate moved by omega times 1 ms; everything else stays."""
     moved = replace(camera.model, gate_angle_rad=camera.model.gate_angle_rad + camera.omega * 1e-3)
     one, other = (_six(row_fit.fit(exact, model, light=light)) for model in (camera.model, moved))
-    np.testing.assert_allclose(other, one - np.array([1e-3] * 4 + [0, 0]), atol=1e-9)
+    np.testing.assert_allclose(other, one - np.array([1e-3] * 4 + [0, 0, 0]), atol=1e-9)
 
 
 def test_stretches_have_offsets_of_their_own(camera, truth, light, brute_rows):
@@ -127,7 +127,7 @@ def test_stretches_have_offsets_of_their_own(camera, truth, light, brute_rows):
         for o in ((0.0, 0.0), (-200.0, 450.0))
     )
     np.testing.assert_allclose(_six(jumped), _six(calm), atol=1e-9)
-    np.testing.assert_allclose(_six(jumped)[:5], truth[:5], atol=1.5e-6)
+    np.testing.assert_allclose(_six(jumped)[:5], truth[:5], atol=2.5e-6)
     np.testing.assert_allclose(jumped.residual, calm.residual, atol=1e-9)
 
 
@@ -136,7 +136,7 @@ def test_lost_frames_leave_no_gap(camera, truth, light, brute_rows):
     rng = np.random.default_rng(2)
     keep = np.delete(np.arange(400), np.concatenate([np.arange(60, 120), 150 + rng.choice(250, 40, replace=False)]))
     fit = row_fit.fit(brute_rows(camera, keep=keep), camera.model, light=light)
-    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=1.5e-6)
+    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=2.5e-6)
     assert fit.residual.shape[0] == 300
 
 
@@ -248,11 +248,13 @@ def test_every_camera_comes_back(brute_bolometer, brute_rows, sector_of, kind, c
     camera = brute_bolometer(edge_delay_s=(2.31e-3, 2.29e-3, 2.3e-3, 2.32e-3), **OTHERS[kind])
     fit = _fitted(camera, brute_rows, sector_of, contrast_dn=contrast_dn)
     own = {"integration_time": 8e-3} if camera.camera_type == "photon" else {"time_constant": camera.time_constant_s}
+    own |= {"pixel_memory" if camera.camera_type == "photon" else "recursive_filter": 0.0}
     rolling = {"row_delay": camera.row_delay_s} if camera.readout_mode == "rolling" else {}
     assert fit.estimate.names == (*(f"edge_delay_{edge}" for edge in range(4)), *own, *rolling)
     np.testing.assert_allclose(fit.edge_delay_s, camera.edge_delay_s, atol=2e-6)
+    tolerance = {"row_delay": 4e-8, "pixel_memory": 2e-4, "recursive_filter": 2e-4}
     for name, value in (own | rolling).items():
-        assert fit.timing[name] == pytest.approx(value, abs=4e-8 if name == "row_delay" else 2e-5), name
+        assert fit.timing[name] == pytest.approx(value, abs=tolerance.get(name, 2e-5)), name
     assert fit.held == {}
 
 

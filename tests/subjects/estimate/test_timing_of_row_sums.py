@@ -18,7 +18,7 @@ from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
-SIX_NAMES = timing_names(camera("microbolometer", "rolling"))
+SIX_NAMES = tuple(name for name in timing_names(camera("microbolometer", "rolling")) if name != "recursive_filter")
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 KNOWN = Finding(code="known", severity="warning", what="told by the geometry")
 SIX = np.array([2.3e-3] * 4 + [6e-3, 60e-6])
@@ -37,7 +37,7 @@ def fits():
         made = []
         for k, six in enumerate(sixes):
             size = u * (1 + 0.2 * k)
-            drawn = np.random.default_rng(k).normal(size=(6, 10))
+            drawn = np.random.default_rng(k).normal(size=(6, len(SHAPE_NUMBERS)))
             made.append(
                 RowTimingFit(
                     name=f"run {k}",
@@ -50,6 +50,9 @@ def fits():
                         covariance=correlation * np.outer(size, size),
                     ),
                     held={},
+                    step_rad=0.622,
+                    undone=0.0,
+                    kept=np.ones(4, bool),
                     start={},
                     shape_names=SHAPE_NUMBERS,
                     shape_effect=effect * drawn * np.array([2e-4] * 4 + [1e-4, 1e-6])[:, None],

@@ -36,7 +36,7 @@ def sector():
 def run(sector):
     """One run of 1000 frames at 5 Hz."""
     rows = rolling_information.rows_of(sector)
-    return RollingRun(camera=CAMERA, rows=rows, angular_frequency_rad_per_s=TURN * 5, n_frames=1000)
+    return RollingRun(camera=CAMERA, rows=rows, angular_frequency_rad_per_s=TURN * 5, n_frames=1000, step_rad=0.622)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def _row(run, y, numbers, shape=None):
     n = light.size - 1
     edges = wheel_harmonics.open_harmonics(MODEL, n)
     waves = sum(
-        edge * wheel_harmonics.later(omega * (delay + numbers[5] * run.rows.row_px[y]), n_harmonics=n)
+        edge * wheel_harmonics.later(omega * (delay + numbers[6] * run.rows.row_px[y]), n_harmonics=n)
         for edge, delay in zip(edges, numbers[:4], strict=True)
     )
     order = np.arange(n + 1) * omega
@@ -59,7 +59,9 @@ def _row(run, y, numbers, shape=None):
         waves = waves * light * np.sinc(order * numbers[4] / TURN)
     else:
         waves = waves * light * first_order_lag.transfer(omega, numbers[4], n_harmonics=n)
-    return wheel_harmonics.at_angles(waves, TURN / 1000 * np.arange(1000))
+    angle, share = TURN / 1000 * np.arange(1000), numbers[5]
+    now, before = (wheel_harmonics.at_angles(waves, angle - late) for late in (0.0, run.step_rad))
+    return (1 - share) * now + share * before
 
 
 @pytest.mark.parametrize("camera", [CAMERA, *OTHERS], ids=lambda c: f"{c.readout_mode} {c.camera_type}")
@@ -67,15 +69,15 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     """Oracle: central differences of each row's 1000 samples; gain and offset of the row taken out by least squares."""
     run, rolls = replace(run, camera=camera), camera.row_delay_s is not None
     response_s = camera.integration_time_s if isinstance(camera, PhotonCamera) else camera.time_constant_s
-    at = np.array([0.0, 0, 0, 0, response_s, camera.row_delay_s or 0.0])
-    steps = np.array([1e-7] * 4 + [1e-7, 1e-9])
-    k = 6 if rolls else 5
+    at = np.array([0.0, 0, 0, 0, response_s, 0.0, camera.row_delay_s or 0.0])
+    steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-9])
+    k = 7 if rolls else 6
     normal, pull = np.zeros((k, k)), np.zeros((k, 9))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
             (_row(run, y, at + step * unit) - _row(run, y, at - step * unit)) / (2 * step)
-            for step, unit in zip(steps[:k], np.eye(6)[:k], strict=True)
+            for step, unit in zip(steps[:k], np.eye(7)[:k], strict=True)
         ]
         columns += [_row(run, y, at, shape=change) for change in run.rows.changes[:, y]]
         own = np.stack([np.ones(1000), _row(run, y, at)], axis=1)
@@ -93,9 +95,9 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
 @pytest.mark.parametrize(
     ("camera", "knows", "names"),
     [
-        (OTHERS[0], False, ("trigger_delay", "time_constant")),
-        (OTHERS[1], False, ("trigger_delay", "integration_time", "row_delay")),
-        (OTHERS[1], True, ("trigger_delay", "row_delay")),
+        (OTHERS[0], False, ("trigger_delay", "time_constant", "recursive_filter")),
+        (OTHERS[1], False, ("trigger_delay", "integration_time", "pixel_memory", "row_delay")),
+        (OTHERS[1], True, ("trigger_delay", "pixel_memory", "row_delay")),
     ],
 )
 def test_a_run_tells_what_its_camera_has(run, image, camera, knows, names):

@@ -1,13 +1,14 @@
 r"""What the sum over one image row sees over the wheel angle, and its derivatives to all that times it.
 
 Row y sees the opening through a weight over polar angle (`physics.blurred_sector`), the wheel covers and uncovers it, the pixels
-respond (`physics.response`), and the row is read in its turn (`physics.readout`). All are factors on the harmonics:
+respond (`physics.response`), frames keep a share of those before, and the row is read in its turn (`physics.readout`). All are
+factors on the harmonics:
 
-.. math:: F_{ym} = \sum_i o_{im}\, K_{ym}\, R_m\, e^{i m \omega (d_i + t_y)}
+.. math:: F_{ym} = \sum_i o_{im}\, K_{ym}\, R_m\, G_m\, e^{i m \omega (d_i + t_y)}
 
-with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`R` the response, :math:`t_y` the time by
-which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges need not stand where the
-ring's do.
+with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`R` the response, :math:`G` the memory over
+that part of it that was undone in the data, :math:`t_y` the time by which the row is read after row 0, and one delay :math:`d_i`
+per wheel edge, because the cutout's edges need not stand where the ring's do.
 """
 
 from collections.abc import Mapping
@@ -24,19 +25,24 @@ EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
 """Delays of row 0 as the passing of each wheel edge gives them."""
 
 Timing: TypeAlias = Mapping[str, float]
-"""Numbers of one camera by name, s: EDGE_DELAYS, the response's parameter, those of the readout."""
+"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; those of the readout, s."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RowSum:
-    """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym, shape (n_row, M + 1), rows and omega."""
+    """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym, shape (n_row, M + 1), rows and omega.
+
+    The wheel turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of.
+    """
 
     camera: Camera
     open_harmonics: ComplexArray
     row_harmonics: ComplexArray
     row_px: Array
     angular_frequency_rad_per_s: float
+    step_rad: float
+    undone: float = 0.0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -61,8 +67,8 @@ class RowSum:
 
 
 def timing_names(camera: Camera) -> tuple[str, ...]:
-    """Names of the parameters of a row sum: four edge delays, the response's, those of the readout."""
-    return (*EDGE_DELAYS, camera.response.PARAMETER, *camera.readout.PARAMETERS)
+    """Names of the parameters of a row sum: four edge delays, the response's, the memory's, those of the readout."""
+    return (*EDGE_DELAYS, camera.response.PARAMETER, camera.memory.PARAMETER, *camera.readout.PARAMETERS)
 
 
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
@@ -72,14 +78,19 @@ def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
 
 
 def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
-    """`harmonics`, shape (n_row, M + 1), and their derivatives to each of ``rows.names``, (k, n_row, M + 1), per second."""
+    """`harmonics`, shape (n_row, M + 1), and their derivatives to each of ``rows.names``, (k, n_row, M + 1), per unit."""
     omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
     edges, turned = _factors(rows, timing)
     by_edge = (edges * (1j * np.arange(n + 1) * omega))[:, None, :] * turned
+    bare = _edges(rows, timing).sum(axis=0)
     slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
-    by_response = _edges(rows, timing).sum(axis=0) * slope * turned
+    kept, kept_slope = _memory(rows, timing)
+    by_response = bare * slope * kept * turned
+    by_memory = bare * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n) * kept_slope * turned
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
-    return np.asarray(edges.sum(axis=0) * turned), np.concatenate([by_edge, by_response[None], by_readout])
+    return np.asarray(edges.sum(axis=0) * turned), np.concatenate(
+        [by_edge, by_response[None], by_memory[None], by_readout]
+    )
 
 
 def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
@@ -89,7 +100,7 @@ def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
 
 
 def _factors(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
-    """Edges with the response, shape (4, M + 1), and light of the rows as they are read, shape (n_row, M + 1)."""
+    """Edges with response and memory, shape (4, M + 1), and light of the rows as they are read, shape (n_row, M + 1)."""
     omega, n, response, readout = (
         rows.angular_frequency_rad_per_s,
         rows.n_harmonics,
@@ -97,5 +108,16 @@ def _factors(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
         rows.camera.readout,
     )
     edges = _edges(rows, timing) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n)
+    edges = edges * _memory(rows, timing)[0]
     read_s = np.array([timing[name] for name in readout.PARAMETERS]) @ readout.read_later(rows.row_px)
     return edges, rows.row_harmonics * later(omega * read_s, n_harmonics=n)
+
+
+def _memory(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
+    """What the frames keep of those before, over what was undone, and its derivative to the share; shapes (M + 1,)."""
+    memory, step, n = rows.camera.memory, rows.step_rad, rows.n_harmonics
+    share, before = timing.get(memory.PARAMETER, 0.0), memory.transfer(step, rows.undone, n_harmonics=n)
+    return (
+        np.asarray(memory.transfer(step, share, n_harmonics=n) / before),
+        np.asarray(memory.transfer_slope(step, share, n_harmonics=n) / before),
+    )

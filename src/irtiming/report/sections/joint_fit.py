@@ -27,6 +27,8 @@ _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
 _MEANINGS = {
     "integration_time": "length of the integration window",
+    "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
+    "pixel_memory": "share of the frame before that a pixel keeps",
     "opening_angle": "opening angle of the mask",
     "lean_low": "mask edge at the lower wheel angle: angle by which it misses the axle, at the mean radius",
     "lean_high": "mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius",
@@ -244,6 +246,8 @@ def fits(analysis: Analysis) -> Table:
 
 
 def _local_unit(name: str) -> tuple[float, str]:
+    if name in ("recursive_filter", "pixel_memory"):
+        return 0.01, "%"
     if name == "opening_angle":
         return DEG, "°"
     return (MRAD, "mrad") if name.startswith("lean") else (MS, "ms") if name == "time_constant" else (US, "µs")

@@ -52,7 +52,7 @@ def drift(analysis: Analysis) -> Figure:
             top.set_ylabel("level (DN)")
             top.tick_params(labelbottom=False)
             sheet.zero_line(below)
-            sheet.points(below, x=time_s, y=1e3 * row_curves.whole(fit).residual, colour=sheet.BLUE)
+            sheet.points(below, x=time_s[fit.kept], y=1e3 * row_curves.whole(fit).residual, colour=sheet.BLUE)
             below.set_ylabel("residual\n(10⁻³ of step)", fontsize=7.5)
             for axes in (top, below):
                 axes.set_xlim(*_span(recording, time_s))

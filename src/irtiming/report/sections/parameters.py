@@ -6,8 +6,8 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.result import Result
 from irtiming.report import budget
 from irtiming.report.blocks import US, Section, Table
-from irtiming.report.meanings import METHOD_NAMES, SIGN, SYMBOLS, bound_text, headline, meaning
-from irtiming.report.rounding import signed, time_text, time_unit
+from irtiming.report.meanings import METHOD_NAMES, SIGN, SYMBOLS, bound_text, headline, meaning, unit_of
+from irtiming.report.rounding import signed, time_text, time_unit, value_text
 
 _NOTES = {
     "pixel-sum": "Pixel sums: an exact model of the sums, learned slots, one delay per wheel edge. As published: threshold "
@@ -30,7 +30,7 @@ def section(analysis: Analysis) -> Section:
 
 
 def entries(result: Result) -> dict[str, tuple[float, float]]:
-    """Value and standard uncertainty of each determined parameter, s, by name."""
+    """Value and standard uncertainty of each determined parameter, in its unit, by name."""
     estimate = result.estimate
     return {name: (estimate.value(name), estimate.u(name)) for name in estimate.names}
 
@@ -39,8 +39,9 @@ def parameters(analysis: Analysis) -> Table:
     """The chosen method's: value, standard uncertainty u, expanded uncertainty U and event; signs in the note."""
     result, rows = analysis.result, []
     for name, (value, u) in entries(result).items():
-        expanded = budget.expanded_text(u, budget.of(result, name).degrees_of_freedom)
-        rows.append((name, time_text(value, u), *expanded, meaning(name, analysis).event))
+        unit = unit_of(name, result)
+        expanded = budget.expanded_text(u, budget.of(result, name).degrees_of_freedom, unit=unit)
+        rows.append((name, value_text(value, u, unit=unit), *expanded, meaning(name, analysis).event))
     split = budget.falling_minus_rising(result)
     if split is not None:
         expanded = budget.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
@@ -78,7 +79,10 @@ def both_methods(analysis: Analysis) -> Table:
     bounds = {bound.name: bound_text(bound) for result in (published, best) for bound in result.bounds}
     rows = []
     for name in dict.fromkeys([*ours, *bounds, *theirs]):
-        texts = [time_text(*found[name]) if name in found else bounds.get(name, "–") for found in (ours, theirs)]
+        unit = unit_of(name, best) if name in ours else "s"
+        texts = [
+            value_text(*found[name], unit=unit) if name in found else bounds.get(name, "–") for found in (ours, theirs)
+        ]
         difference = "–"
         if name in ours and name in theirs:
             (value, u), (other, u_other) = ours[name], theirs[name]

@@ -1,0 +1,106 @@
+"""What is said of cameras whose frames hold a share of those before, and of noise that successive frames have in common."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irtiming.estimate.measurands import MEMORIES
+from irtiming.inference.correlated_noise import ljung_box_p_value
+from irtiming.records.estimate import Estimate
+from irtiming.records.finding import Finding
+from irtiming.records.result import LEAST_WHITENESS
+from irtiming.records.row_timing import RowTimingFit
+
+_SEEN = 3.0  # standard uncertainties from which a share is told from none
+_IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
+
+
+def of_result(estimate: Estimate) -> tuple[Finding, ...]:
+    """Where frames hold a share of the frame before, or seem to hold less than nothing of it.
+
+    Parameters
+    ----------
+    estimate
+        Of the camera; says nothing where it has no such share.
+    """
+    found = list[Finding]()
+    for name in MEMORIES:
+        if name not in estimate:
+            continue
+        share, u = estimate.value(name), estimate.u(name)
+        told = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
+        if share > _SEEN * u:
+            found.append(_seen(name, told))
+        elif share < -_IMPOSSIBLE * u:
+            found.append(_impossible(name, told))
+    return tuple(found)
+
+
+def _seen(name: str, told: str) -> Finding:
+    if name == "recursive_filter":
+        return Finding(
+            code="camera-filters-frames",
+            severity="warning",
+            what=f"each frame of the camera holds {told}: a noise filter in the camera is on; time constant and delay are "
+            "corrected for it",
+            cure="switch the filter off to measure the detector alone",
+        )
+    return Finding(
+        code="pixels-remember",
+        severity="warning",
+        what=f"each frame holds {told}: a memory of the pixels, or a noise filter in the camera; delays are corrected for it",
+        cure="switch filters of the camera off; what is left is the detector's own",
+    )
+
+
+def _impossible(name: str, told: str) -> Finding:
+    return Finding(
+        code="frame-memory-negative",
+        severity="doubt",
+        what=f"frames seem to hold {told}, which no camera does: something that is not in the model looks like a "
+        f"{name.replace('_', ' ')}, and what goes along with it (time constant, delays) may be off by more than stated",
+        cure="look at the residuals over the wheel angle for what differs from the model",
+    )
+
+
+def correlation(fit: RowTimingFit) -> tuple[float, float]:
+    """Correlation of the residuals of frames that followed each other, and the probability that it is chance.
+
+    Parameters
+    ----------
+    fit
+        Its residuals are in the order of the triggers; a recursive filter that was seen is undone in them.
+
+    Returns
+    -------
+    Coefficient at one frame, and the probability of Ljung and Box.
+    """
+    mean = np.mean(fit.residual / fit.noise, axis=1)
+    centred = mean - mean.mean()
+    power = float(centred @ centred)
+    return (float(centred[:-1] @ centred[1:]) / power if power else 0.0), ljung_box_p_value(mean)
+
+
+def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
+    """Where residuals of successive frames hang together.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    """
+    told = [correlation(fit) for fit in fits]
+    low = [one for one in told if one[1] < LEAST_WHITENESS]
+    if not low:
+        return ()
+    largest = max((one[0] for one in low), key=abs)
+    return (
+        Finding(
+            code="residuals-not-white-in-time",
+            severity="warning",
+            what=f"residuals of {len(low)} of {len(told)} recordings are not white in the order of the triggers (correlation of "
+            f"successive frames up to {largest:+.2f}): the camera's level sways from frame to frame, or a filter in the camera "
+            "is not the one of the model",
+            cure="their uncertainty is widened for it",
+        ),
+    )

@@ -1,0 +1,32 @@
+r"""A photon detector's pixel may keep a share of the charge of the frame before (suspected in Schatz 2023, 3.1.5).
+
+.. math:: f_n = (1 - s)\,F_n + s\,F_{n-1}, \qquad G_m = 1 - s\,(1 - e^{-i m \delta}), \qquad
+          \frac{\partial G_m}{\partial s} = e^{-i m \delta} - 1
+
+with :math:`F_n` what the pixel saw in frame n, and :math:`\delta` the step of the wheel from frame to frame: one echo of each
+slope, a frame later. To first order in s it is the recursive filter of `physics.response.in_camera_filter`; a mean of two frames
+is s = 1/2.
+"""
+
+import numpy as np
+
+from irtiming.records.arrays import ComplexArray
+
+PARAMETER = "pixel_memory"
+
+IS_RECURSIVE = False
+"""Whether two frames that followed each other are enough to undo it."""
+
+LOOKED_AT: tuple[float, ...] = (0.0,)
+"""Shares s from which a search begins."""
+
+
+def transfer(step_rad: float, share: float, *, n_harmonics: int) -> ComplexArray:
+    """What the memory leaves of each harmonic: 1 - s (1 - exp(-i m step)), shape (M + 1,)."""
+    return np.asarray(1 + share * transfer_slope(step_rad, share, n_harmonics=n_harmonics))
+
+
+def transfer_slope(step_rad: float, share: float, *, n_harmonics: int) -> ComplexArray:
+    """Derivative of `transfer` to s, whatever ``share``: exp(-i m step) - 1, shape (M + 1,)."""
+    del share
+    return np.asarray(np.exp(-1j * np.arange(n_harmonics + 1) * step_rad) - 1)
