@@ -16,6 +16,7 @@ from irtiming.twin.scene import CameraTiming, EdgeFaults, Scene, SpeedWander, Tr
 
 _STEP_S = 100e-6
 _DOUBLE_S = 8e-6
+_PULSE_JITTER_S = 30e-9
 
 
 @final
@@ -47,6 +48,7 @@ class TickStreams:
     control_slot: Ticks
     application_slot: Ticks
     application_edges: Ticks
+    spare: Ticks | None = None
 
 
 def spin(scene: Scene, *, seed: int) -> Motion:
@@ -144,7 +146,14 @@ def tick_streams(scene: Scene, motion: Motion, *, seed: int) -> TickStreams:
         control_slot=first_tick_after(control, scene.trigger),
         application_slot=first_tick_after(slot, scene.trigger),
         application_edges=first_tick_after(_within(edges, begin_s, end_s), scene.trigger),
+        spare=first_tick_after(_pulses_per_second(begin_s, end_s, random=generator(seed, "pulses")), scene.trigger),
     )
+
+
+def _pulses_per_second(begin_s: float, end_s: float, *, random: np.random.Generator) -> Array:
+    """Times at which a receiver gives its pulse per second, with its jitter."""
+    times = np.arange(begin_s + random.uniform(0, 1), end_s, 1.0)
+    return np.asarray(times + _PULSE_JITTER_S * random.standard_normal(times.size))
 
 
 def _passages(motion: Motion, angles_rad: Array) -> Array:

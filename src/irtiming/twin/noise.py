@@ -31,6 +31,7 @@ Purpose = Literal[
     "sway",
     "laboratory",
     "statement",
+    "pulses",
 ]
 """What a series of random numbers is for; the order counts, so add at the end."""
 

@@ -229,6 +229,7 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         control_slot_ticks=ticks.control_slot,
         application_slot_ticks=ticks.application_slot,
         application_edge_ticks=ticks.application_edges,
+        spare_ticks=ticks.spare,
         rotation_speed_hz=trigger.wheel_hz,
         integration_time_s=_stated_window_s(timing),
         trigger_delay_time_set_s=trigger.trigger_delay_time_set_s,
