@@ -15,6 +15,7 @@ from irtiming.estimate import (
     measurands,
     own_noise,
     pixel_sums,
+    reference_noise,
     rolling_camera,
     scatter,
     shape,
@@ -105,7 +106,10 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
-    own = opening_and_window(recordings, fits, geometry=geometry)
+    own = [
+        *opening_and_window(recordings, fits, geometry=geometry),
+        *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
+    ]
     found = _by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found

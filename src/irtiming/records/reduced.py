@@ -226,7 +226,10 @@ class ReducedRecording:
         How each pixel follows the wheel; None where it was not made.
     pixel_maps
         What else is known of each pixel of the region of interest over the kept frames, by name: ``mean_dn``, corrected DN, with
-        any drift; shape (roi rows, roi columns).
+        any drift; ``u_gain``, relative standard uncertainty of its gain from finitely many reference frames, 0 without
+        references; shape (roi rows, roi columns).
+    references
+        Fingerprint of the non-uniformity references; empty without.
     axle
         Wheel centre and mask in the image; None where they were not, or are not yet, found.
     integration_time_s, blackbody_temperature_k
@@ -250,6 +253,7 @@ class ReducedRecording:
     rows: RowSums | None = None
     contrast: ContrastImage | None = None
     pixel_maps: Mapping[str, Array] = field(default_factory=dict)
+    references: str = ""
     axle: AxleView | None = None
     shutter_events: tuple[ShutterEvent, ...] = ()
     integration_time_s: float | None = None

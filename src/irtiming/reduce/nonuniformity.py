@@ -4,6 +4,7 @@ The corrected value of pixel p is  L + (raw - low_p) (H - L) / (high_p - low_p),
 at the two reference temperatures and L, H their means over the detector (Schatz 2023, 3.1.2).
 """
 
+import hashlib
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -95,3 +96,32 @@ def raw_thresholds(threshold_dn: float, correct: Correction) -> Pixels:
     level += correct.offset_dn + gain * (level + 1) <= threshold_dn
     level -= correct.offset_dn + gain * level > threshold_dn
     return np.where(correct.bad, 65535, np.clip(level, 0, 65535)).astype(np.uint16)
+
+
+def u_gain(recording: Recording, correct: Correction) -> Array:
+    """Relative standard uncertainty of each pixel's gain, since references have finitely many frames, shape (row, column).
+
+    Parameters
+    ----------
+    recording, correct
+        With its references, and what was made of them; 0 everywhere without, and for bad pixels.
+    """
+    reference = recording.nonuniformity
+    if reference is None:
+        return np.zeros(recording.frames.shape[1:])
+    noise = np.hypot(reference.low_noise_dn, reference.high_noise_dn) / np.sqrt(max(reference.n_frames, 1))
+    return np.where(correct.bad, 0.0, noise / np.where(correct.bad, 1.0, reference.high_dn - reference.low_dn))
+
+
+def fingerprint(recording: Recording) -> str:
+    """What tells references from others: sha256 of their mean frames; empty without.
+
+    Parameters
+    ----------
+    recording
+        With its references.
+    """
+    reference = recording.nonuniformity
+    if reference is None:
+        return ""
+    return hashlib.sha256(reference.low_dn.tobytes() + reference.high_dn.tobytes()).hexdigest()

@@ -82,7 +82,11 @@ def reduce(
         opening=settled,
         pixels=PixelSums(pixel_sum=sums.total_dn[kept], pixel_count=above[kept].astype(float)),
         contrast=contrast,
-        pixel_maps={"mean_dn": contrast_image.mean_dn(projection, settled, correct=correct)},
+        pixel_maps={
+            "mean_dn": contrast_image.mean_dn(projection, settled, correct=correct),
+            "u_gain": nonuniformity.u_gain(recording, correct)[_box(settled)],
+        },
+        references=nonuniformity.fingerprint(recording),
         findings=(*sighting.findings, *dropped),
     )
 

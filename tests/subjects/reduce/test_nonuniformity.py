@@ -1,6 +1,7 @@
 """Two-point correction folded into one raw threshold per pixel, against correcting and comparing in the open."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from irtiming.errors import ReductionError
-from irtiming.reduce.nonuniformity import Correction, corrected, correction, raw_thresholds
+from irtiming.reduce.nonuniformity import Correction, corrected, correction, fingerprint, raw_thresholds, u_gain
 
 _FINITE = st.floats(-1e5, 1e5)
 
@@ -137,3 +138,19 @@ def test_references_that_cannot_correct_are_refused(paper_wheel, recorded, refer
     recording = recorded(paper_wheel(duration_s=5.0), frames=np.zeros((2, 20, 30)), nonuniformity=change(references))
     with pytest.raises(ReductionError, match=message):
         correction(recording)
+
+
+def test_gains_are_known_to_the_noise_of_the_reference_frames(references):
+    """Oracle: the spread of gains from 400 draws of references with that noise; without references no gain errs."""
+    rng = np.random.default_rng(2)
+    noise = references.low_noise_dn / np.sqrt(references.n_frames)
+    step = references.high_dn - references.low_dn
+    drawn = [step + noise * (rng.standard_normal(step.shape) - rng.standard_normal(step.shape)) for _ in range(400)]
+    recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((3, *step.shape)), name="made up")
+    found = u_gain(recording, correction(recording))
+    np.testing.assert_allclose(found, np.std(drawn, axis=0) / step, rtol=0.2)
+    other = replace(references, high_dn=references.high_dn + 1)
+    assert fingerprint(recording) == fingerprint(recording) != fingerprint(SimpleNamespace(nonuniformity=other))
+    bare = SimpleNamespace(nonuniformity=None, frames=np.zeros((3, 4, 5)))
+    assert not u_gain(bare, _correction(np.ones((4, 5)), np.zeros((4, 5)))).any()
+    assert fingerprint(bare) == ""

@@ -1,0 +1,121 @@
+"""Pixels with unequal gains before a wheel that is asked point by point: the sums' delays move as the light's mean angle says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import pixel_sums, reference_noise
+from irtiming.physics.wheel import wheel_model
+from irtiming.records.reduced import AxleView, ContrastImage
+
+TURN, OMEGA, CLOCK_HZ, START = 2 * np.pi, 2 * np.pi * 3, 49_152_000, 7_000_000
+EDGES, GATE, BISECTOR = (0.0, 1.5718, 3.1421, 4.7125), 0.2682, -np.pi / 2
+GAMMA = float(np.radians(75))
+ROWS, COLUMNS, AXLE = 40, 64, (45.2, 31.3)
+ROI = (0, ROWS, 0, COLUMNS)
+TRIGGERS = START + 20_000_000 + 1_622_016 * np.arange(1000, dtype=np.int64)
+THETA = OMEGA * (TRIGGERS - START) / CLOCK_HZ + 0.4
+SPREAD = 0.01
+
+
+def _places():
+    down, across = np.arange(ROWS)[:, None] - AXLE[0], np.arange(COLUMNS)[None, :] - AXLE[1]
+    beside = np.angle(np.exp(1j * (np.arctan2(down, across) - BISECTOR)))
+    radius = np.hypot(down, across)
+    return beside, (np.abs(beside) < GAMMA / 2) & (radius > 10) & (radius < 40)
+
+
+def _opened(clockwise):
+    """Open share of each pixel of the mask in each frame: nine points across its own angle."""
+    beside, mask = _places()
+    polar = BISECTOR + beside[mask] if clockwise else np.pi - BISECTOR - beside[mask]
+    spread = 1 / np.hypot(np.nonzero(mask)[0] - AXLE[0], np.nonzero(mask)[1] - AXLE[1])
+    total = np.zeros((THETA.size, polar.size))
+    for part in (np.arange(9) + 0.5) / 9 - 0.5:
+        wheel = np.mod(np.pi / 2 + GATE + THETA[:, None] - polar - part * spread, TURN)
+        total += ((wheel >= EDGES[1]) & (wheel < EDGES[2])) | (wheel >= EDGES[3])
+    return total / 9, mask
+
+
+@pytest.fixture
+def recordings(track_of, reduced_recording):
+    """Recordings of the same wheel, each with gains of its own: ``recordings(gains (k, n_pixel), clockwise)``."""
+    track = track_of(lambda t: OMEGA * t + 0.4, start=START, duration_s=35.5)
+
+    def make(gains, clockwise, fingerprints):
+        opened, mask = _opened(clockwise)
+        weight = 2 / THETA.size * np.exp(-2j * THETA)
+        weight -= weight.mean()
+        made = []
+        for gain, name in zip(gains, fingerprints, strict=True):
+            image = np.zeros(mask.shape, complex)
+            image[mask] = 1000 * gain * (weight @ opened)
+            one = reduced_recording(track, TRIGGERS, 1000 * opened @ gain)
+            opening = replace(
+                one.opening, roi=ROI, mask=mask, summed=mask, weight=mask.astype(float), bad=np.zeros(mask.shape, bool)
+            )
+            axle = AxleView(
+                row_px=AXLE[0], column_px=AXLE[1], u_centre_px=0.0, bisector_rad=BISECTOR, u_bisector_rad=0.0,
+                mean_angle_rad=BISECTOR, u_off_axle_rad=0.0,
+            )  # fmt: skip
+            contrast = ContrastImage(
+                projection_dn=image, frame_weight=weight, u_dn=1e-3, good=np.ones(mask.shape, bool), roi=ROI
+            )
+            made.append(
+                replace(
+                    one,
+                    opening=opening,
+                    axle=axle,
+                    contrast=contrast,
+                    references=name,
+                    pixel_maps={"u_gain": np.where(mask, SPREAD, 0.0)},
+                )
+            )
+        return made
+
+    return make
+
+
+def _gains(n, seed=1):
+    n_pixel = int(_places()[1].sum())
+    return 1 + SPREAD * np.random.default_rng(seed).standard_normal((n, n_pixel))
+
+
+@pytest.mark.parametrize("clockwise", [True, False])
+def test_delays_move_as_the_image_says(recordings, clockwise):
+    """Oracle: the sums of the pixels themselves, fitted one recording at a time: differences of their delays.
+
+    The number per set of references is what the image says, since it has hardly any noise here.
+    """
+    made = recordings(_gains(3), clockwise, ["a", "b", "c"])
+    rotation = "clockwise" if clockwise else "counterclockwise"
+    model = wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=BISECTOR, rotation=rotation)
+    fits = [pixel_sums.fit(one, model) for one in made]
+    delay = np.array([fit.edge_delay_s.mean() for fit in fits])
+    shared = reference_noise.shared(made, fits, rotation=rotation)
+    told = np.array([one.known * one.effects[k]["edge_delay_0"] for k, one in enumerate(shared)])
+    assert np.ptp(delay) > 5e-6
+    # an edge that comes early by an angle makes the local delay larger by that over omega
+    np.testing.assert_allclose(told - told.mean(), delay - delay.mean(), atol=0.12 * np.ptp(delay))
+
+
+def test_references_alone_turn_the_light_by_what_draws_of_them_do(recordings):
+    """Oracle: 60 draws of gains: the spread of the light's mean angle."""
+    turns = reference_noise.light_turns(recordings(_gains(60), True, [str(k) for k in range(60)]))
+    spread = np.std([turn.seen_rad for turn in turns], ddof=1)
+    assert turns[0].u_references_rad == pytest.approx(spread, rel=0.25)
+    n_pixel = _gains(1).size
+    assert turns[0].u_references_rad == pytest.approx(SPREAD * GAMMA / np.sqrt(12 * n_pixel), rel=0.1)
+
+
+def test_the_same_references_are_one_number_and_none_are_none(recordings):
+    """Oracle: by hand; recordings a, a, b have two sets, recordings without references no noise of any."""
+    made = recordings(_gains(3), True, ["a", "a", "b"])
+    model = wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=BISECTOR)
+    fits = [pixel_sums.fit(one, model) for one in made]
+    shared = reference_noise.shared(made, fits, rotation="clockwise")
+    assert [[bool(effect) for effect in one.effects] for one in shared] == [[True, True, False], [False, False, True]]
+    bare = [replace(one, references="", pixel_maps={"u_gain": np.zeros((ROWS, COLUMNS))}) for one in made]
+    assert reference_noise.shared(bare, fits, rotation="clockwise") == []
+    assert reference_noise.shared([replace(one, axle=None) for one in made], fits, rotation="clockwise") == []
