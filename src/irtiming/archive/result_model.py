@@ -95,6 +95,13 @@ class CombinedDelay(Measured):
     rotation_speed: Quantity
 
 
+class Uncertain(Part):
+    """Standard uncertainty of a measured number."""
+
+    standard_uncertainty: float
+    unit: str
+
+
 class BudgetLine(Part):
     """One source of uncertainty; one number for the delay that all wheel edges tell together, or one per parameter."""
 
@@ -104,6 +111,10 @@ class BudgetLine(Part):
     degrees_of_freedom: Real = Field(description="null: infinite")
     share_percent: Real | dict[str, Real]
     unit: str
+    measured: Uncertain | None = Field(
+        None, description="what somebody measured, where the line follows from one such number"
+    )
+    sensitivity: Real | dict[str, Real] = Field(None, description="what it adds over that")
 
 
 class LastRow(Measured):
@@ -117,6 +128,7 @@ class Contribution(BudgetLine):
 
     standard_uncertainty: dict[str, Real]
     share_percent: dict[str, Real]
+    sensitivity: dict[str, Real] | None = None
 
 
 class Core(Part):
@@ -128,6 +140,9 @@ class Core(Part):
     correlation: Correlation
     relative_delays: list[RelativeDelay]
     relative_delays_combined: list[CombinedDelay] = Field([])
+    not_in_uncertainty: list[str] = Field(
+        [], description="in words, what the uncertainties do not hold because nobody stated it"
+    )
     last_row_read: LastRow | None = None
     budget: list[BudgetLine]
     contributions: list[Contribution] = Field([])
@@ -188,6 +203,7 @@ class Result(Core):
     version: str = Field(VERSION, pattern=r"^\d+\.\d+$")
     camera: CameraType
     readout_mode: ReadoutMode | None = None
+    headline: str = Field("", description="the result in one sentence, with what its uncertainties do not hold")
     findings: list[ResultFinding] = Field([])
     joint_fit: Evidence | None = None
     likelihood: Evidence | None = None

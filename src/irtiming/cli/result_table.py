@@ -26,7 +26,9 @@ def print_result(analysis: Analysis, console: Console) -> None:
     separate = [] if analysis.two_constants is None else [_first(two_constants.constants(analysis.two_constants), 3)]
     delays = _first(relative_delays.combined_delays(analysis), 5)
     ours = replace(delays, rows=tuple(row for row in delays.rows if row[1] != "–"), note=relative_delays.note(analysis))
-    for table in of_tables(parameters.parameters(analysis), *separate, ours, uncertainty.budget(analysis)):
+    whole = uncertainty.budget(analysis)
+    budget = _first(whole, len(whole.columns) - 2)
+    for table in of_tables(parameters.parameters(analysis), *separate, ours, budget):
         print_table(table, console)
 
 

@@ -95,8 +95,9 @@ def of_angles(joint: JointFit) -> tuple[Finding, ...]:
     joint
         Its angles, and what was known of them.
     """
-    found = float(np.mean([joint.parameters.value(name) for name in joint.prior.names]))
-    allowed = float(np.sqrt(joint.prior.covariance.mean()))
+    angles = joint.prior.pick(*(name for name in joint.prior.names if name.startswith("edge_angle")))
+    found = float(np.mean([joint.parameters.value(name) for name in angles.names]))
+    allowed = float(np.sqrt(angles.covariance.mean()))
     if abs(found) <= _CONTRADICTS * allowed:
         return ()
     return (

@@ -5,14 +5,14 @@ recordings state, if they do; what the sums say of it is reported beside it and 
 (eq. 2) has a delay to the reading of row 0, and a time constant of its own for each blackbody temperature.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from irtiming.estimate.joint import Joint, Measurand
-from irtiming.estimate.shared_numbers import DELAY, IMAGE
+from irtiming.estimate.shared_numbers import DELAY
 from irtiming.inference.information import prior
 from irtiming.physics.covariance import inverse
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
@@ -39,7 +39,8 @@ _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would
 class Reported:
     """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts.
 
-    ``profiled`` are those that are one sum of shared numbers.
+    ``profiled`` are those that are one sum of shared numbers; ``not_held`` is in words what no uncertainty holds;
+    ``midpoint_leads`` whether the middle of the window is to be told before its start.
     """
 
     estimate: Estimate
@@ -47,6 +48,8 @@ class Reported:
     profiled: tuple[Measurand, ...]
     bounds: tuple[Bound, ...] = ()
     findings: tuple[Finding, ...] = ()
+    not_held: tuple[str, ...] = ()
+    midpoint_leads: bool = False
 
 
 @final
@@ -54,13 +57,29 @@ class Reported:
 class Window:
     """What is known of the integration window beside the fit.
 
-    ``stated_s`` is its length as the recordings state it, None where they do not; ``u_beside_s`` what the fit's own
-    uncertainty of it does not hold; ``is_told`` whether the recordings can tell its length at all.
+    ``stated_s`` is its length as the recordings state it, None where they do not, ``u_stated_s`` the standard uncertainty of
+    that, None where it is taken on trust; ``u_beside_s`` what the fit's own uncertainty of it does not hold; ``is_told`` whether
+    the recordings can tell its length at all.
     """
 
     stated_s: float | None
     u_beside_s: float
     is_told: bool
+    u_stated_s: float | None = None
+
+    def share_of_fit(self, u_fit_s: float) -> float:
+        """Weight of the fitted length beside the stated one, 0 to 1.
+
+        Parameters
+        ----------
+        u_fit_s
+            Standard uncertainty of the former; infinite where it is not told.
+        """
+        if self.stated_s is None:
+            return 1.0
+        if not self.u_stated_s or not np.isfinite(u_fit_s):
+            return 0.0
+        return float(self.u_stated_s**2 / (self.u_stated_s**2 + u_fit_s**2))
 
 
 def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Reported:
@@ -84,40 +103,94 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     base += _memories(joint)
     found = _with_more(joint.estimate(base), WINDOW, u_beside=window.u_beside_s)
     is_seen = window.is_told and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
-    rows = {"exposure_midpoint_delay": {"exposure_midpoint_delay": 1.0}}
-    half_s = 0.0 if window.stated_s is None else window.stated_s / 2
-    if window.stated_s is not None or is_seen:
-        back = {} if window.stated_s is not None else {WINDOW: -0.5}
-        rows = {"trigger_delay": {"exposure_midpoint_delay": 1.0} | back, **rows}
-        rows |= {name: {name: 1.0} | back for name in ("trigger_delay_falling", "trigger_delay_rising")}
-    if is_seen:
-        rows[WINDOW] = {WINDOW: 1.0}
-    if ROW_DELAY in found:
-        rows[ROW_DELAY] = {ROW_DELAY: 1.0}
-    rows |= {name: {name: 1.0} for name in MEMORIES if name in found}
-    offsets = {name: -half_s for name in rows if name.startswith("trigger_delay")}
+    told = found if is_seen else None
+    split = _of_length(told, window)
+    rows = _rows(found, split, has_start=window.stated_s is not None or is_seen, is_seen=is_seen)
+    trusted = _trusted(told, window)
     own = {one.name: one for one in base}
     budget = _budget(
         joint,
         {name: _sum([own[part] for part in parts], list(parts.values())) for name, parts in rows.items()},
         degrees_of_freedom=degrees_of_freedom,
     )
-    if is_seen:
-        u = window.u_beside_s
-        budget = (*budget, Contribution(
-            source="length of the window (corners)", kind="A",
-            standard_uncertainty={name: abs(parts.get(WINDOW, 0.0)) * u for name, parts in rows.items()},
-        ))  # fmt: skip
     profiled = [
-        replace(own[next(iter(parts))], name=name, offset=offsets.get(name, 0.0))
+        replace(own[next(iter(parts))], name=name, offset=split.offset_s(name))
         for name, parts in rows.items()
-        if len(parts) == 1 and name not in MEMORIES
+        if list(parts.values()) == [1.0] and name not in MEMORIES
     ]
+    estimate = mixed(found, rows, offsets={name: split.offset_s(name) for name in rows})
+    follows = np.array([split.per_stated(name) for name in rows])
+    u_stated = window.u_stated_s or 0.0
     return Reported(
-        estimate=mixed(found, rows, offsets=offsets),
-        budget=budget,
+        estimate=replace(estimate, covariance=estimate.covariance + np.outer(follows, follows) * u_stated**2),
+        budget=(*budget, *_of_corners(rows, window, is_seen=is_seen), *_of_statement(rows, split, u_stated)),
         profiled=tuple(profiled),
-        findings=_window_findings(found, window) if is_seen else (),
+        findings=trusted.findings,
+        not_held=trusted.not_held,
+        midpoint_leads=trusted.midpoint_leads,
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Length:
+    """The integration time as so much of the fitted and the rest of the stated one: in the start, and where it is reported."""
+
+    stated_s: float
+    in_start: float
+    in_length: float
+
+    def per_stated(self, name: str) -> float:
+        """Change of a parameter per change of the stated length."""
+        if name == WINDOW:
+            return 1.0 - self.in_length
+        return (self.in_start - 1.0) / 2 if name.startswith("trigger_delay") else 0.0
+
+    def offset_s(self, name: str) -> float:
+        """What the stated length adds to a parameter."""
+        return self.per_stated(name) * self.stated_s
+
+
+def _of_length(told: Estimate | None, window: Window) -> _Length:
+    """What is fitted counts as its uncertainty beside the stated one's says; without such a one it is reported beside it."""
+    share = window.share_of_fit(float("inf") if told is None else told.u(WINDOW))
+    has_two = window.stated_s is not None and bool(window.u_stated_s)
+    return _Length(stated_s=window.stated_s or 0.0, in_start=share, in_length=share if has_two else 1.0)
+
+
+def _rows(found: Estimate, split: _Length, *, has_start: bool, is_seen: bool) -> dict[str, dict[str, float]]:
+    """What is reported, as sums of what was found."""
+    rows = {"exposure_midpoint_delay": {"exposure_midpoint_delay": 1.0}}
+    if has_start:
+        back = {WINDOW: -split.in_start / 2} if is_seen and split.in_start > 0 else {}
+        rows = {"trigger_delay": {"exposure_midpoint_delay": 1.0} | back, **rows}
+        rows |= {name: {name: 1.0} | back for name in ("trigger_delay_falling", "trigger_delay_rising")}
+    if is_seen:
+        rows[WINDOW] = {WINDOW: split.in_length}
+    if ROW_DELAY in found:
+        rows[ROW_DELAY] = {ROW_DELAY: 1.0}
+    return rows | {name: {name: 1.0} for name in MEMORIES if name in found}
+
+
+def _of_corners(rows: Mapping[str, Mapping[str, float]], window: Window, *, is_seen: bool) -> tuple[Contribution, ...]:
+    """What the fit's own uncertainty of the length does not hold."""
+    if not is_seen:
+        return ()
+    sizes = {name: abs(parts.get(WINDOW, 0.0)) * window.u_beside_s for name, parts in rows.items()}
+    return (Contribution(source="length of the window (corners)", kind="A", standard_uncertainty=sizes),)
+
+
+def _of_statement(rows: Iterable[str], split: _Length, u_stated_s: float) -> tuple[Contribution, ...]:
+    """What the stated length adds."""
+    if u_stated_s == 0:
+        return ()
+    return (
+        Contribution(
+            source="integration time as stated",
+            kind="B",
+            standard_uncertainty={name: abs(split.per_stated(name)) * u_stated_s for name in rows},
+            measured=(u_stated_s, "s"),
+        ),
     )
 
 
@@ -207,6 +280,7 @@ def _budget(
     """What each source adds to the uncertainty of each parameter."""
     whole, known = joint.combined(), _with_known_memory(joint)
     kinds = {part.source: part.kind for part in whole.parts}
+    measured = {one.source: one.measured for one in joint.shared}
     shares = {name: known.combined(one.forgotten).shares(one.weights) for name, one in measurands.items()}
     lines = tuple(
         Contribution(
@@ -214,6 +288,7 @@ def _budget(
             kind=kind,
             standard_uncertainty={name: float(np.sqrt(max(0.0, of[source]))) for name, of in shares.items()},
             degrees_of_freedom=degrees_of_freedom if source == whole.parts[0].source else float("inf"),
+            measured=measured.get(source),
         )
         for source, kind in kinds.items()
     )
@@ -239,19 +314,57 @@ def _with_known_memory(joint: Joint) -> Joint:
     return replace(joint, priors=(*joint.priors, *told)) if free else joint
 
 
-def _window_findings(found: Estimate, window: Window) -> tuple[Finding, ...]:
-    """Where the sums contradict the integration time that the recordings state."""
-    length_s, u_s = found.value(WINDOW), found.u(WINDOW)
-    if window.stated_s is None or abs(length_s - window.stated_s) <= _CONTRADICTS * u_s:
-        return ()
-    return (
-        Finding(
-            code="integration-time-contradicted",
-            severity="warning",
-            what=f"the corners of the sums say {1e6 * length_s:.1f} us of integration (u = {1e6 * u_s:.1f} us), their count_time "
-            f"says {1e6 * window.stated_s:.1f} us",
-            cure="trigger_delay counts on the latter, exposure_midpoint_delay on neither",
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Trust:
+    """How far the stated length can be trusted: what to say of it, and whether the middle of the window comes first."""
+
+    findings: tuple[Finding, ...] = ()
+    not_held: tuple[str, ...] = ()
+    midpoint_leads: bool = False
+
+
+def _trusted(told: Estimate | None, window: Window) -> _Trust:
+    """What the sums, where they tell it, say of the integration time that the recordings state."""
+    stated_s, u_stated_s = window.stated_s, window.u_stated_s
+    if stated_s is None:
+        return _Trust()
+    if told is not None:
+        length_s, u_s = told.value(WINDOW), float(np.hypot(told.u(WINDOW), u_stated_s or 0.0))
+        if abs(length_s - stated_s) > _CONTRADICTS * u_s:
+            return _Trust(findings=(_contradicted(length_s, u_s, stated_s=stated_s),), midpoint_leads=True)
+    if u_stated_s is not None:
+        return _Trust()
+    if told is None:
+        what, within = (
+            "the recordings' count_time is taken on trust, and half of what it is wrong is in trigger_delay",
+            "",
+        )
+    else:
+        what = "rig.toml states no u of the recordings' count_time: the wheel speeds confirm it"
+        within = f" within u = {1e6 * told.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
+    is_fine = told is not None and told.u(WINDOW) <= 2 * told.u("exposure_midpoint_delay")
+    return _Trust(
+        findings=(
+            Finding(
+                code="integration-time-on-trust",
+                severity="info" if is_fine else "doubt",
+                what=what + within,
+                cure="state [camera] integration_time_u_us; exposure_midpoint_delay does not depend on it",
+            ),
         ),
+        not_held=() if is_fine else ("integration time (count_time)",),
+        midpoint_leads=told is None,
+    )
+
+
+def _contradicted(length_s: float, u_s: float, *, stated_s: float) -> Finding:
+    return Finding(
+        code="integration-time-contradicted",
+        severity="doubt",
+        what=f"the corners of the sums say {1e6 * length_s:.1f} us of integration (u = {1e6 * u_s:.1f} us), their count_time "
+        f"says {1e6 * stated_s:.1f} us",
+        cure="trigger_delay counts on the latter, exposure_midpoint_delay on neither",
     )
 
 
@@ -297,7 +410,7 @@ def edge_angles(joint: Joint, angular_frequency_rad_per_s: float) -> tuple[Measu
     angular_frequency_rad_per_s
         Of the wheel in the first recording.
     """
-    errors = [one for one in joint.shared if one.unit == "1" and one.source != IMAGE]
+    errors = [one for one in joint.shared if one.turns_edges]
     omega = angular_frequency_rad_per_s
     return tuple(
         Measurand(
@@ -309,19 +422,22 @@ def edge_angles(joint: Joint, angular_frequency_rad_per_s: float) -> tuple[Measu
     )
 
 
-def known_before(measurands: Sequence[Measurand]) -> Estimate:
-    """Sums of errors of standard uncertainty 1 as they were known beforehand: zero, with their covariance.
+def known_before(joint: Joint, measurands: Sequence[Measurand]) -> Estimate:
+    """Sums of errors of the rig as they were known beforehand: zero, with their covariance.
 
     Parameters
     ----------
+    joint
+        Its shared numbers, of which the rig's errors count.
     measurands
-        Sums of such errors.
+        Sums of shared numbers; those that hold others than errors of the rig are left out.
     """
-    names = list(dict.fromkeys(name for one in measurands for name in one.weights))
-    per_unit = np.array([[one.weights.get(name, 0.0) for name in names] for one in measurands])
+    u = {one.name: one.u or 0.0 for one in joint.shared if one.turns_edges or one.measured is not None}
+    known = [one for one in measurands if set(one.weights) <= set(u)]
+    per_unit = np.array([[one.weights.get(name, 0.0) * size for name, size in u.items()] for one in known])
     return Estimate(
-        names=tuple(one.name for one in measurands),
-        units=tuple(one.unit for one in measurands),
-        values=np.zeros(len(measurands)),
+        names=tuple(one.name for one in known),
+        units=tuple(one.unit for one in known),
+        values=np.zeros(len(known)),
         covariance=per_unit @ per_unit.T,
     )

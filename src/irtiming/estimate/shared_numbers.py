@@ -5,7 +5,7 @@ numbers of each recording. It then takes part in the fit, the budget, the profil
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -46,6 +46,10 @@ class SharedNumber:
         Who knows it, as a budget names it.
     may_be_mirrored
         Whether its other sign looks nearly alike.
+    turns_edges
+        Whether it is an error of the wheel's angles.
+    measured
+        Standard uncertainty and unit of what somebody measured, where this follows from one such number.
     """
 
     name: str
@@ -57,6 +61,8 @@ class SharedNumber:
     source: str = NOISE
     kind: EvaluationType = "A"
     may_be_mirrored: bool = False
+    turns_edges: bool = False
+    measured: tuple[float, str] | None = None
 
 
 def design(shared: Sequence[SharedNumber], recording: int, *, names: tuple[str, ...]) -> Array:
@@ -109,7 +115,10 @@ def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_
         for k, column in enumerate(u_edge_rad * np.eye(4))
     ]
     errors += [
-        _turned(source, fits, np.full(4, u), source=source, kind="A" if kind == "A" else "B")
+        replace(
+            _turned(source, fits, np.full(4, u), source=source, kind="A" if kind == "A" else "B"),
+            measured=geometry.measured.get(source, (u, "rad")),
+        )
         for source, kind, u in geometry.angle_budget
     ]
     return errors
@@ -138,7 +147,7 @@ def _turned(
     effects = [
         dict(zip(EDGE_DELAYS, (per_unit_rad / fit.angular_frequency_rad_per_s).tolist(), strict=True)) for fit in fits
     ]
-    return SharedNumber(name=name, unit="1", effects=effects, u=1.0, source=source, kind=kind)
+    return SharedNumber(name=name, unit="1", effects=effects, u=1.0, source=source, kind=kind, turns_edges=True)
 
 
 def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> list[SharedNumber]:

@@ -16,6 +16,8 @@ from irtiming.estimate import (
     own_noise,
     pixel_sums,
     reference_noise,
+    relative_delays,
+    rig_errors,
     rolling_camera,
     scatter,
     shape,
@@ -26,6 +28,7 @@ from irtiming.estimate import (
 from irtiming.estimate.joint import Joint, LocalModel, Measurand
 from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
 from irtiming.estimate.pixel_sums import SHAPE
+from irtiming.estimate.rig_errors import CLOCK, RigErrors
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised, Model
@@ -37,7 +40,7 @@ from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.result import EffectiveTimeConstants, JointFit, Method, RelativeDelay, Result
+from irtiming.records.result import EffectiveTimeConstants, JointFit, Method, Result
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
@@ -47,6 +50,7 @@ _CORNER_RAD = 4.5e-3  # what rounds the corners besides the window and is not in
 _WINDOW_SHARE = 0.02  # of its length: by how much windows came out wrong on simulated rigs, cause unknown
 _UNKNOWN_WINDOW_S = 0.1  # standard uncertainty of a window that no frame tells anything of
 _LEAST_U_LEAN_RAD = 1e-5
+_NOTHING_MORE = RigErrors()
 
 
 @final
@@ -110,7 +114,9 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *opening_and_window(recordings, fits, geometry=geometry),
         *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
     ]
-    found = _by_file(of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s), recordings)
+    errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
+    combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
+    found = _by_file(combined, recordings)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found
     )
@@ -126,7 +132,7 @@ def _by_file(found: Combination, recordings: Sequence[ReducedRecording]) -> Comb
 
 def of_pixel_fits(
     fits: Sequence[EdgeDelayFit], geometry: WheelGeometry, *, models: Sequence[LocalModel], own: Sequence[SharedNumber],
-    stated_s: float | None,
+    stated_s: float | None, rig: RigErrors = _NOTHING_MORE,
 ) -> Combination:  # fmt: skip
     """Timing of a snapshot photon camera from fits of its pixel sums.
 
@@ -142,17 +148,18 @@ def of_pixel_fits(
         Numbers of opening and window that all recordings share; beside them are the delay and the rig's errors.
     stated_s
         Integration time as the recordings state it; None where they do not.
+    rig
+        What else is known of the rig.
     """
     groups, u_edge = scatter.alike(fits, [range(len(fits))]), scatter.edge_uncertainty(fits, geometry)
     middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
-    errors = shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge)
+    errors = [*shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge), *rig.shared]
     plain = joint.fit(models, [shared_numbers.delay(fits, start=middle_s), *own, *errors])
     parts = shared_residual.split(joint.traces(plain)) or shared_residual.all_own(len(fits))
     found = own_noise.weighed(plain, fits, groups=groups, parts=parts)
     freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - fit.n_own for fit in fits))
-    reported = measurands.of_window(
-        found, _window(found, fits, stated_s=stated_s), degrees_of_freedom=min(freedom, parts.degrees_of_freedom)
-    )
+    window = _window(found, fits, stated_s=stated_s, rig=rig)
+    reported = measurands.of_window(found, window, degrees_of_freedom=min(freedom, parts.degrees_of_freedom))
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
         n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
@@ -160,24 +167,27 @@ def of_pixel_fits(
     findings = (
         *geometry.findings, *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
-        *doubts.of_joint(record),
+        *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
     return Combination(
         joint=found, joint_fit=record, profiled=reported.profiled,
-        result=_result(found, fits, reported=reported, method="pixel-sum", findings=findings),
+        result=_result(found, fits, reported=reported, rig=rig, findings=findings),
     )  # fmt: skip
 
 
-def _window(found: Joint, fits: Sequence[EdgeDelayFit], *, stated_s: float | None) -> Window:
+def _window(
+    found: Joint, fits: Sequence[EdgeDelayFit], *, stated_s: float | None, rig: RigErrors = _NOTHING_MORE
+) -> Window:
     """What else rounds the corners of the sums as a window does, and whether several wheel speeds tell it from that."""
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
     if WINDOW not in found.names:
-        return Window(stated_s=stated_s, u_beside_s=0.0, is_told=False)
+        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, u_beside_s=0.0, is_told=False)
     alone = found.estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
     length_s = abs(alone.value(WINDOW))
     unknown_s = _CORNER_RAD**2 / (2 * max(length_s, alone.u(WINDOW)) * fastest**2)
     return Window(
         stated_s=stated_s,
+        u_stated_s=rig.u_window_s,
         u_beside_s=float(np.hypot(unknown_s, _WINDOW_SHARE * length_s)),
         is_told=fastest > _SPEED_RATIO * slowest,
     )
@@ -224,9 +234,11 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     stated_s = common_integration_time(recordings)
     rows = rolling_camera.rows(recordings, rig)
     names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
+    errors = rig_errors.of(rows.recordings, rows.fits, rig=rig, geometry=rows.geometry)
     found = of_row_fits(
-        rows.fits, rows.geometry, sectors=rows.sectors, stated_s=stated_s, n_rows=recordings[0].opening.mask.shape[0]
-    )
+        rows.fits, rows.geometry, sectors=rows.sectors, stated_s=stated_s, n_rows=recordings[0].opening.mask.shape[0],
+        rig=errors,
+    )  # fmt: skip
     factor = _run_to_run(rows.fits)
     return Timing(
         recordings=rows.recordings,
@@ -243,7 +255,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 
 def of_row_fits(
     fits: Sequence[RowTimingFit], geometry: WheelGeometry, *, sectors: Sequence[SectorFit], n_rows: int,
-    stated_s: float | None = None,
+    stated_s: float | None = None, rig: RigErrors = _NOTHING_MORE,
 ) -> Combination:  # fmt: skip
     """Timing of any camera whose rows are summed, from fits of its rows; each is taken for a parabola.
 
@@ -257,6 +269,8 @@ def of_row_fits(
         Rows of the image.
     stated_s
         Integration time as the recordings state it; None where they do not, or where there is no window.
+    rig
+        What else is known of the rig.
     """
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
@@ -266,6 +280,7 @@ def of_row_fits(
         *own,
         *shared_numbers.image_errors(fits, sectors),
         *shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge),
+        *rig.shared,
     ]
     factor, groups = _run_to_run(fits), scatter.alike(fits, blackbodies)
     found = joint.fit(
@@ -276,7 +291,7 @@ def of_row_fits(
     if constants:
         reported = measurands.of_lag(found, constants, degrees_of_freedom=freedom)
     else:
-        window = Window(stated_s=stated_s, u_beside_s=0.0, is_told=True)
+        window = Window(stated_s=stated_s, u_stated_s=rig.u_window_s, u_beside_s=0.0, is_told=True)
         reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[_whiteness(fit) for fit in fits],
@@ -287,9 +302,9 @@ def of_row_fits(
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
         *doubts.of_row_fits(fits, sectors[0]), *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective),
-        *doubts.of_joint(record),
+        *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
-    result = _result(found, fits, reported=reported, method="row-sum", findings=findings)
+    result = _result(found, fits, reported=reported, rig=rig, findings=findings)
     return Combination(
         joint=found, joint_fit=record, result=replace(result, effective=effective), profiled=reported.profiled
     )
@@ -339,13 +354,13 @@ def _of_camera(
 def _record(
     found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
-    own = [one for one in found.shared if one.unit != "1" or one.name in measurands.MEMORIES]
+    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, *measurands.MEMORIES)]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
     every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(
         parameters=found.estimate([*every, *angles]),
         start={one.name: one.start for one in own} | {one.name: 0.0 for one in angles},
-        prior=measurands.known_before(angles),
+        prior=measurands.known_before(found, [*angles, *every]),
         u_edge_rad=u_edge_rad,
         reduced_chi_square=found.found.at.deviance / max(1, n_residuals),
         birge=joint.disagreement(found),
@@ -356,38 +371,22 @@ def _record(
 
 
 def _result(
-    found: Joint, fits: Sequence[EdgeDelayFit] | Sequence[RowTimingFit], *, reported: Reported, method: Method,
+    found: Joint, fits: Sequence[EdgeDelayFit] | Sequence[RowTimingFit], *, reported: Reported, rig: RigErrors,
     findings: tuple[Finding, ...],
 ) -> Result:  # fmt: skip
+    method: Method = "pixel-sum" if isinstance(fits[0], EdgeDelayFit) else "row-sum"
     noise = np.sqrt(np.mean([np.diag(fit.estimate.covariance)[:4] for fit in fits], axis=0) / len(fits))
     return Result(
         method=method,
         estimate=reported.estimate,
-        relative_delays=_relative_delays(found, fits),
+        relative_delays=relative_delays.of(found, fits, clock=rig.clock),
+        not_in_uncertainty=(*rig.not_held, *reported.not_held),
+        midpoint_leads=reported.midpoint_leads,
         budget=reported.budget,
         edge_delay_s=np.mean([fit.edge_delay_s for fit in fits], axis=0),
         u_edge_delay_s=noise,
         bounds=reported.bounds,
         findings=findings,
-    )
-
-
-def _relative_delays(found: Joint, fits: Sequence[RecordingFit]) -> tuple[RelativeDelay, ...]:
-    """Delay of each recording minus the mean of those with the smallest set delay, including what was set."""
-    nominal = np.array([fit.trigger_delay_time_set_s for fit in fits])
-    _, setting = np.unique(np.round(nominal, 9), return_inverse=True)
-    each, covariance = joint.each_delay(found, setting.tolist())
-    reference = np.isclose(nominal, nominal.min(), rtol=0, atol=1e-12)
-    difference = np.eye(len(fits)) - reference / reference.sum()
-    value, u = difference @ (each + nominal), np.sqrt(np.maximum(np.diag(difference @ covariance @ difference.T), 0))
-    return tuple(
-        RelativeDelay(
-            file=fit.name,
-            nominal_s=float(nominal[k] - nominal.min()),
-            value_s=float(value[k]),
-            standard_uncertainty_s=float(u[k]),
-        )
-        for k, fit in enumerate(fits)
     )
 
 

@@ -18,15 +18,25 @@ LEAST_WHITENESS = 1e-4
 @final
 @dataclass(frozen=True, kw_only=True)
 class RelativeDelay:
-    """Delay of one recording minus that of the recordings with the smallest set delay: nominal and as measured, s.
+    """Delay of one recording minus that of the recordings with the smallest set delay: nominal and as measured, SI s.
 
-    ``file`` is where the recording was read, or its name.
+    ``file`` is where the recording was read, or its name. ``deviation_s`` and ``u_deviation_s`` are measured minus nominal in the
+    generator's own time, where its clock cancels; None where the method knows nothing of a clock: then the difference itself.
     """
 
     file: str
     nominal_s: float
     value_s: float
     standard_uncertainty_s: float
+    deviation_s: float | None = None
+    u_deviation_s: float | None = None
+
+    @property
+    def deviation(self) -> tuple[float, float]:
+        """Measured minus nominal in the generator's own time, with its standard uncertainty, s."""
+        if self.deviation_s is None or self.u_deviation_s is None:
+            return self.value_s - self.nominal_s, self.standard_uncertainty_s
+        return self.deviation_s, self.u_deviation_s
 
 
 @final
@@ -35,12 +45,15 @@ class Contribution:
     """One line of the uncertainty budget: what it is, A or B as in the GUM, and what it adds to each parameter.
 
     ``standard_uncertainty`` is by the parameter's name, in its unit; ``degrees_of_freedom`` say how well it is itself known.
+    ``measured`` are standard uncertainty and unit of what somebody measured, where the line follows from one such number: what
+    it adds over that is the sensitivity of the parameter.
     """
 
     source: str
     kind: str
     standard_uncertainty: Mapping[str, float]
     degrees_of_freedom: float = float("inf")
+    measured: tuple[float, str] | None = None
 
 
 @final
@@ -161,6 +174,10 @@ class Result:
         Doubts about the result.
     effective
         Time constants of the blackbody temperatures one by one; None where these are not known, or there is no lag.
+    not_in_uncertainty
+        In words, what the uncertainties do not hold because nobody stated it.
+    midpoint_leads
+        Whether the middle of the integration window is to be told before its start, whose distance nobody knows well.
     """
 
     method: Method
@@ -172,3 +189,5 @@ class Result:
     bounds: tuple[Bound, ...] = ()
     findings: tuple[Finding, ...] = ()
     effective: EffectiveTimeConstants | None = None
+    not_in_uncertainty: tuple[str, ...] = ()
+    midpoint_leads: bool = False

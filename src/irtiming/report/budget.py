@@ -20,13 +20,22 @@ _HALVES = ("trigger_delay_falling", "trigger_delay_rising")
 @final
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """What one source adds to one parameter, in its unit; ``share`` in the variance, 0 to 1."""
+    """What one source adds to one parameter, in its unit; ``share`` in the variance, 0 to 1.
+
+    ``measured`` are standard uncertainty and unit of the number that it follows from, where there is one.
+    """
 
     source: str
     kind: str
     standard_uncertainty: float
     degrees_of_freedom: float = inf
     share: float = 0.0
+    measured: tuple[float, str] | None = None
+
+    @property
+    def sensitivity(self) -> float | None:
+        """What it adds over the standard uncertainty of what was measured; None without such a number."""
+        return self.standard_uncertainty / self.measured[0] if self.measured and self.measured[0] > 0 else None
 
 
 @final
@@ -115,7 +124,10 @@ def _of_split(part: Contribution) -> float:
 
 
 def _line(part: Contribution, u: float) -> Line:
-    return Line(source=part.source, kind=part.kind, standard_uncertainty=u, degrees_of_freedom=part.degrees_of_freedom)
+    return Line(
+        source=part.source, kind=part.kind, standard_uncertainty=u, degrees_of_freedom=part.degrees_of_freedom,
+        measured=part.measured,
+    )  # fmt: skip
 
 
 def expanded_text(u: float, degrees_of_freedom: float, *, unit: str = "s") -> tuple[str, str]:

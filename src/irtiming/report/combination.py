@@ -22,7 +22,10 @@ PAPER_TABLE_1 = (
 @final
 @dataclass(frozen=True, kw_only=True)
 class CombinedDelay:
-    """Mean over the runs of one nominal delay at one wheel speed, s; ``scatter_s`` is the runs' standard deviation."""
+    """Mean over the runs of one nominal delay at one wheel speed, s; ``scatter_s`` is the runs' standard deviation.
+
+    ``deviation_s`` and ``u_deviation_s`` are measured minus nominal in the generator's own time, where its clock cancels.
+    """
 
     nominal_s: float
     rotation_speed_hz: float
@@ -30,11 +33,8 @@ class CombinedDelay:
     value_s: float
     standard_uncertainty_s: float
     scatter_s: float | None
-
-    @property
-    def deviation_s(self) -> float:
-        """Measured minus nominal, s."""
-        return self.value_s - self.nominal_s
+    deviation_s: float
+    u_deviation_s: float
 
 
 def combined(analysis: Analysis, result: Result) -> list[CombinedDelay]:
@@ -71,26 +71,30 @@ def combined(analysis: Analysis, result: Result) -> list[CombinedDelay]:
         values = np.array([delay.value_s for delay in group])
         own = result.method != "published"
         found = _mean_uncertainty(group, np.array([noise[delay.file] for delay in group]), reference_noise)
+        clock = float(np.sqrt(max(0.0, group[0].standard_uncertainty_s ** 2 - group[0].deviation[1] ** 2)))
+        u = found if own else group[0].deviation[1]
         rows.append(
             CombinedDelay(
                 nominal_s=nominal,
                 rotation_speed_hz=speed,
                 n_runs=len(group),
                 value_s=float(values.mean()),
-                standard_uncertainty_s=found if own else group[0].standard_uncertainty_s,
+                standard_uncertainty_s=float(np.hypot(u, clock)),
                 scatter_s=float(values.std(ddof=1)) if own and len(group) > 1 else None,
+                deviation_s=float(np.mean([delay.deviation[0] for delay in group])),
+                u_deviation_s=u,
             )
         )
     return rows
 
 
 def _mean_uncertainty(delays: list[RelativeDelay], noise: Array, reference_noise: float) -> float:
-    """Standard uncertainty of the mean of runs, s: noise averages, the reference's noise and the common rest do not.
+    """Standard uncertainty of the mean deviation of runs, s: noise averages, the reference's noise and the common rest do not.
 
     Where the fits' own noise exceeds what a relative delay states, because part of it cancels between recordings, it is
     scaled down to that: a single run keeps its stated uncertainty.
     """
-    total = np.array([delay.standard_uncertainty_s**2 for delay in delays])
+    total = np.array([delay.deviation[1] ** 2 for delay in delays])
     scale = min(1.0, float(np.mean(total)) / max(float(np.mean(noise)) + reference_noise, 1e-60))
     common = max(0.0, float(np.mean(total)) - scale * (float(np.mean(noise)) + reference_noise))
     return float(np.sqrt(scale * (noise.sum() / noise.size**2 + reference_noise) + common))

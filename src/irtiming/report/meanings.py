@@ -67,10 +67,11 @@ def several_speeds(analysis: Analysis) -> bool:
 
 
 def delay_name(result: Result) -> str:
-    """Of the delay to report first: to the start of integration, where its length is known, or to its middle; to the reading."""
+    """Of the delay to report first: to the start of integration, where its length is known, else its middle; to the reading."""
     names = {*result.estimate.names, *(bound.name for bound in result.bounds)}
     middle = "exposure_midpoint_delay"
-    return middle if middle in names and "trigger_delay" not in names else "trigger_delay"
+    leads = result.midpoint_leads or "trigger_delay" not in names
+    return middle if middle in names and leads else "trigger_delay"
 
 
 def edge_delay_name(analysis: Analysis) -> str:

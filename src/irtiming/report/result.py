@@ -6,7 +6,7 @@ import numpy as np
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.result import Result
+from irtiming.records.result import Contribution, Result
 from irtiming.report import budget, camera_noise, result_of_fits, result_of_wheel
 from irtiming.report.combination import combined
 from irtiming.report.meanings import (
@@ -24,7 +24,7 @@ from irtiming.report.meanings import (
 )
 from irtiming.report.sections.inputs import versions
 from irtiming.report.sections.parameters import entries
-from irtiming.report.verdict import last_row_read
+from irtiming.report.verdict import last_row_read, verdict
 
 
 def result(analysis: Analysis) -> dict[str, Any]:
@@ -44,6 +44,7 @@ def result(analysis: Analysis) -> dict[str, Any]:
         "readout_mode": analysis.readout_mode,
         **core,
         "parameters": core["parameters"] | result_of_fits.two_constant_parameters(two),
+        "headline": verdict(analysis).sentence,
         "warnings": list(warnings(analysis)),
         "findings": [
             {"code": one.code, "severity": one.severity, "recording": one.recording, "where": one.where, "what": one.what,
@@ -88,6 +89,8 @@ def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
                 "nominal": delay.nominal_s,
                 "value": delay.value_s,
                 "standard_uncertainty": delay.standard_uncertainty_s,
+                "deviation": delay.deviation[0],
+                "deviation_standard_uncertainty": delay.deviation[1],
                 **relative,
             }
             for delay in chosen.relative_delays
@@ -104,6 +107,7 @@ def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
             }
             for row in combined(analysis, chosen)
         ],
+        "not_in_uncertainty": list(chosen.not_in_uncertainty),
         "last_row_read": _last_row(analysis, chosen),
         "budget": _of_delay(chosen) if has_pixel_sums(analysis) else _by_parameter(chosen, headline(analysis, chosen)),
         "contributions": _by_parameter(chosen, _times(chosen)),
@@ -149,6 +153,8 @@ def _of_delay(chosen: Result) -> list[dict[str, Any]]:
             "degrees_of_freedom": budget.freedom_number(line.degrees_of_freedom),
             "share_percent": 100 * line.share,
             "unit": "s",
+            "measured": _measured(line),
+            "sensitivity": line.sensitivity,
         }
         for line in budget.of(chosen, delay_name(chosen)).lines
     ]
@@ -170,9 +176,20 @@ def _by_parameter(chosen: Result, names: tuple[str, ...]) -> list[dict[str, Any]
             "degrees_of_freedom": budget.freedom_number(part.degrees_of_freedom),
             "share_percent": {name: 100 * found[name].share(part.source) for name in names},
             "unit": "s",
+            "measured": _measured(part),
+            "sensitivity": None if not part.measured or part.measured[0] <= 0 else {
+                name: part.standard_uncertainty.get(name, 0.0) / part.measured[0] for name in names
+            },
         }
         for part in chosen.budget
-    ]
+    ]  # fmt: skip
+
+
+def _measured(line: Contribution | budget.Line) -> dict[str, Any] | None:
+    """What somebody measured, where the line follows from one such number."""
+    if line.measured is None:
+        return None
+    return {"standard_uncertainty": line.measured[0], "unit": line.measured[1]}
 
 
 def _edge_delays(analysis: Analysis, chosen: Result) -> dict[str, Any] | None:

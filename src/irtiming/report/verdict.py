@@ -25,8 +25,9 @@ def verdict(analysis: Analysis) -> Verdict:
         else f"{words(name)}: {bounds.get(name, 'unknown')}"
         for name in names
     ]
+    without = f" ({trusted(result)} not in u)" if result.not_in_uncertainty and names[0] in found else ""
     return Verdict(
-        number=numbers[0],
+        number=numbers[0] + without,
         further=tuple(numbers[1:]),
         sentence=_sentence(analysis, names, found=found, bounds=bounds),
         remarks=tuple(text for text in _remarks(analysis, names, found=found) if text),
@@ -52,11 +53,17 @@ def _sentence(
             parts.append(f"a pixel needs {time_text(*found[name])} for 63 % of its response to a step of the scene")
     lag = f"; {parts.pop()}" if "time_constant" in names else ""
     by = f"by {METHOD_NAMES[result.method]} from {several(len(analysis.recordings), 'recording')}"
+    without = "" if not result.not_in_uncertainty else f" Not in these uncertainties: {trusted(result)}."
     if len(names) > 1 or names[0] not in found:
-        return f"{', '.join(parts)}{lag}, {by} (standard uncertainties, k = 1)."
+        return f"{', '.join(parts)}{lag}, {by} (standard uncertainties, k = 1).{without}"
     expanded, factor = budget.expanded_text(found[names[0]][1], budget.of(result, names[0]).degrees_of_freedom)
     known = f"(standard uncertainty, k = 1; expanded uncertainty U = {expanded}, k = {factor})"
-    return f"{', '.join(parts)} {known}, {by}."
+    return f"{', '.join(parts)} {known}, {by}.{without.replace('these uncertainties', 'this uncertainty')}"
+
+
+def trusted(result: Result) -> str:
+    """What the uncertainties do not hold, in words."""
+    return "; ".join(result.not_in_uncertainty)
 
 
 def _first(analysis: Analysis, value: float, u: float, *, name: str) -> str:
@@ -82,8 +89,8 @@ def _relative(analysis: Analysis) -> str:
     if not rows:
         return "All recordings have the same delay set: no relative delay to check the measurement with."
     rms = float(np.sqrt(np.mean([row.deviation_s**2 for row in rows])))
-    worst = max(rows, key=lambda row: abs(row.deviation_s) / max(row.standard_uncertainty_s, 1e-15))
-    ratio = abs(worst.deviation_s) / worst.standard_uncertainty_s if worst.standard_uncertainty_s > 0 else float("inf")
+    worst = max(rows, key=lambda row: abs(row.deviation_s) / max(row.u_deviation_s, 1e-15))
+    ratio = abs(worst.deviation_s) / worst.u_deviation_s if worst.u_deviation_s > 0 else float("inf")
     return (
         f"Relative delays meet what was set within {uncertainty_text(rms)} rms over {several(len(rows), 'nominal delay')}; "
         f"the largest deviation is {ratio:.1f} of its standard uncertainty."

@@ -31,10 +31,10 @@ def _window(length_s=240e-6, *, u_s=10e-6, coupling=0.0):
     return _joint(("integration_time",), np.array([600e-6] * 4 + [length_s]), covariance)
 
 
-def _of_window(found, *, stated_s=None, u_beside_s=0.0, is_told=True):
-    return measurands.of_window(
-        found, Window(stated_s=stated_s, u_beside_s=u_beside_s, is_told=is_told), degrees_of_freedom=50.0
-    )
+def _of_window(found, *, u_beside_s=0.0, is_told=True, **stated):
+    given = {"stated_s": None} | stated
+    window = Window(u_beside_s=u_beside_s, is_told=is_told, **given)
+    return measurands.of_window(found, window, degrees_of_freedom=50.0)
 
 
 def test_a_stated_window_moves_the_middle_to_the_start():
@@ -99,9 +99,44 @@ def test_a_window_shorter_than_two_u_or_at_one_speed_is_not_reported(length_s, i
 @pytest.mark.parametrize(("stated_s", "n"), [(201e-6, 0), (199e-6, 1), (281e-6, 1), (279e-6, 0)])
 def test_a_stated_length_four_u_beside_is_contradicted(stated_s, n):
     """Oracle: by hand; the sums say 240 us with u = 10 us."""
-    assert [one.code for one in _of_window(_window(), stated_s=stated_s).findings] == [
-        "integration-time-contradicted"
-    ] * n
+    (found,) = _of_window(_window(), stated_s=stated_s).findings
+    assert found.code == ("integration-time-contradicted" if n else "integration-time-on-trust")
+    assert found.severity == "doubt"
+
+
+def test_a_stated_length_and_the_corners_share_by_their_uncertainties():
+    """Oracle: weighted mean by hand; 240 us with u = 10 us and 260 us with 20 us: 244 us with 8.94 us, half in the start."""
+    one = _of_window(_window(), stated_s=260e-6, u_stated_s=20e-6)
+    bare = _of_window(_window()).estimate
+    found, middle = one.estimate, one.estimate.value("exposure_midpoint_delay")
+    assert found.value("integration_time") == pytest.approx(244e-6)
+    assert found.u("integration_time") == pytest.approx(np.sqrt(1 / (1 / 10**2 + 1 / 20**2)) * 1e-6, rel=1e-3)
+    assert found.value("trigger_delay") == pytest.approx(middle - 122e-6)
+    k = [bare.names.index(name) for name in ("exposure_midpoint_delay", "integration_time")]
+    (u_middle_2, both), (_, u_length_2) = bare.covariance[np.ix_(k, k)].tolist()
+    expected = u_middle_2 - 0.8 * both + 0.16 * u_length_2 + (0.1 * 20e-6) ** 2
+    assert found.u("trigger_delay") == pytest.approx(np.sqrt(expected))
+    for name in found.names:
+        parts = [part.standard_uncertainty[name] for part in one.budget]
+        assert np.sqrt(np.sum(np.square(parts))) == pytest.approx(found.u(name), rel=1e-6), name
+    assert (one.findings, one.not_held, one.midpoint_leads) == ((), (), False)
+
+
+def test_a_stated_length_at_one_speed_is_half_in_the_start():
+    """Oracle: by hand; u = 15 us of the count_time is 7.5 us of the start, nothing of the middle."""
+    exact, known = (_of_window(_window(), stated_s=250e-6, u_stated_s=u, is_told=False).estimate for u in (0.0, 15e-6))
+    assert known.value("trigger_delay") == exact.value("trigger_delay")
+    assert known.u("trigger_delay") == pytest.approx(np.hypot(exact.u("trigger_delay"), 7.5e-6))
+    assert known.u("exposure_midpoint_delay") == exact.u("exposure_midpoint_delay")
+
+
+@pytest.mark.parametrize(("is_told", "leads"), [(False, True), (True, False)])
+def test_a_length_on_trust_is_said_beside_the_result(is_told, leads):
+    """Oracle: the rule: the midpoint leads where no speeds verify the window; its u here (10 us) is too coarse to be silent."""
+    found = _of_window(_window(), stated_s=250e-6, is_told=is_told)
+    assert [one.code for one in found.findings] == ["integration-time-on-trust"]
+    assert found.not_held == ("integration time (count_time)",)
+    assert found.midpoint_leads is leads
 
 
 def _lag(tau_s, u_s, *, u_delay_s=20e-6):

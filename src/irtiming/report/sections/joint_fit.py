@@ -26,6 +26,10 @@ _WIDEST = 2.6  # standard uncertainties shown to either side
 _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
 _MEANINGS = {
+    "latency_application_gate": "latency of the application gate beyond what rig.toml states",
+    "latency_control_gate": "latency of the control gate beyond what rig.toml states",
+    "latency_trigger": "latency of the trigger path beyond what rig.toml states",
+    "clock_error": "relative error of the clock beyond what rig.toml states",
     "integration_time": "length of the integration window",
     "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
     "pixel_memory": "share of the frame before that a pixel keeps",

@@ -54,7 +54,7 @@ def combined_delays(analysis: Analysis, result: Result | None = None) -> Table:
                 str(row.n_runs),
                 in_unit(row.value_s, row.standard_uncertainty_s, unit_s=MS),
                 micro(row.standard_uncertainty_s),
-                signed(row.deviation_s, row.standard_uncertainty_s, unit_s=US),
+                signed(row.deviation_s, row.u_deviation_s, unit_s=US),
                 "–" if row.scatter_s is None else micro(row.scatter_s),
                 *(printed if beside else ()),
             )
@@ -67,8 +67,9 @@ def combined_delays(analysis: Analysis, result: Result | None = None) -> Table:
         columns=("nominal (ms)", "runs", "measured (ms)", "u (µs)", "deviation (µs)", "scatter of runs (µs)", *heads),
         align="rrrrrr" + "r" * len(heads),
         rows=tuple(rows),
-        note=f"{of_paper}u is the standard uncertainty of the mean over the runs; noise averages over runs, what they have in "
-        f"common does not. Scatter is the standard deviation of single runs. {note(analysis)}",
+        note=f"{of_paper}u is the standard uncertainty of the mean over the runs, in SI seconds with that of the generator’s "
+        "clock; noise averages over runs, what they have in common does not. Deviation: measured minus nominal in the "
+        f"generator’s own time, where its clock cancels. Scatter is the standard deviation of single runs. {note(analysis)}",
     )
 
 
@@ -88,7 +89,7 @@ def beside_the_paper(analysis: Analysis) -> Table:
         u_paper, deviation = paper.get(best.nominal_s, (None, None))
         cells = [
             "–" if row is None
-            else f"{signed(row.deviation_s, row.standard_uncertainty_s, unit_s=US)} ± {micro(row.standard_uncertainty_s)}"
+            else f"{signed(row.deviation_s, row.u_deviation_s, unit_s=US)} ± {micro(row.u_deviation_s)}"
             for row in (*others, best)
         ]  # fmt: skip
         printed = "–" if u_paper is None or deviation is None else f"{deviation / US:+.3f} ± {u_paper / US:.3f}"
@@ -123,7 +124,8 @@ def by_file(analysis: Analysis) -> Table:
         columns=("recording", "nominal (ms)", *heads),
         align="lr" + "r" * len(heads),
         rows=tuple(rows) if several else (),
-        note="Deviation is measured minus nominal; the trigger generator sets delays to a tick of its clock. What else the "
+        note="Deviation is measured minus nominal in the generator’s own time, u its standard uncertainty; the generator sets "
+        "delays to a tick of its clock. What else the "
         "camera "
         "has is taken as one for all recordings. The published method averages the runs of one nominal delay, which share their "
         f"value. {note(analysis)}",
@@ -133,8 +135,8 @@ def by_file(analysis: Analysis) -> Table:
 def _deviation(delay: RelativeDelay | None) -> tuple[str, str]:
     if delay is None:
         return "–", "–"
-    u = delay.standard_uncertainty_s
-    return signed(delay.value_s - delay.nominal_s, u, unit_s=US) if u > 0 else "reference", micro(u)
+    deviation, u = delay.deviation
+    return signed(deviation, u, unit_s=US) if u > 0 else "reference", micro(u)
 
 
 def panel(analysis: Analysis) -> Panel:
@@ -161,7 +163,7 @@ def figure(analysis: Analysis) -> Figure:
                 paper = np.array([(nominal, deviation, u) for nominal, _, u, deviation in PAPER_TABLE_1])
                 _bars(axes, paper, "D", sheet.FAINT)
             rows = combined(analysis, result)
-            ours = np.array([(row.nominal_s, row.deviation_s, row.standard_uncertainty_s) for row in rows])
+            ours = np.array([(row.nominal_s, row.deviation_s, row.u_deviation_s) for row in rows])
             _bars(axes, ours.reshape(-1, 3), "o", hue)
             axes.set_title(METHOD_NAMES[result.method])
             axes.set_xlabel("nominal relative delay (ms)")

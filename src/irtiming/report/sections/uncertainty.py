@@ -10,7 +10,7 @@ from irtiming.report import sheet
 from irtiming.report.blocks import US, Panel, Section, Table, micro
 from irtiming.report.combination import combined
 from irtiming.report.meanings import METHOD_NAMES, edge_delay_name, event, headline, several_speeds, words
-from irtiming.report.rounding import fixed, uncertainty_text
+from irtiming.report.rounding import fixed, significant, uncertainty_text
 
 _NO_SHARE = 1e-8
 _MOST_NAMED = 8
@@ -48,7 +48,9 @@ def budget(analysis: Analysis) -> Table:
         ]
         cells = ["0" if share < _NO_SHARE else f"{micro(one.standard_uncertainty)} ({budget_of.share_text(share)})"
                  for one, share in sizes]  # fmt: skip
-        rows.append((line.source, line.kind, budget_of.freedom_text(line.degrees_of_freedom), *cells))
+        rows.append(
+            (line.source, line.kind, budget_of.freedom_text(line.degrees_of_freedom), *cells, *_sensitivity(line))
+        )
     sums = [micro(whole.standard_uncertainty) for whole in found.values()]
     rows.append(("all together (root of the sum of squares)", "", "", *sums))
     rows.append(
@@ -56,14 +58,27 @@ def budget(analysis: Analysis) -> Table:
     )
     return Table(
         title="Uncertainty budget",
-        columns=("source", "type", "ν", *(f"{words(name)}: u (µs)" for name in names)),
-        align="lcr" + "r" * len(names),
-        rows=tuple(rows),
+        columns=("source", "type", "ν", *(f"{words(name)}: u (µs)" for name in names), "u of what was measured",
+                 f"{words(names[0])}: sensitivity"),
+        align="lcr" + "r" * len(names) + "rr",
+        rows=tuple(row if len(row) > len(names) + 3 else (*row, "", "") for row in rows),
         note="In brackets the share of u². Type A: from the scatter of this measurement; type B: from rig.toml. Angle errors "
         "become times by division through the wheel’s angular frequency; they touch delays alone, and angles common to all "
         "recordings of one wheel speed drop out of the relative delays. ν, degrees of freedom: how well u itself is known; those "
-        "of the sums by Welch and Satterthwaite.",
+        "of the sums by Welch and Satterthwaite. Sensitivity: what a line adds over the standard uncertainty of what was "
+        "measured.",
+    )  # fmt: skip
+
+
+def _sensitivity(line: budget_of.Line) -> tuple[str, str]:
+    """What was measured and how the parameter follows it, in units that people measure in; a dash without such a number."""
+    if line.measured is None or line.sensitivity is None:
+        return "–", "–"
+    u, unit = line.measured
+    scale, shown = {"m": (1e-3, "mm"), "s": (US, "µs"), "rad": (1e-3, "mrad"), "1": (1e-6, "ppm")}.get(
+        unit, (1.0, unit)
     )
+    return f"{significant(u / scale)} {shown}", f"{significant(line.sensitivity * scale / US)} µs/{shown}"
 
 
 def draw_budget(analysis: Analysis) -> Figure:

@@ -1,0 +1,222 @@
+"""What rig.toml states beside angles, as numbers that all recordings share; and what it leaves out, said aloud.
+
+Latencies and the clock's error are taken off where the wheel's angles are made (`irtiming.physics.latency`); what is left of each
+is a shared number about zero with the uncertainty that rig.toml states. What rig.toml does not state is corrected by nothing and,
+but for the clock, is in no uncertainty: then there is a finding, and the result names it beside its first number.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import final
+
+import numpy as np
+
+from irtiming.estimate.shared_numbers import SharedNumber
+from irtiming.physics import latency
+from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
+from irtiming.records.finding import Finding
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rig import Latency, LightGates, Measured, Rig
+from irtiming.records.wheel_geometry import WheelGeometry
+
+USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
+"""Relative error of a crystal that nobody measured: within +-50 ppm, all alike."""
+
+CLOCK = "clock_error"
+CLOCK_SOURCE = "clock of the trigger generator"
+GATE_SOURCES = {
+    "application_gate": "latency of the application gate",
+    "control_gate": "latency of the control gate",
+    "trigger": "latency of the trigger path",
+}
+"""Sources of a budget, by the latency's name."""
+
+_EXACT = Measured(0.0)
+_SAME_SPEED = 1.02
+_TIMES = (*EDGE_DELAYS, "integration_time", "time_constant", "row_delay")
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigErrors:
+    """What is known of a rig beside its angles.
+
+    Parameters
+    ----------
+    shared
+        What is left of latencies and clock, with their priors.
+    clock
+        Relative error of the clock, which the recordings' times already know, and its standard uncertainty.
+    u_window_s
+        Of the integration time that the recordings state; None where nobody knows it.
+    findings
+        What rig.toml leaves out, or states without an uncertainty.
+    not_held
+        What the uncertainty of an absolute delay therefore does not hold, in words.
+    """
+
+    shared: tuple[SharedNumber, ...] = ()
+    clock: Measured = _EXACT
+    u_window_s: float | None = None
+    findings: tuple[Finding, ...] = ()
+    not_held: tuple[str, ...] = ()
+
+
+def of(
+    recordings: Sequence[ReducedRecording], fits: Sequence[RecordingFit], *, rig: Rig, geometry: WheelGeometry
+) -> RigErrors:
+    """What rig.toml knows of latencies, clock and integration time.
+
+    Parameters
+    ----------
+    recordings, fits
+        In the same order; their speeds, and the sizes of their times, which a clock makes wrong in proportion.
+    rig
+        As measured by its owner.
+    geometry
+        How the gates' angle follows from their distance.
+    """
+    clock = USUAL_CLOCK if rig.clock is None else rig.clock.relative_error
+    shared = [*_latencies(recordings, rig.latency, geometry), *_clock(recordings, fits, clock)]
+    speeds = [fit.angular_frequency_rad_per_s for fit in fits]
+    several = max(speeds) > _SAME_SPEED * min(speeds)
+    missing = [words for name, words in _LATENCIES.items() if getattr(rig.latency or Latency(), f"{name}_s") is None]
+    not_held = [f"latency of {_listed(missing)}"] if missing else []
+    if rig.light_gates.lateral_offset_m is None and not several:
+        not_held.append("lateral offset of the beams")
+    return RigErrors(
+        shared=tuple(shared),
+        clock=clock,
+        u_window_s=rig.camera.integration_time_u_s,
+        findings=(
+            *_of_latency(rig.latency, missing),
+            *_of_clock(rig),
+            *_of_offset(rig.light_gates, several=several),
+        ),
+        not_held=tuple(not_held),
+    )
+
+
+def _latencies(
+    recordings: Sequence[ReducedRecording], given: Latency | None, geometry: WheelGeometry
+) -> list[SharedNumber]:
+    """What each latency is beyond its stated value, s."""
+    tracks = [one.track for one in recordings]
+    registers = [t.register_rad_per_s or t.angular_frequency_rad_per_s for t in tracks]
+    effects = [
+        latency.effects_s(
+            angular_frequency_rad_per_s=track.angular_frequency_rad_per_s,
+            register_rad_per_s=register,
+            gates_rad_per_s=float(np.mean(registers)),
+            per_separation=geometry.gates.sensitivity[0],
+        )
+        for track, register in zip(tracks, registers, strict=True)
+    ]
+    found = []
+    for name, source in GATE_SOURCES.items():
+        number: Measured | None = getattr(given or Latency(), f"{name}_s")
+        if number is not None and number.standard_uncertainty > 0:
+            u = number.standard_uncertainty
+            by_recording = [dict.fromkeys(EDGE_DELAYS, effect[name]) for effect in effects]
+            found.append(
+                SharedNumber(
+                    name=f"latency_{name}", effects=by_recording, u=u, source=source, kind="B", measured=(u, "s")
+                )
+            )
+    return found
+
+
+def _clock(recordings: Sequence[ReducedRecording], fits: Sequence[RecordingFit], clock: Measured) -> list[SharedNumber]:
+    """What the clock's relative error is beyond its stated value: it makes every time as much too long."""
+    u = clock.standard_uncertainty
+    if u <= 0:
+        return []
+    effects = []
+    for one, fit in zip(recordings, fits, strict=True):
+        sizes = {name: fit.estimate.value(name) for name in _TIMES if name in fit.estimate}
+        effects.append({"integration_time": one.integration_time_s or 0.0} | sizes)
+    return [SharedNumber(name=CLOCK, unit="1", effects=effects, u=u, source=CLOCK_SOURCE, kind="B", measured=(u, "1"))]
+
+
+_LATENCIES = {"application_gate": "application gate", "control_gate": "control gate", "trigger": "trigger path"}
+
+
+def _listed(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else words[0]
+
+
+def _of_latency(given: Latency | None, missing: Sequence[str]) -> list[Finding]:
+    found = []
+    if missing:
+        found.append(
+            Finding(
+                code="latency-not-stated",
+                severity="doubt",
+                what=f"rig.toml states no latency of {_listed(missing)}: by what edges are late the delay is too long, and its "
+                "uncertainty does not hold that",
+                cure="measure it and state it in [latency]",
+            )
+        )
+    numbers = {words: getattr(given or Latency(), f"{name}_s") for name, words in _LATENCIES.items()}
+    exact = [words for words, number in numbers.items() if number is not None and number.standard_uncertainty == 0]
+    if exact:
+        found.append(
+            _without_u(
+                code="latency-without-uncertainty", what=f"latency of {_listed(exact)}", key="[latency] ..._u_us"
+            )
+        )
+    return found
+
+
+def _of_clock(rig: Rig) -> list[Finding]:
+    if rig.clock is None:
+        return [
+            Finding(
+                code="clock-not-stated",
+                severity="info",
+                what="rig.toml states no [clock]: a crystal within 50 ppm is taken for granted, which is in the budget",
+                cure="irtiming clock measures it with a pulse per second",
+            )
+        ]
+    if rig.clock.relative_error.standard_uncertainty > 0:
+        return []
+    return [
+        _without_u(code="clock-without-uncertainty", what="relative error of the clock", key="[clock] relative_error_u")
+    ]
+
+
+def _of_offset(beams: LightGates, *, several: bool) -> list[Finding]:
+    if beams.lateral_offset_m is None:
+        beside = (
+            "; several wheel speeds tell it from a delay"
+            if several
+            else ", and 0.1 mm is about 2 mrad: 100 us at a wheel speed of 3 Hz"
+        )
+        return [
+            Finding(
+                code="lateral-offset-not-stated",
+                severity="info" if several else "doubt",
+                what="rig.toml states no lateral_offset_u_mm: the light beams are trusted to lie as far to the left as to the "
+                f"right of the axle{beside}",
+                cure="state [beams] lateral_offset_mm and lateral_offset_u_mm, or record at several speeds",
+            )
+        ]
+    if beams.lateral_offset_m.standard_uncertainty > 0:
+        return []
+    return [
+        _without_u(
+            code="lateral-offset-without-uncertainty",
+            what="lateral offset of the beams",
+            key="[beams] lateral_offset_u_mm",
+        )
+    ]
+
+
+def _without_u(*, code: str, what: str, key: str) -> Finding:
+    return Finding(
+        code=code,
+        severity="warning",
+        what=f"rig.toml states the {what} without an uncertainty: it counts as exact, and u of the delay is too small",
+        cure=f"state {key}",
+    )
