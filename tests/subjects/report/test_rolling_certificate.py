@@ -144,7 +144,8 @@ def test_the_result_has_the_form_that_others_read(rolling):
     assert "63 %" in parameters["time_constant"]["reference_event"]
     assert np.allclose(np.diag(result["correlation"]["matrix"]), 1)
     assert [set(entry) for entry in result["relative_delays"]] == [
-        {"file", "nominal", "value", "standard_uncertainty", "unit", "reference_event", "sign"}
+        {"file", "nominal", "value", "standard_uncertainty", "deviation", "deviation_standard_uncertainty", "unit",
+         "reference_event", "sign"}
     ] * 2
     assert result["relative_delays"][1]["file"] == "runs/bolo-10ms.nxs"
     assert result["bounds"] == {}
@@ -186,10 +187,10 @@ def test_both_methods_stand_side_by_side(rolling):
 def test_the_budget_has_a_column_for_each_parameter(rolling):
     """Oracle: 24 and 18 us make 30 us, shares 64 and 36 %; the rig's angle does not touch the others; nothing is known by few."""
     rows = uncertainty.budget(rolling).rows
-    assert rows[0] == ("mask centre angle phi_M", "B", "∞", "24 (64%)", "0", "0")
-    assert rows[1] == ("noise of the frames", "A", "∞", "18 (36%)", "4.0 (100%)", "0.20 (100%)")
-    assert rows[2][3:] == ("30", "4.0", "0.20")
-    assert rows[3][3:] == ("∞", "∞", "∞")
+    assert rows[0] == ("mask centre angle phi_M", "B", "∞", "24 (64%)", "0", "0", "–", "–")
+    assert rows[1] == ("noise of the frames", "A", "∞", "18 (36%)", "4.0 (100%)", "0.20 (100%)", "–", "–")
+    assert rows[2][3:] == ("30", "4.0", "0.20", "", "")
+    assert rows[3][3:] == ("∞", "∞", "∞", "", "")
 
 
 @pytest.mark.usefixtures("sketched")

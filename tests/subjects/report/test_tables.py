@@ -89,9 +89,27 @@ def test_the_papers_deviations_are_its_measured_minus_nominal():
 def test_the_budget_adds_in_quadrature(analysis):
     """Oracle: 24 and 18 us make 30 us; shares 64 and 36 %; Welch and Satterthwaite: 30^4 / (18^4 / 400)."""
     rows = uncertainty.budget(analysis).rows
-    assert rows[0][1:] == ("B", "∞", "24 (64%)")
-    assert rows[1][1:] == ("A", "400", "18 (36%)")
+    assert rows[0][1:4] == ("B", "∞", "24 (64%)")
+    assert rows[1][1:4] == ("A", "400", "18 (36%)")
     assert (rows[2][3], rows[3][3]) == ("30", f"{30**4 / (18**4 / 400):.0f}")
+
+
+def test_the_budget_shows_what_was_measured_and_its_sensitivity(analysis):
+    """Oracle: by hand; 24 us of the mask's angle from 0.5 mrad are 48 us/mrad; noise has no such number."""
+    best = analysis.best
+    mask, *others = sorted(best.budget, key=lambda part: -part.standard_uncertainty["trigger_delay"])
+    told = replace(best, budget=(replace(mask, measured=(5e-4, "rad")), *others))
+    rows = uncertainty.budget(replace(analysis, best=told)).rows
+    assert rows[0][4:] == ("0.50 mrad", "48 µs/mrad")
+    assert rows[1][4:] == ("–", "–")
+
+
+def test_what_no_uncertainty_holds_is_said_beside_the_number(analysis):
+    """Oracle: the rule: without [latency] no absolute delay without that word."""
+    plain = verdict(analysis)
+    told = verdict(replace(analysis, best=replace(analysis.best, not_in_uncertainty=("latency of the trigger path",))))
+    assert told.number == f"{plain.number} (latency of the trigger path not in u)"
+    assert told.sentence == f"{plain.sentence} Not in this uncertainty: latency of the trigger path."
 
 
 def test_choices_say_who_made_them(analysis):
