@@ -9,6 +9,7 @@ from irtiming.records.choices import Choices
 from irtiming.report.blocks import Table
 from irtiming.report.combination import PAPER_TABLE_1, combined
 from irtiming.report.sections import inputs, joint_fit, parameters, relative_delays, uncertainty
+from irtiming.report.verdict import verdict
 
 
 def test_each_delay_stands_with_its_event_and_expanded_uncertainty(analysis):
