@@ -130,8 +130,17 @@ def test_the_result_has_the_form_that_others_read(analysis):
     assert np.shape(matrix) == (4, 4)
     assert np.allclose(np.diag(matrix), 1)
     assert [set(entry) for entry in result["relative_delays"]] == [
-        {"file", "nominal", "value", "standard_uncertainty", "deviation", "deviation_standard_uncertainty", "unit",
-         "reference_event", "sign"}
+        {
+            "file",
+            "nominal",
+            "value",
+            "standard_uncertainty",
+            "deviation",
+            "deviation_standard_uncertainty",
+            "unit",
+            "reference_event",
+            "sign",
+        }
     ] * 10
     assert [entry["nominal"] for entry in result["relative_delays"][::2]] == [0, 0.025, 0.05, 0.075, 0.1]
     assert all(len(entry["sha256"]) == 64 for entry in result["inputs"])

@@ -144,8 +144,17 @@ def test_the_result_has_the_form_that_others_read(rolling):
     assert "63 %" in parameters["time_constant"]["reference_event"]
     assert np.allclose(np.diag(result["correlation"]["matrix"]), 1)
     assert [set(entry) for entry in result["relative_delays"]] == [
-        {"file", "nominal", "value", "standard_uncertainty", "deviation", "deviation_standard_uncertainty", "unit",
-         "reference_event", "sign"}
+        {
+            "file",
+            "nominal",
+            "value",
+            "standard_uncertainty",
+            "deviation",
+            "deviation_standard_uncertainty",
+            "unit",
+            "reference_event",
+            "sign",
+        }
     ] * 2
     assert result["relative_delays"][1]["file"] == "runs/bolo-10ms.nxs"
     assert result["bounds"] == {}
