@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 _NEWTON_STEPS = 6
+_SMALLEST_STEP = 1e-9
 
 
 class View(NamedTuple):
@@ -55,7 +56,11 @@ def undistorted(row: float, column: float, half_diagonal: float, distortion: flo
         return row, column
     radius = seen
     for _ in range(_NEWTON_STEPS):
-        radius -= (radius * (1 + distortion * radius**2) - seen) / (1 + 3 * distortion * radius**2)
+        square = radius * radius
+        step = (radius * (1 + distortion * square) - seen) / (1 + 3 * distortion * square)
+        radius -= step
+        if abs(step) < _SMALLEST_STEP * seen:  # the next one would be far below rounding
+            break
     return row * radius / seen, column * radius / seen
 
 
