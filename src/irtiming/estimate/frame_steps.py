@@ -1,12 +1,13 @@
 """By how much the wheel turns from one frame to the next, and which frames follow the camera's frame before."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from irtiming.physics.response import in_camera_filter
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Mask
-from irtiming.records.reduced import ReducedRecording
-
-_MOST_PERIODS = 1.5  # between two triggers, the second of which follows the first
+from irtiming.records.reduced import ContrastImage, ReducedRecording
 
 
 def follows(recording: ReducedRecording) -> Mask:
@@ -17,9 +18,8 @@ def follows(recording: ReducedRecording) -> Mask:
     recording
         Its triggers are periodic but for those that were lost; of a frame after a lost one nobody knows what it holds of that.
     """
-    period = np.diff(recording.trigger_ticks)
-    near = (period < _MOST_PERIODS * np.median(period)) & (np.diff(recording.segment) == 0)
-    return np.concatenate([[False], near])
+    same = np.concatenate([[False], np.diff(recording.segment) == 0])
+    return same & in_camera_filter.follows(recording.trigger_ticks)
 
 
 def step_rad(recording: ReducedRecording) -> float:
@@ -38,3 +38,29 @@ def step_rad(recording: ReducedRecording) -> float:
         return float(np.mean(steps))
     period_s = float(np.median(np.diff(recording.trigger_ticks))) / recording.track.clock_frequency_hz
     return recording.track.angular_frequency_rad_per_s * period_s
+
+
+def unfiltered(recording: ReducedRecording, share: float) -> ReducedRecording:
+    """The recording with a contrast image as the pixels saw it, before a recursive filter of the camera.
+
+    Parameters
+    ----------
+    recording
+        Whose image was made of pairs of frames as well.
+    share
+        k of the filter; 0 leaves the recording as it is.
+    """
+    image = recording.contrast_image
+    if not share or image.pairs is None:
+        return recording
+    pairs = image.pairs
+    left = abs(in_camera_filter.transfer(step_rad(recording), share, n_harmonics=2)[2])
+    n_before, n_now = (np.count_nonzero(weight) for weight in (image.frame_weight, pairs.frame_weight))
+    seen = ContrastImage(
+        projection_dn=np.asarray((pairs.projection_dn - share * pairs.before_dn) / (1 - share), complex),
+        frame_weight=pairs.frame_weight,
+        u_dn=image.u_dn / float(left) * float(np.sqrt(n_before / n_now)),
+        good=image.good,
+        roi=image.roi,
+    )
+    return replace(recording, contrast=seen)

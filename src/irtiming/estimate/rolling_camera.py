@@ -9,6 +9,7 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import (
     by_blackbody,
+    frame_steps,
     row_fit,
     row_light,
     sector_fit,
@@ -78,7 +79,7 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     views, fits = _in_turns(recordings, bare, rig=rig)
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
-    changes = {id(view): _changes(view, recordings, model=bare, rig=rig) for view in views}
+    changes = {id(view): _changes(view, recordings, fits=fits, model=bare, rig=rig) for view in views}
     fits = tuple(
         row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
@@ -124,7 +125,7 @@ def _in_turns(
     for n_round in range(_MOST_ROUNDS):
         starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(groups)
         sectors = [
-            sector_fit.fit([recordings[k] for k in members], model, rig=rig, timing=timing, start=start)
+            sector_fit.fit(_seen(recordings, members, fits=fits), model, rig=rig, timing=timing, start=start)
             for members, timing, start in zip(groups, timings, starts, strict=True)
         ]
         views = [
@@ -168,9 +169,18 @@ def _rows_fitted(
     )
 
 
-def _changes(view: _View, recordings: Sequence[ReducedRecording], *, model: WheelModel, rig: Rig) -> ComplexArray:
+def _seen(
+    recordings: Sequence[ReducedRecording], members: list[int], *, fits: Sequence[RowTimingFit]
+) -> list[ReducedRecording]:
+    """Recordings before one blackbody, their images rid of the recursive filter that the round before undid in the rows."""
+    return [frame_steps.unfiltered(recordings[k], fits[k].undone if fits else 0.0) for k in members]
+
+
+def _changes(
+    view: _View, recordings: Sequence[ReducedRecording], *, fits: Sequence[RowTimingFit], model: WheelModel, rig: Rig
+) -> ComplexArray:
     """Derivatives of the light to the sector's numbers."""
-    members = [recordings[k] for k in view.members]
+    members = _seen(recordings, view.members, fits=fits)
     varied = sector_fit.variations(members, model, rig=rig, timing=view.timing, found=view.sector)
     return row_light.changes(view.light, varied)
 

@@ -125,6 +125,25 @@ class ShutterEvent:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class ContrastPairs:
+    """The contrast image of frames that followed the one before, and of those before in their places.
+
+    Parameters
+    ----------
+    projection_dn, before_dn
+        Shape (roi rows, roi columns), complex; sum of frame_weight times the value of the frame, or of the frame before it, drift
+        removed, DN.
+    frame_weight
+        Shape (n,), complex; as of the contrast image, over these frames alone, 0 for the others.
+    """
+
+    projection_dn: ComplexArray
+    before_dn: ComplexArray
+    frame_weight: ComplexArray
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContrastImage:
     """How much, and when, each pixel takes part in the wheel's turning: its projection on the second harmonic.
 
@@ -144,6 +163,8 @@ class ContrastImage:
         Shape (roi rows, roi columns); False for dead pixels.
     roi
         First row, end row, first column, end column, ends excluded.
+    pairs
+        The same of frames that followed each other; None where it was not made.
     """
 
     projection_dn: ComplexArray
@@ -151,6 +172,7 @@ class ContrastImage:
     u_dn: float
     good: Mask
     roi: Region
+    pairs: ContrastPairs | None = None
 
 
 @final

@@ -83,7 +83,7 @@ def reduce(
     )
     watch, expected = _watch(angles, sighting), _expected_dn(angles, sighting)
     judge = ShutterJudge(watch, expected, rows=rows, quiet=quiet, limits=limits, repeats=repeats)
-    projection = contrast_image.projection(angles.angle_rad, found)
+    projection = contrast_image.projection(angles.angle_rad, found, trigger_ticks=angles.trigger_ticks)
     stretches = frame_pass.run(
         recording, found.roi, every=(rows, quiet, limits, repeats), judge=judge, good=(projection,), progress=progress
     )

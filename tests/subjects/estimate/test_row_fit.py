@@ -1,5 +1,6 @@
 """One recording by the exact model: a camera that was summed point by point in the time domain comes back."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -286,3 +287,28 @@ def test_a_window_that_frames_tell_is_their_own(brute_bolometer, brute_rows, sec
     assert fit.held == {}
     assert fit.timing["integration_time"] == pytest.approx(8e-3, abs=4 * fit.estimate.u("integration_time") + 2e-5)
     assert fit.start["integration_time"] == 7e-3
+
+
+@pytest.mark.parametrize("is_made", [True, False])
+@pytest.mark.parametrize("share", [0.06, 0.3])
+def test_a_filter_in_the_camera_is_found_and_undone(camera, truth, light, exact, share, is_made):
+    """Oracle: the camera's numbers and the share of a recursion frame by frame; lost on their way, or never made."""
+    clean, n = exact.rows.row_sum_dn, exact.trigger_ticks.size
+    gone = np.zeros(n, bool)
+    gone[np.random.default_rng(3).choice(np.arange(5, n), 12, replace=False)] = True
+    given = clean.copy()
+    made = np.arange(n) if is_made else np.flatnonzero(~gone)
+    for before, now in itertools.pairwise(made.tolist()):
+        given[now] = (1 - share) * clean[now] + share * given[before]
+    kept = ~gone
+    rows = replace(
+        exact, rows=replace(exact.rows, row_sum_dn=given[kept]), trigger_ticks=exact.trigger_ticks[kept],
+        segment=exact.segment[kept],
+    )  # fmt: skip
+    fit = row_fit.fit(_noisy(rows, _white(1.0), seed=1), camera.model, light=light)
+    for _ in range(2):
+        fit = row_fit.fit(_noisy(rows, _white(1.0), seed=1), camera.model, light=light, start=fit)
+    assert fit.timing["recursive_filter"] == pytest.approx(share, abs=2e-4)
+    np.testing.assert_allclose(_six(fit)[:5], truth[:5], atol=4e-6)
+    assert fit.undone == pytest.approx(share, abs=2e-4)
+    assert fit.residual.shape[0] == np.sum(kept[1:] & kept[:-1]) == fit.kept.sum()

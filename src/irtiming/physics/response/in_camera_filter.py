@@ -17,7 +17,7 @@ undone without knowing any other: :math:`x_n = (y_n - k\,y_{n-1}) / (1 - k)`.
 
 import numpy as np
 
-from irtiming.records.arrays import Array, ComplexArray, Mask
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 
 PARAMETER = "recursive_filter"
 
@@ -26,6 +26,8 @@ IS_RECURSIVE = True
 
 LOOKED_AT: tuple[float, ...] = (0.0, 0.25, 0.5)
 """Shares k from which a search begins; cameras offer up to about one half."""
+
+_MOST_PERIODS = 1.5  # between two triggers, the second of which follows the first
 
 
 def transfer(step_rad: float, share: float, *, n_harmonics: int) -> ComplexArray:
@@ -57,6 +59,18 @@ def undone(values: Array, share: float, *, follows: Mask) -> Array:
     """
     at = np.flatnonzero(follows)
     return np.asarray((values[at] - share * values[at - 1]) / (1 - share))
+
+
+def follows(trigger_ticks: Ticks) -> Mask:
+    """Which frames were triggered next after the one before, shape (n,); the first was not.
+
+    Parameters
+    ----------
+    trigger_ticks
+        Shape (n,), periodic but for triggers whose frames were lost.
+    """
+    period = np.diff(trigger_ticks)
+    return np.concatenate([[False], period < _MOST_PERIODS * np.median(period)])
 
 
 def _one_frame(step_rad: float, n_harmonics: int) -> ComplexArray:

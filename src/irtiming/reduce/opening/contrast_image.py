@@ -2,14 +2,17 @@
 
 import numpy as np
 
-from irtiming.records.arrays import Array
-from irtiming.records.reduced import ContrastImage, Opening
-from irtiming.reduce.accumulators.projection import Projection
+from irtiming.physics.response import in_camera_filter
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.reduced import ContrastImage, ContrastPairs, Opening
+from irtiming.reduce.accumulators.projection import PairProjection, Projection
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import wheel_contrast
 
 
-def projection(wheel_angle_rad: Array, opening: Opening, *, share: Array | float = 1.0) -> Projection:
+def projection(
+    wheel_angle_rad: Array, opening: Opening, *, share: Array | float = 1.0, trigger_ticks: Ticks | None = None
+) -> Projection:
     """Accumulator of the contrast image.
 
     Parameters
@@ -20,9 +23,15 @@ def projection(wheel_angle_rad: Array, opening: Opening, *, share: Array | float
         Whose region of interest is projected.
     share
         Weight of each frame, shape (n_frame,), mean 1.
+    trigger_ticks
+        Shape (n_frame,); where given, frames that followed each other are projected in pairs as well.
     """
     row0, row1, column0, column1 = opening.roi
-    return Projection(share * np.exp(-2j * wheel_angle_rad), shape=(row1 - row0, column1 - column0))
+    return Projection(
+        share * np.exp(-2j * wheel_angle_rad),
+        shape=(row1 - row0, column1 - column0),
+        follows=None if trigger_ticks is None else in_camera_filter.follows(trigger_ticks),
+    )
 
 
 def mean_dn(projected: Projection, opening: Opening, *, correct: Correction) -> Array:
@@ -56,13 +65,28 @@ def of(
         Of one pixel from frame to frame, for where no still pixels tell the noise of the image.
     """
     weight = projected.frame_weight
-    value = projected.total * correct.within(opening.roi).gain * 2 / weight.size - np.sum(weight * drift_dn)
+    within = correct.within(opening.roi)
+    value = projected.total * within.gain * 2 / weight.size - np.sum(weight * drift_dn)
     box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
     u_still = wheel_contrast.noise_between_neighbours(value, ~opening.summed[box])
     return ContrastImage(
+        pairs=None if projected.pairs is None else _pairs(projected.pairs, within.gain, drift_dn),
         projection_dn=value,
         frame_weight=weight,
         u_dn=noise_dn * float(np.sqrt(2 / weight.size)) if np.isnan(u_still) else u_still,
         good=~opening.bad[box],
         roi=opening.roi,
+    )
+
+
+def _pairs(projected: PairProjection, gain: Array, drift_dn: Array) -> ContrastPairs | None:
+    """Of frames that followed each other; None where none did."""
+    weight = projected.frame_weight
+    n = np.count_nonzero(weight)
+    if not n:
+        return None
+    return ContrastPairs(
+        projection_dn=projected.now * gain * 2 / n - np.sum(weight * drift_dn),
+        before_dn=projected.before * gain * 2 / n - np.sum(weight[1:] * drift_dn[:-1]),
+        frame_weight=weight,
     )
