@@ -28,6 +28,9 @@ _SLOWEST_EDGE, _MOST_OFF = 0.25, 0.05
 """Of the window: how long it may rise at most, and by how much the time that the camera states may be off."""
 
 _SHUTTER_K = 300.15
+_BETWEEN, _UNSEEN_S = 0.6, 1e-3
+"""Of a camera period after a trigger, and for how long: no frame is taken then."""
+
 _EVENT, _EVENT_JUMP = (0.1, 0.85), 0.008
 """When in a run the camera corrects itself, and by how much its levels change then, in units of the contrast."""
 
@@ -121,7 +124,10 @@ def _u_window_s(window_s: float, seed: int) -> float:
 
 
 def with_self_correction(scene: Scene, *, seed: int, always: bool = False) -> Scene:
-    """The scene with a shutter that closes once in the run: always in a microbolometer camera, in half of the others.
+    """The scene of a camera that corrects itself once in the run: always a microbolometer camera, half of the others.
+
+    A microbolometer camera closes its shutter for some frames. Another one is done between two frames, so that only its levels
+    jump; where it does so ``always``, it closes a shutter too.
 
     Parameters
     ----------
@@ -139,6 +145,10 @@ def with_self_correction(scene: Scene, *, seed: int, always: bool = False) -> Sc
     radiance = scene.radiance
     contrast_dn = abs(radiance.level_dn(radiance.blackbody_k) - radiance.level_dn(radiance.wheel_k))
     event = ShutterEvent(start_s=start_s, level_jump_dn=_EVENT_JUMP * contrast_dn)
+    if isinstance(scene.timing, CameraTiming) and not always:
+        period_s = scene.trigger.camera_period_ticks / scene.trigger.clock_frequency_hz
+        between_s = (math.floor(start_s / period_s) + _BETWEEN) * period_s
+        event = replace(event, start_s=between_s, duration_s=_UNSEEN_S)
     return replace(scene, correction=SelfCorrection(surface_k=_SHUTTER_K, events=(event,)))
 
 
