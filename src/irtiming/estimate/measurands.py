@@ -15,6 +15,7 @@ from irtiming.estimate.joint import Joint, Measurand
 from irtiming.estimate.shared_numbers import DELAY
 from irtiming.inference.information import prior
 from irtiming.physics.covariance import inverse
+from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution
@@ -186,7 +187,7 @@ def _of_statement(rows: Iterable[str], split: _Length, u_stated_s: float) -> tup
         return ()
     return (
         Contribution(
-            source="integration time as stated",
+            source=WINDOW_SOURCE,
             kind="B",
             standard_uncertainty={name: abs(split.per_stated(name)) * u_stated_s for name in rows},
             measured=(u_stated_s, "s"),

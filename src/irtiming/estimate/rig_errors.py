@@ -7,31 +7,20 @@ but for the clock, is in no uncertainty: then there is a finding, and the result
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 from typing import final
 
 import numpy as np
 
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics import latency
+from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Latency, LightGates, Measured, Rig
 from irtiming.records.wheel_geometry import WheelGeometry
 
-USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
-"""Relative error of a crystal that nobody measured: within +-50 ppm, all alike."""
-
 CLOCK = "clock_error"
-CLOCK_SOURCE = "clock of the trigger generator"
-GATE_SOURCES = {
-    "application_gate": "latency of the application gate",
-    "control_gate": "latency of the control gate",
-    "trigger": "latency of the trigger path",
-}
-"""Sources of a budget, by the latency's name."""
-
 _EXACT = Measured(0.0)
 _SAME_SPEED = 1.02
 _TIMES = (*EDGE_DELAYS, "integration_time", "time_constant", "row_delay")

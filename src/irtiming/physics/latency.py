@@ -15,9 +15,22 @@ mean of dbeta over recordings, from which beta_1 follows.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import final
 
 from irtiming.records.rig import Latency, Measured
+
+USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
+"""Relative error of a crystal that nobody measured: within +-50 ppm, all alike."""
+
+CLOCK_SOURCE = "clock of the trigger generator"
+WINDOW_SOURCE = "integration time as stated"
+GATE_SOURCES = {
+    "application_gate": "latency of the application gate",
+    "control_gate": "latency of the control gate",
+    "trigger": "latency of the trigger path",
+}
+"""Sources of a budget; of the latencies by their names."""
 
 
 @final

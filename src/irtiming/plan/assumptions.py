@@ -1,6 +1,6 @@
 """What is taken for granted before anything is recorded: the rig's angles, and how sure they will be."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import radians
 from typing import final
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import TURN, wheel_model
+from irtiming.plan.beside_angles import Beside, clock_u, of_rig
 from irtiming.records.camera_description import Camera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
@@ -35,11 +36,18 @@ _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 @final
 @dataclass(frozen=True, kw_only=True)
 class AssumedRig:
-    """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say."""
+    """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say.
+
+    ``beside`` is what latencies and clock add to parameters, ``u_clock`` the standard uncertainty of the clock's relative error,
+    ``u_window_s`` that of the integration time; None where nobody knows it.
+    """
 
     model: WheelModel
     angles: AngleErrors
     remarks: tuple[str, ...]
+    beside: Beside = field(default_factory=dict)
+    u_clock: float = 0.0
+    u_window_s: float | None = None
 
 
 def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
@@ -76,6 +84,9 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         ("gate height difference dh (caliper)", per_dh * owner.light_gates.height_difference_m.standard_uncertainty),
         ("register of slots and cutouts", per_separation * _USUAL_SEPARATION_RAD),
     ]
+    if owner.light_gates.lateral_offset_m is not None:
+        u_offset = owner.light_gates.lateral_offset_m.standard_uncertainty
+        common.append(("lateral offset of the beams", abs(gates.per_lateral_offset) * u_offset))
     if (camera.camera_type, camera.readout_mode) == ("photon", "snapshot"):
         bisector = _USUAL_BISECTOR_RAD * float(np.sqrt(_USUAL_PIXELS / camera.opening_pixels))
         common.append(("mask beside the axle (image)", bisector))
@@ -86,4 +97,15 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         centre_angle_rad=owner.mask_opening.centre_angle_rad.value,
         rotation=owner.wheel.rotation,
     )
-    return AssumedRig(model=model, angles=AngleErrors(common=tuple(common), edge_rad=edge_rad), remarks=tuple(remarks))
+    if owner.latency is None:
+        remarks.append(
+            "No [latency] known: what light gates and trigger path are late is not in these predictions of a delay."
+        )
+    return AssumedRig(
+        model=model,
+        angles=AngleErrors(common=tuple(common), edge_rad=edge_rad),
+        remarks=tuple(remarks),
+        beside=of_rig(owner, camera),
+        u_clock=clock_u(owner),
+        u_window_s=owner.camera.integration_time_u_s,
+    )

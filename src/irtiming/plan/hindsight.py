@@ -5,6 +5,7 @@ residuals are correlated, runs scatter more than their noise, or something else 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ from irtiming.errors import PlanError
 from irtiming.physics.camera import camera
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
+from irtiming.plan.beside_angles import clock_u, of_budget
 from irtiming.plan.information import Told
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import RollingRun
@@ -46,8 +48,23 @@ def predict(analysis: Analysis) -> Prediction | None:
     sums = [fit for fit in fits if isinstance(fit, EdgeDelayFit)]
     if sums:
         structure = SHARED_SHAPE if recordings[0].integration_time_s is None else KNOWN_WINDOW
-        return photon(recordings, sums, model=model, angles=angles, structure=structure)
-    return row_sums(analysis, angles)
+        found = photon(recordings, sums, model=model, angles=angles, structure=structure)
+    else:
+        found = row_sums(analysis, angles)
+    return None if found is None else _with_rig(found, analysis)
+
+
+def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
+    """The same with latencies and clock, as the analysis has them in its budget: no recording tells anything of them."""
+    beside, u_clock = of_budget(analysis.best.budget), clock_u(analysis.rig)
+    return replace(
+        found,
+        uncertainties=tuple(information.with_parts(one, beside.get(one.name, {})) for one in found.uncertainties),
+        relative_delays=tuple(
+            replace(one, standard_uncertainty_s=float(np.hypot(one.standard_uncertainty_s, one.nominal_s * u_clock)))
+            for one in found.relative_delays
+        ),
+    )
 
 
 def photon(

@@ -6,13 +6,14 @@ speed an angle error looks like a delay and stays; with several it does not, and
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias, final
 
 import numpy as np
 
 from irtiming.errors import EstimationError, PlanError
 from irtiming.inference.information import NOISE, Combined, Information, Weights, combine
+from irtiming.plan.beside_angles import Beside
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
 
@@ -25,10 +26,16 @@ Asked: TypeAlias = Mapping[str, Weights]
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Told:
-    """What runs say of parameters and errors (``frames``), and what is known of the errors beforehand, by source."""
+    """What runs say of parameters and errors (``frames``), and what is known of the errors beforehand, by source.
+
+    ``beside`` is what errors that no run tells add to parameters: by parameter, then by source, s. ``stated`` is what somebody
+    knows of parameters beforehand.
+    """
 
     frames: Information
     known: tuple[Information, ...]
+    beside: Beside = field(default_factory=dict)
+    stated: tuple[Information, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -108,7 +115,7 @@ def combined(one: Told) -> Combined:
         If nothing is told of a parameter.
     """
     try:
-        return combine([one.frames, *one.known])
+        return combine([one.frames, *one.known, *one.stated])
     except EstimationError as error:
         raise PlanError(str(error)) from error
 
@@ -124,11 +131,31 @@ def uncertainties(one: Told, asked: Asked) -> tuple[PredictedUncertainty, ...]:
             for source, square in squares.items()
         )
         u_s = float(np.sqrt(max(sum(squares.values()), 0.0)))
-        found.append(PredictedUncertainty(name=name, standard_uncertainty_s=u_s, parts=parts))
+        without = PredictedUncertainty(name=name, standard_uncertainty_s=u_s, parts=parts)
+        found.append(with_parts(without, one.beside.get(name, {})))
     return tuple(found)
+
+
+def with_parts(one: PredictedUncertainty, more: Mapping[str, float]) -> PredictedUncertainty:
+    """The same with further parts.
+
+    Parameters
+    ----------
+    one
+        A prediction.
+    more
+        Standard uncertainties by source, s.
+    """
+    parts = tuple(PredictedPart(source=source, standard_uncertainty_s=u) for source, u in more.items() if u > 0)
+    squares = one.standard_uncertainty_s**2 + sum(part.standard_uncertainty_s**2 for part in parts)
+    return replace(one, standard_uncertainty_s=float(np.sqrt(squares)), parts=(*one.parts, *parts))
 
 
 def variances(one: Told, asked: Asked) -> Array:
     """Squares of the uncertainties alone, shape (n_asked,), where many sets of runs are compared; s^2."""
     whole = combined(one)
-    return np.array([whole.variance(weights) for weights in asked.values()])
+    return np.array([whole.variance(weights) + _beside(one, name) for name, weights in asked.items()])
+
+
+def _beside(one: Told, name: str) -> float:
+    return sum(u**2 for u in one.beside.get(name, {}).values())

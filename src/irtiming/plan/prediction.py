@@ -1,14 +1,16 @@
 """What a number of runs at some wheel speeds can tell of a camera: every kind of camera behind one door."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias, final
 
 import numpy as np
 
 from irtiming.errors import PlanError
+from irtiming.inference.information import prior
 from irtiming.physics import camera as physics_camera
+from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.assumptions import AssumedRig
@@ -47,8 +49,16 @@ class Setting:
     def one_run(self) -> Callable[[TriggerScheme], Told]:
         """Information of one run of a scheme."""
         if isinstance(self.camera, PhotonCamera) and self.camera.readout_mode == "snapshot":
-            return _pixel_sums(self, self.camera)
-        return _row_sums(self)
+            told = _pixel_sums(self, self.camera)
+        else:
+            told = _row_sums(self)
+        return lambda scheme: self._with_rig(told(scheme))
+
+    def _with_rig(self, told: Told) -> Told:
+        """The same with what rig.toml knows beside angles."""
+        u_window_s, name = self.rig.u_window_s, "integration_time"
+        known = () if not u_window_s or name not in told.names else (prior(name, u_window_s, source=WINDOW_SOURCE),)
+        return replace(told, beside=self.rig.beside, stated=known)
 
 
 Runs: TypeAlias = Sequence[tuple[Told, int]]

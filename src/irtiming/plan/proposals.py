@@ -15,8 +15,9 @@ import numpy as np
 
 from irtiming.errors import PlanError
 from irtiming.inference.information import NOISE
+from irtiming.physics.latency import CLOCK_SOURCE
 from irtiming.plan.information import Told
-from irtiming.plan.prediction import Setting, sizes_s, uncertainties
+from irtiming.plan.prediction import RELATIVE, Setting, sizes_s, uncertainties
 from irtiming.plan.sampling import run_period_ticks
 from irtiming.plan.schedule import plan_duration_s, schedule
 from irtiming.plan.search import search
@@ -198,7 +199,8 @@ def _pairs(speeds: Sequence[_Speed], runs: Sequence[int]) -> list[tuple[Told, in
 def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
     """Wheel speeds that have a scheme and, for a photon camera, plateaus that last longer than the integration."""
     found, refused = list[_Speed](), list[PlanError]()
-    clock = wishes.clock_frequency_hz
+    clock, delays = wishes.clock_frequency_hz, wishes.trigger_delays_s
+    of_clock = {CLOCK_SOURCE: setting.rig.u_clock * float(max(delays) - min(delays))}
     for rate in wishes.wheel_rates_hz:
         try:
             _check_plateau(setting, float(rate.wanted))
@@ -206,12 +208,13 @@ def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
         except PlanError as error:
             refused.append(error)
             continue
-        ticks = sum(run_period_ticks(scheme) + delay * clock for delay in wishes.trigger_delays_s)
+        told = setting.one_run(scheme)
+        ticks = sum(run_period_ticks(scheme) + delay * clock for delay in delays)
         found.append(
             _Speed(
                 scheme=scheme,
                 wheel_rate_hz=clock / scheme.turn_period_ticks,
-                told=setting.one_run(scheme),
+                told=replace(told, beside={**told.beside, RELATIVE: of_clock}),
                 seconds=float(Fraction(ticks) / clock),
             )
         )

@@ -14,7 +14,7 @@ from irtiming.plan.proposals import propose, usual_speeds
 from irtiming.plan.targets import Target, targets
 from irtiming.plan.wishes import wish_around
 from irtiming.records.camera_description import Microbolometer, PhotonCamera
-from irtiming.records.rig import Measured
+from irtiming.records.rig import Clock, Latency, Measured
 
 SMALL = PhotonCamera(opening_pixels=1200.0)
 CLOCK_HZ = 49_152_000
@@ -62,7 +62,7 @@ def test_where_noise_is_the_limit_more_speeds_are_no_cure():
 def test_runs_are_as_many_as_noise_asks_for():
     """Oracle: relative delays at one speed have noise alone, so u falls with the root of the runs: the fewest that do."""
     wishes = _wishes(3, trigger_delays_s=(Fraction(0), Fraction(1, 40)))
-    setting = _setting()
+    setting = _setting(rig=replace(USUAL_RIG, clock=Clock(relative_error=Measured(0.0))))
     (scheme,) = propose(setting, wishes, targets=_target("relative_delay", 1e-4)).best[0].plan.schemes
     one = uncertainties([(setting.one_run(scheme), 1)], ["relative_delay"], n_delays=2)[0].standard_uncertainty_s
     found = propose(setting, wishes, targets=_target("relative_delay", one / 2.9)).best[0]
@@ -111,12 +111,44 @@ def test_what_the_rig_states_is_taken_and_what_it_does_not_is_said():
         wheel=replace(USUAL_RIG.wheel, cutout_edges_rad=tuple(Measured(k * np.pi / 2, 3e-5) for k in range(4))),
     )
     found = assumed(stated, SMALL)
-    assert found.remarks == ()
+    assert [text.split(":")[0] for text in found.remarks] == ["No [latency] known"]
     assert found.angles.edge_rad == pytest.approx(3e-5)
     assert dict(found.angles.common)["mask centre angle phi_M"] == pytest.approx(np.radians(0.03))
     exact = replace(USUAL_RIG, mask_opening=replace(USUAL_RIG.mask_opening, centre_angle_rad=Measured(-np.pi / 2)))
     assert any("phi_M counts as exact" in text for text in assumed(exact, SMALL).remarks)
     assert any("No rig.toml" in text for text in assumed(None, SMALL).remarks)
+
+
+def test_latencies_and_clock_stay_however_many_runs():
+    """Oracle: squares add by hand; 0.4 us of the gate and 0.3 us of the trigger path in a delay, 50 ppm / sqrt(3) in 100 ms."""
+    late = Latency(application_gate_s=Measured(5e-6, 0.4e-6), trigger_s=Measured(1e-6, 0.3e-6))
+    exact = replace(USUAL_RIG, clock=Clock(relative_error=Measured(0.0)))
+    asked = _target("trigger_delay", 2e-6) + _target("relative_delay", 1e-5)
+    wishes = _wishes(3, 12, trigger_delays_s=(Fraction(0), Fraction(1, 10)))
+    found = [
+        {
+            one.name: one.standard_uncertainty_s
+            for one in propose(_setting(rig=rig), wishes, targets=asked).best[0].uncertainties
+        }
+        for rig in (exact, replace(USUAL_RIG, latency=late))
+    ]
+    assert found[1]["trigger_delay"] == pytest.approx(np.hypot(found[0]["trigger_delay"], 0.5e-6))
+    assert found[1]["relative_delay"] == pytest.approx(np.hypot(found[0]["relative_delay"], 5e-6 / np.sqrt(3)))
+    (trigger, *_) = propose(_setting(rig=replace(USUAL_RIG, latency=late)), wishes, targets=asked).best[0].uncertainties
+    assert {part.source for part in trigger.parts} >= {"latency of the application gate", "latency of the trigger path"}
+
+
+def test_a_stated_integration_time_helps_the_start():
+    """Oracle: by hand; an integration time known to 1 us leaves at most half of that between the start and the middle."""
+    known = replace(USUAL_RIG, camera=replace(USUAL_RIG.camera, integration_time_u_s=1e-6))
+    names = ["trigger_delay", "exposure_midpoint_delay", "integration_time"]
+    (scheme,) = propose(_setting(), _wishes(3), targets=_target(u=1e-4)).best[0].plan.schemes
+    bare, told = (
+        {one.name: one.standard_uncertainty_s for one in uncertainties([(setting.one_run(scheme), 1)], names)}
+        for setting in (_setting(), _setting(rig=known))
+    )
+    assert told["integration_time"] < 1e-6 < bare["integration_time"]
+    assert told["exposure_midpoint_delay"] <= bare["exposure_midpoint_delay"]
 
 
 def test_targets_are_read_with_their_units():

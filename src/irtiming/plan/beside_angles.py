@@ -1,0 +1,55 @@
+"""Errors of a rig that no recording tells: latencies and the clock go into what is sought as they are, at any speed."""
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, WINDOW_SOURCE
+from irtiming.records.camera_description import Camera
+from irtiming.records.result import Contribution
+from irtiming.records.rig import Latency, Rig
+
+Beside: TypeAlias = Mapping[str, Mapping[str, float]]
+"""What each source adds to the standard uncertainty of each parameter, s: by parameter, then by source."""
+
+_DELAYS = ("trigger_delay", "exposure_midpoint_delay")
+_BUDGETED = (*GATE_SOURCES.values(), CLOCK_SOURCE, WINDOW_SOURCE)
+
+
+def of_rig(rig: Rig, camera: Camera) -> Beside:
+    """What latencies and clock will add before anything is recorded.
+
+    Parameters
+    ----------
+    rig
+        As measured. Of the light gates the application gate's latency counts whole, as it does where the register of the slots is
+        each recording's own; at one speed the control gate takes nearly half of it over, which angles hide.
+    camera
+        The sizes of its times, which a clock makes wrong in proportion.
+    """
+    late = rig.latency or Latency()
+    numbers = {"application_gate": late.application_gate_s, "trigger": late.trigger_s}
+    of_delay = {
+        GATE_SOURCES[name]: number.standard_uncertainty for name, number in numbers.items() if number is not None
+    }
+    sizes = {name: getattr(camera, f"{name}_s", None) for name in ("time_constant", "row_delay", "integration_time")}
+    u_clock = clock_u(rig)
+    of_times = {name: {CLOCK_SOURCE: abs(size) * u_clock} for name, size in sizes.items() if size}
+    return dict.fromkeys(_DELAYS, of_delay) | of_times
+
+
+def clock_u(rig: Rig) -> float:
+    """Standard uncertainty of the clock's relative error."""
+    return (USUAL_CLOCK if rig.clock is None else rig.clock.relative_error).standard_uncertainty
+
+
+def of_budget(lines: tuple[Contribution, ...]) -> Beside:
+    """The same after an analysis, which knows all recordings' registers.
+
+    Parameters
+    ----------
+    lines
+        Its budget.
+    """
+    chosen = [line for line in lines if line.source in _BUDGETED]
+    names = {name for line in chosen for name in line.standard_uncertainty}
+    return {name: {line.source: line.standard_uncertainty.get(name, 0.0) for line in chosen} for name in names}
