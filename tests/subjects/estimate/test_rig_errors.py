@@ -1,0 +1,196 @@
+"""Latencies, clock and what rig.toml leaves out: effects by hand and by brute force, pulls of joint fits, findings."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import joint, rig_errors, shared_numbers, timing
+from irtiming.physics import latency
+from irtiming.physics.light_gates import gate_angles
+from irtiming.physics.wheel import wheel_model
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
+from irtiming.records.rig import CameraOptics, Clock, Latency, LightGates, MaskOpening, Measured, Rig
+from irtiming.records.wheel_geometry import WheelGeometry
+
+TURN = 2 * np.pi
+U_GATE, U_SLOT, U_TRIGGER, U_CLOCK = 3e-6, 2e-6, 1.5e-6, 29e-6
+U_MASK, NOISE_S, TRUE_S, SEPARATION = 5e-4, 0.3e-6, 4.7e-4, 0.5697
+BEAMS = LightGates(
+    half_separation_m=Measured(13e-3, 5e-5),
+    height_difference_m=Measured(5.5e-3, 5e-5),
+    whole_slots_between=9,
+    lateral_offset_m=Measured(0.0, 6e-5),
+)
+RIG = Rig(
+    light_gates=BEAMS,
+    mask_opening=MaskOpening(opening_angle_rad=Measured(1.3), centre_angle_rad=Measured(-np.pi / 2, U_MASK)),
+    latency=Latency(
+        application_gate_s=Measured(4e-6, U_GATE),
+        control_gate_s=Measured(2e-6, U_SLOT),
+        trigger_s=Measured(1e-6, U_TRIGGER),
+    ),
+    clock=Clock(relative_error=Measured(0.0, U_CLOCK)),
+)
+
+
+def _geometry():
+    gates = gate_angles(SEPARATION, BEAMS)
+    model = wheel_model(
+        (0.0, 1.57, 3.15, 4.71), gates.application_rad, opening_angle_rad=1.3, centre_angle_rad=-np.pi / 2
+    )
+    return WheelGeometry(
+        model=model, gates=gates, angle_budget=(("mask centre angle phi_M", "B", U_MASK),), u_edge_rad=1e-6,
+        edges_from="rig.toml", camera_roll_rad=None, findings=(),
+    )  # fmt: skip
+
+
+def _recordings(rates_hz, *, register_hz=None, window_s=None):
+    omegas = [TURN * hz for hz in rates_hz]
+    register = None if register_hz is None else TURN * register_hz
+    return [
+        SimpleNamespace(
+            track=SimpleNamespace(angular_frequency_rad_per_s=omega, register_rad_per_s=register),
+            integration_time_s=window_s,
+        )
+        for omega in omegas
+    ]
+
+
+def _fits(delays_s, rates_hz, *, set_s=None):
+    """Recordings whose four edges see one delay each, with white noise of `NOISE_S` of their mean."""
+    base = np.random.default_rng(0).normal(0, 1e-3, 600)
+    return [
+        EdgeDelayFit(
+            name=f"run {k}", trigger_delay_time_set_s=0.0 if set_s is None else set_s[k],
+            angular_frequency_rad_per_s=TURN * hz,
+            estimate=Estimate(
+                names=(*EDGE_DELAYS, "opening_angle"), units=("s",) * 4 + ("rad",), values=np.array([delay] * 4 + [1.3]),
+                covariance=np.diag([4 * NOISE_S**2] * 4 + [1e-8]),
+            ),
+            edge_delay_s=np.full(4, delay), start_delay_s=0.0, wheel_angle_rad=TURN * (np.arange(600) + 0.5) / 600,
+            fraction=np.zeros(600), residual=base * (-1) ** k, step=1.0, noise=1e-3, widening=1.0, n_dropped=0,
+            kept=np.ones(600, bool),
+        )
+        for k, (delay, hz) in enumerate(zip(delays_s, rates_hz, strict=True))
+    ]  # fmt: skip
+
+
+def _found(fits, recordings, rig=RIG):
+    geometry = _geometry()
+    errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
+    own = [shared_numbers.same("opening_angle", fits, unit="rad", start=1.3)]
+    models = [joint.parabola(fit.estimate) for fit in fits]
+    return timing.of_pixel_fits(fits, geometry, models=models, own=own, stated_s=None, rig=errors)
+
+
+def _drawn(random, rates_hz, *, register_hz=None):
+    """Delays that recordings show: latencies in the timestamps, gates and mask off, a clock that is off, noise.
+
+    By geometry, not by derivatives: the gates' angle of the distance that the timestamps show.
+    """
+    late_a, late_c, late_t = random.normal(0, (U_GATE, U_SLOT, U_TRIGGER))
+    clock, mask = random.normal(0, (U_CLOCK, U_MASK))
+    omegas = TURN * np.array(rates_hz)
+    register = omegas if register_hz is None else np.full(omegas.size, TURN * register_hz)
+    seen = SEPARATION + register * (late_a - late_c)
+    turned = gate_angles(float(seen.mean()), BEAMS).application_rad - gate_angles(SEPARATION, BEAMS).application_rad
+    lag = late_c + register / omegas * (late_a - late_c)
+    delays = TRUE_S + late_t + lag - (turned + mask) / omegas
+    return delays * (1 + clock) + random.normal(0, NOISE_S, omegas.size)
+
+
+@pytest.mark.parametrize(
+    ("rates_hz", "register_hz"), [((3.0,), None), ((3.0, 8.0), None), ((3.0, 8.0), 5.0), ((3.0, 5.0, 8.0, 12.0), None)]
+)
+def test_pulls_of_delays_with_drawn_latencies(rates_hz, register_hz):
+    """Oracle: 200 draws of everything that rig.toml states; pulls have mean 0 and rms 1 within three of their own u."""
+    random = np.random.default_rng(5)
+    recordings = _recordings(rates_hz, register_hz=register_hz)
+    pulls = []
+    for _ in range(200):
+        fits = _fits(_drawn(random, rates_hz, register_hz=register_hz), rates_hz)
+        found = _found(fits, recordings).result.estimate
+        name = "exposure_midpoint_delay"
+        pulls.append((found.value(name) - TRUE_S) / found.u(name))
+    assert abs(np.mean(pulls)) < 3 / np.sqrt(200)
+    assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1.0, abs=3 / np.sqrt(400))
+
+
+def test_one_speed_by_hand():
+    """Oracle: by hand; the mask's angle over omega, half of each gate, all of the trigger path, the clock's share, noise."""
+    omega, s = TURN * 3, gate_angles(SEPARATION, BEAMS).sensitivity[0]
+    found = _found(_fits([TRUE_S], (3.0,)), _recordings((3.0,))).result
+    lines = {line.source: line for line in found.budget}
+    expected = {
+        "mask centre angle phi_M": U_MASK / omega,
+        "latency of the application gate": (1 - s) * U_GATE,
+        "latency of the control gate": s * U_SLOT,
+        "latency of the trigger path": U_TRIGGER,
+        "clock of the trigger generator": TRUE_S * U_CLOCK,
+        "noise of the frames": NOISE_S,
+    }
+    name = "exposure_midpoint_delay"
+    for source, size in expected.items():
+        assert lines[source].standard_uncertainty[name] == pytest.approx(size, rel=1e-3), source
+    assert {line.kind for source, line in lines.items() if source.startswith(("latency", "clock"))} == {"B"}
+    assert lines["latency of the trigger path"].measured == (U_TRIGGER, "s")
+    total = np.sqrt(sum(line.standard_uncertainty[name] ** 2 for line in found.budget))
+    assert total == pytest.approx(found.estimate.u(name), rel=1e-6)
+
+
+def test_relative_delays_hold_the_clock_in_si_seconds_only():
+    """Oracle: by hand; 100 ms times 29e-6 are 2.9 us, and a generator that is 1e-4 fast makes 100 ms to 99.990 ms."""
+    rig = replace(RIG, clock=Clock(relative_error=Measured(1e-4, 29e-6)))
+    fits = _fits([TRUE_S, TRUE_S + 2e-6], (3.0, 3.0), set_s=[0.0, 0.1])
+    first, second = _found(fits, _recordings((3.0, 3.0)), rig=rig).result.relative_delays
+    assert second.nominal_s == 0.1
+    assert second.value_s == pytest.approx(0.1 / 1.0001 + 2e-6, abs=1e-12)
+    assert second.standard_uncertainty_s == pytest.approx(np.hypot(np.sqrt(2) * NOISE_S, 2.9e-6), rel=1e-3)
+    assert second.deviation_s == pytest.approx(2e-6 * 1.0001, rel=1e-6)
+    assert second.u_deviation_s == pytest.approx(np.sqrt(2) * NOISE_S, rel=1e-3)
+    assert first.standard_uncertainty_s == pytest.approx(0.0, abs=1e-12)
+
+
+def test_without_a_section_a_crystal_is_in_the_budget():
+    """Oracle: 50 ppm, rectangular: 50e-6 / sqrt(3)."""
+    errors = rig_errors.of(
+        _recordings((3.0,)), _fits([TRUE_S], (3.0,)), rig=replace(RIG, clock=None), geometry=_geometry()
+    )
+    assert errors.clock == latency.USUAL_CLOCK
+    (clock,) = [one for one in errors.shared if one.name == "clock_error"]
+    assert clock.u == pytest.approx(50e-6 / np.sqrt(3))
+    assert clock.effects[0]["edge_delay_0"] == pytest.approx(TRUE_S)
+
+
+@pytest.mark.parametrize(
+    ("change", "rates_hz", "codes", "not_held"),
+    [
+        ({}, (3.0,), [], ()),
+        ({"latency": None}, (3.0,), ["latency-not-stated"], ("latency of application gate, control gate and trigger path",)),
+        ({"latency": Latency(control_gate_s=Measured(1e-6, 1e-7), trigger_s=Measured(0.0, 1e-7))}, (3.0,),
+         ["latency-not-stated"], ("latency of application gate",)),
+        ({"latency": replace(RIG.latency, trigger_s=Measured(1e-6))}, (3.0,), ["latency-without-uncertainty"], ()),
+        ({"clock": None}, (3.0,), ["clock-not-stated"], ()),
+        ({"clock": Clock(relative_error=Measured(1e-5))}, (3.0,), ["clock-without-uncertainty"], ()),
+        ({"light_gates": replace(BEAMS, lateral_offset_m=None)}, (3.0,), ["lateral-offset-not-stated"],
+         ("lateral offset of the beams",)),
+        ({"light_gates": replace(BEAMS, lateral_offset_m=None)}, (3.0, 8.0), ["lateral-offset-not-stated"], ()),
+        ({"light_gates": replace(BEAMS, lateral_offset_m=Measured(1e-4))}, (3.0,), ["lateral-offset-without-uncertainty"], ()),
+    ],
+)  # fmt: skip
+def test_what_rig_toml_leaves_out_is_said(change, rates_hz, codes, not_held):
+    """Oracle: the rule; what is in no uncertainty is a doubt and is named beside the result."""
+    fits = _fits([TRUE_S] * len(rates_hz), rates_hz)
+    found = rig_errors.of(_recordings(rates_hz), fits, rig=replace(RIG, **change), geometry=_geometry())
+    assert [one.code for one in found.findings] == codes
+    assert found.not_held == not_held
+    assert all((one.severity == "doubt") == bool(not_held) for one in found.findings)
+    assert _found(fits, _recordings(rates_hz), rig=replace(RIG, **change)).result.not_in_uncertainty == not_held
+
+
+def test_the_uncertainty_of_the_integration_time_goes_with_the_rig():
+    """Oracle: the record."""
+    rig = replace(RIG, camera=CameraOptics(integration_time_u_s=1e-6))
+    assert rig_errors.of(_recordings((3.0,)), _fits([TRUE_S], (3.0,)), rig=rig, geometry=_geometry()).u_window_s == 1e-6
