@@ -11,6 +11,7 @@ from irtiming.estimate import (
     by_blackbody,
     doubts,
     frame_memory,
+    image_doubts,
     joint,
     measurands,
     own_noise,
@@ -301,8 +302,8 @@ def of_row_fits(
     findings = (
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
-        *doubts.of_row_fits(fits, sectors[0]), *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective),
-        *doubts.of_joint(record), *rig.findings,
+        *doubts.of_row_fits(fits, sectors[0]), *image_doubts.of_image(sectors[0]), *scatter.birge_findings(fits, groups),
+        *doubts.of_mixture(effective), *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
     result = _result(found, fits, reported=reported, rig=rig, findings=findings)
     return Combination(

@@ -36,6 +36,9 @@ _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(
 _MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 _REACH = 5.0  # blurs beyond which no light comes
+SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
+"""Of the sector's border; the wheel's edges come to the first radial edge first."""
+
 _DIRECTIONS = 33  # in the sector, among which its sharpest are sought
 
 
@@ -230,15 +233,31 @@ def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     return np.arange(roi[0], roi[1], dtype=float)[:, None], np.arange(roi[2], roi[3], dtype=float)[None, :]
 
 
+def border_sides(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Ticks, Array]:
+    """Nearest side of the border and distance to it into the sector, px, of each pixel; both of shape (roi rows, roi columns).
+
+    Sides are numbered as in ``SIDES``.
+    """
+    depths = _depths_px(shape, *_to_axle(shape, *_pixels(roi)))
+    return np.asarray(depths.argmin(axis=0)), np.asarray(depths.min(axis=0))
+
+
 def _depth_px(shape: SectorShape, down: Array, across: Array) -> Array:
     """Distance in the image to the nearest border of the sector, px, or a little less; negative outside."""
+    return np.asarray(_depths_px(shape, down, across).min(axis=0))
+
+
+def _depths_px(shape: SectorShape, down: Array, across: Array) -> Array:
+    """The same for each side, shape (4, ...)."""
     along, beside = lens_of(shape).magnification(*_from_axle(shape, down, across))
     down, across = down - shape.offset_row_px, across - shape.offset_column_px
     radius = np.hypot(down, across)
-    off = np.abs(np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi)
-    edge = radius * np.sin(np.clip(shape.opening_angle_rad / 2 - off, -np.pi / 2, np.pi / 2))
-    depth = np.minimum(np.minimum(radius - shape.inner_radius_px, shape.outer_radius_px - radius), edge)
-    return np.asarray(depth * np.minimum(along, beside))
+    off = np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi
+    first, second = (
+        radius * np.sin(np.clip(shape.opening_angle_rad / 2 + way * off, -np.pi / 2, np.pi / 2)) for way in (1, -1)
+    )
+    depths = np.stack([radius - shape.inner_radius_px, shape.outer_radius_px - radius, first, second])
+    return np.asarray(depths * np.minimum(along, beside))
 
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:

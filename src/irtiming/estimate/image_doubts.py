@@ -1,0 +1,96 @@
+r"""What is left of the contrast image where a blurred sector does not explain it.
+
+Along a straight border a blur of the variance sigma^2 leaves, beyond a model of variance sigma_0^2, light r at the depth d with
+
+.. math:: -2 \int r(d)\, d\, \mathrm{d}d = \sigma^2 - \sigma_0^2
+
+whatever the shape of the blur. Burrs of the mask and gains of pixels leave as much of either sign, a blur that is of another kind
+than the model's leaves the same all along a side: then the light of the rows does not lie where the model has it.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy import stats
+
+from irtiming.physics import blurred_sector
+from irtiming.records.arrays import Array
+from irtiming.records.finding import Finding
+from irtiming.records.row_timing import SectorFit
+
+_CELL_PX = 3  # pixels that share a burr
+_REACH = 5.0  # blurs on either side of the border
+_BY_CHANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
+_MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LeftOver:
+    """Variance of the blur beyond the model's along each side of the border, and its standard uncertainty, shapes (4,), px^2."""
+
+    variance_px2: Array
+    u_px2: Array
+
+    @property
+    def chance(self) -> float:
+        """Of sides that are as far off, or further, where the model holds."""
+        seen = self.u_px2 > 0
+        return float(stats.chi2.sf(np.sum((self.variance_px2[seen] / self.u_px2[seen]) ** 2), max(1, int(seen.sum()))))
+
+
+def left_over(sector: SectorFit) -> LeftOver:
+    """Blur that the image shows beyond the fitted one, by the light that is left on either side of the border.
+
+    Parameters
+    ----------
+    sector
+        As fitted; pixels that stray by themselves do not count.
+    """
+    shape = sector.shape
+    side, depth = blurred_sector.border_sides(shape, roi=sector.roi)
+    near = (np.abs(depth) < _REACH * max(shape.blur_of_axes_px) + 1) & ~sector.odd
+    straight = shape.outer_radius_px - shape.inner_radius_px
+    lengths = shape.opening_angle_rad * np.array([shape.inner_radius_px, shape.outer_radius_px])
+    row, column = np.indices(depth.shape) // _CELL_PX
+    cell = row * (column.max() + 1) + column
+    moments = [
+        np.bincount(cell[pixels], (-2 * sector.excess * depth)[pixels]) if pixels.any() else np.zeros(1)
+        for pixels in (near & (side == k) for k in range(len(blurred_sector.SIDES)))
+    ]
+    length = np.array([*lengths, straight, straight])
+    return LeftOver(
+        variance_px2=np.array([one.sum() for one in moments]) / length,
+        u_px2=np.array([np.sqrt(np.sum(one**2)) for one in moments]) / length,
+    )
+
+
+def of_image(sector: SectorFit) -> tuple[Finding, ...]:
+    """Where the contrast image is structured beyond what the model explains.
+
+    Parameters
+    ----------
+    sector
+        The opening in the image.
+    """
+    found = left_over(sector)
+    if found.chance < _BY_CHANCE:
+        pulls = np.abs(found.variance_px2) / np.where(found.u_px2 > 0, found.u_px2, np.inf)
+        worst = int(np.argmax(pulls))
+        reason = (
+            f"along its {blurred_sector.SIDES[worst]} the opening is blurred by a variance that is "
+            f"{found.variance_px2[worst]:+.3f} px^2 off the model's, {pulls[worst]:.0f} u"
+        )
+    elif sector.reduced_chi_square > _MOST_CHI_SQUARE:
+        reason = f"its pixels are off by {sector.reduced_chi_square:.2f} times the variance of their noise"
+    else:
+        return ()
+    return (
+        Finding(
+            code="image-not-explained",
+            severity="doubt",
+            what=f"the contrast image is no blurred sector behind this lens: {reason}; the light of the rows may lie elsewhere",
+            cure="focus the camera on the mask, shade it from stray light, and look at the contrast image in the report",
+        ),
+    )

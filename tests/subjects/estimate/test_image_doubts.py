@@ -1,0 +1,69 @@
+"""What a contrast image leaves over along the border of the opening, against blurs whose variance is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import image_doubts
+from irtiming.physics import blurred_sector
+
+
+@pytest.fixture(scope="module")
+def sector(brute_bolometer, sector_of):
+    """The camera's sector, perfectly fitted."""
+    return sector_of(brute_bolometer(rows=40, columns=70, axle=(36.2, 34.3)))
+
+
+def _light(shape, blur_px):
+    points = blurred_sector.light_points(replace(shape, blur_px=0.5))
+    return blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=(0, 40, 0, 70)).real
+
+
+def _burrs(seed):
+    """Light of patches of 3 x 3 pixels that is off by 1 % either way."""
+    patches = np.random.default_rng(seed).normal(0, 0.01, (14, 24))
+    return np.kron(patches, np.ones((3, 3)))[:40, :70]
+
+
+@pytest.mark.parametrize("blur", [0.7, 1.1])
+def test_variance_left_over_is_that_of_the_blur(sector, blur):
+    """Oracle: differences of the squares of the standard deviations, on all four sides; corners cost a tenth."""
+    excess = _light(sector.shape, blur) - _light(sector.shape, 0.8)
+    found = image_doubts.left_over(replace(sector, excess=excess))
+    np.testing.assert_allclose(found.variance_px2, blur**2 - 0.8**2, rtol=0.2)
+
+
+def test_blur_of_another_kind_is_a_doubt(sector):
+    """Oracle: the image of a blur of 0.8 px over rows and 1.4 px over columns, where the fit has a round one."""
+    excess = _light(sector.shape, (0.8, 1.4)) - _light(sector.shape, 0.8) + 0.3 * _burrs(1)
+    (finding,) = image_doubts.of_image(replace(sector, excess=excess))
+    assert (finding.code, finding.severity) == ("image-not-explained", "doubt")
+    assert "radial edge" in finding.what
+
+
+def test_burrs_are_no_doubt(sector):
+    """Oracle: 200 masks whose borders are off by 1 % of a pixel's light at random; chances spread over all values."""
+    assert image_doubts.of_image(sector) == ()
+    seen = [image_doubts.left_over(replace(sector, excess=_burrs(seed))).chance for seed in range(200)]
+    assert min(seen) > 1e-4
+    assert 0.3 < np.mean(seen) < 0.7
+
+
+def test_phases_that_scatter_more_than_noise_are_a_doubt(sector):
+    """Oracle: a variance twice that of the noise; one as large as the noise is none."""
+    (finding,) = image_doubts.of_image(replace(sector, reduced_chi_square=2.0))
+    assert "2.00 times the variance" in finding.what
+    assert image_doubts.of_image(replace(sector, reduced_chi_square=1.1)) == ()
+
+
+def test_pixels_that_stray_do_not_count(sector):
+    """Oracle: a screw at the border, told as odd."""
+    excess, odd = _burrs(3), np.zeros((40, 70), bool)
+    bright = excess.copy()
+    bright[7:10, 30:33], odd[7:10, 30:33] = 1.0, True
+    one, two = (
+        image_doubts.left_over(replace(sector, excess=excess * ~odd, odd=odd)),
+        image_doubts.left_over(replace(sector, excess=bright, odd=odd)),
+    )
+    np.testing.assert_allclose(one.variance_px2, two.variance_px2)
