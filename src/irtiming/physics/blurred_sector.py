@@ -234,7 +234,7 @@ def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
 
 
 def border_sides(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Ticks, Array]:
-    """Nearest side of the border and distance to it into the sector, px, of each pixel; both of shape (roi rows, roi columns).
+    """Nearest side of the border and depth below it, px, of each pixel; two arrays of shape (roi rows, roi columns).
 
     Sides are numbered as in ``SIDES``.
     """
@@ -307,7 +307,7 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
 def glare_image(
     points: LightPoints, value: ComplexArray, *, glare_px: float, roi: tuple[int, int, int, int]
 ) -> ComplexArray:
-    """Like `image`, of points that are few and spread over most of the region: as products of matrices."""
+    """Like `image`, of shape (roi rows, roi columns); as products of matrices, since few points reach most of the region."""
     over_rows, over_columns = _shares(points.row_px, roi[:2], glare_px), _shares(points.column_px, roi[2:], glare_px)
     light = value * points.area_px2
     real, imaginary = (over_rows.T @ (part[:, None] * over_columns) for part in (light.real, light.imag))
