@@ -19,10 +19,12 @@ from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Latency, LightGates, Measured, Rig
 from irtiming.records.wheel_geometry import WheelGeometry
+from irtiming.records.wheel_track import WheelTrack
 
 CLOCK = "clock_error"
 _EXACT = Measured(0.0)
 _SAME_SPEED = 1.02
+_CONTRADICTS = 4.0  # standard uncertainties
 _TIMES = (*EDGE_DELAYS, "integration_time", "time_constant", "row_delay")
 
 
@@ -80,6 +82,7 @@ def of(
         u_window_s=rig.camera.integration_time_u_s,
         findings=(
             *_of_latency(rig.latency, missing),
+            *_of_registers([one.track for one in recordings], rig.latency),
             *_of_clock(rig),
             *_of_offset(rig.light_gates, several=several),
         ),
@@ -156,6 +159,37 @@ def _of_latency(given: Latency | None, missing: Sequence[str]) -> list[Finding]:
             )
         )
     return found
+
+
+def _of_registers(tracks: Sequence[WheelTrack], given: Latency | None) -> list[Finding]:
+    """Where the gates seem further apart at one wheel speed than at another: one of them is later than rig.toml says.
+
+    Recordings whose gate distances agree within their jitter share one, and say nothing of it.
+    """
+    speeds = np.array([track.angular_frequency_rad_per_s for track in tracks])
+    slots = [track.slot_deviation_rad for track in tracks]
+    is_apart = all(track.register_rad_per_s is None for track in tracks)
+    if (
+        np.ptp(speeds) < (_SAME_SPEED - 1) * speeds.min()
+        or not is_apart
+        or any(np.any(one != slots[0]) for one in slots)
+    ):
+        return []
+    late_s = float(np.polyfit(speeds, [track.gate_separation_rad for track in tracks], 1)[0])
+    known = given or Latency()
+    stated = [number for number in (known.application_gate_s, known.control_gate_s) if number is not None]
+    if abs(late_s) <= _CONTRADICTS * float(np.hypot.reduce([0.0, *(number.standard_uncertainty for number in stated)])):
+        return []
+    first, second = ("application gate", "control gate") if late_s > 0 else ("control gate", "application gate")
+    return [
+        Finding(
+            code="gates-late-apart",
+            severity="doubt",
+            what=f"the gates seem {'further' if late_s > 0 else 'less far'} apart the faster the wheel turns: edges of the "
+            f"{first} are {1e6 * abs(late_s):.2g} us later against those of the {second} than rig.toml says",
+            cure="measure both gates' latencies (irtiming latency gates) and state them in [latency]",
+        )
+    ]
 
 
 def _of_clock(rig: Rig) -> list[Finding]:

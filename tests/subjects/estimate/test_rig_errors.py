@@ -46,16 +46,19 @@ def _geometry():
     )  # fmt: skip
 
 
-def _recordings(rates_hz, *, register_hz=None, window_s=None):
-    omegas = [TURN * hz for hz in rates_hz]
+def _recordings(rates_hz, *, register_hz=None, late_s=0.0):
+    """Of one slot table; the application gate is ``late_s`` later than the control gate."""
     register = None if register_hz is None else TURN * register_hz
     return [
         SimpleNamespace(
-            track=SimpleNamespace(angular_frequency_rad_per_s=omega, register_rad_per_s=register),
-            integration_time_s=window_s,
+            track=SimpleNamespace(
+                angular_frequency_rad_per_s=TURN * hz, register_rad_per_s=register, slot_deviation_rad=np.zeros(100),
+                gate_separation_rad=SEPARATION + TURN * hz * late_s,
+            ),
+            integration_time_s=None,
         )
-        for omega in omegas
-    ]
+        for hz in rates_hz
+    ]  # fmt: skip
 
 
 def _fits(delays_s, rates_hz, *, set_s=None):
@@ -188,6 +191,27 @@ def test_what_rig_toml_leaves_out_is_said(change, rates_hz, codes, not_held):
     assert found.not_held == not_held
     assert all((one.severity == "doubt") == bool(not_held) for one in found.findings)
     assert _found(fits, _recordings(rates_hz), rig=replace(RIG, **change)).result.not_in_uncertainty == not_held
+
+
+@pytest.mark.parametrize(
+    ("late_s", "stated", "gate"),
+    [
+        (13e-6, None, "application gate"), (-5e-6, None, "control gate"), (13e-6, RIG.latency, None),
+        (15e-6, RIG.latency, "application gate"),
+    ],
+)  # fmt: skip
+def test_gates_that_are_late_apart_show_at_several_speeds(late_s, stated, gate):
+    """Oracle: by hand; dbeta + omega (L_a - L_c): its slope, against 4 times the 3.6 us that both gates are known to."""
+    rig, rates_hz = replace(RIG, latency=stated), (3.0, 5.0, 8.0)
+    fits = _fits([TRUE_S] * 3, rates_hz)
+    found = rig_errors.of(_recordings(rates_hz, late_s=late_s), fits, rig=rig, geometry=_geometry()).findings
+    texts = [one.what for one in found if one.code == "gates-late-apart"]
+    assert len(texts) == (gate is not None)
+    assert all(f"edges of the {gate} are {1e6 * abs(late_s):.2g} us later" in text for text in texts)
+    one = rig_errors.of(_recordings((3.0,), late_s=late_s), fits[:1], rig=rig, geometry=_geometry()).findings
+    common = _recordings(rates_hz, late_s=late_s, register_hz=5.0)
+    pooled = rig_errors.of(common, fits, rig=rig, geometry=_geometry()).findings
+    assert "gates-late-apart" not in [each.code for each in (*one, *pooled)]
 
 
 def test_the_uncertainty_of_the_integration_time_goes_with_the_rig():

@@ -43,7 +43,7 @@ def estimate(fits: Sequence[PublishedLagFit]) -> Result:
                 code="published-lag-uncertainty-partial",
                 severity="warning",
                 what="published method: the stated uncertainties hold the scatter of the line and of the parabola only, not "
-                "those of mask, gates, edges, slots and blur",
+                "those of mask, gates, edges, slots, blur, latencies and clock",
             ),
         ),
     )
