@@ -96,7 +96,7 @@ def estimate(fits: list[PublishedFit], model: WheelModel, *, integration_time_s:
                 code="published-uncertainty-partial",
                 severity="warning",
                 what="published method: the stated uncertainties hold the scatter of the line fits only, not those of mask, "
-                "gates, edges and slots",
+                "gates, edges, slots, latencies and clock",
             ),
         ),
     )
