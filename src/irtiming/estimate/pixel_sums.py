@@ -29,6 +29,7 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
+from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask, Ticks
@@ -70,6 +71,7 @@ class PixelSums:
     border_rad: float
     noise: float = 1.0
     radii: Radii = field(default_factory=Radii)
+    region: SummedRegion | None = None
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -100,6 +102,7 @@ class PixelSums:
             lean_high_rad=numbers["lean_high"],
             border_rad=self.border_rad,
             radii=self.radii,
+            region=self.region,
         )
 
     def projected(self, numbers: Mapping[str, float]) -> Projected:
@@ -160,8 +163,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
     distance, radii = _radii_px(reduced), Radii()
     if distance is not None:
         border = float(np.clip(reduced.opening.border_px / distance.mean(), 1e-2, 0.3))
-        inner, outer = np.quantile(distance, _EXTENT)
-        radii = pixel_sum.radii(float(inner), float(outer))
+        radii = pixel_sum.radii(*_extent_px(reduced, distance))
     return PixelSums(
         reduced=reduced,
         wheel=wheel,
@@ -170,6 +172,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         unit_dn=low - high if reduced.opening.blackbody_is_colder else high - low,
         border_rad=border,
         radii=radii,
+        region=_region(reduced),
     )
 
 
@@ -192,7 +195,7 @@ def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple
     radii, axle = _radii_px(reduced), reduced.axle
     if radii is None or axle is None or axle.edge_miss_px is None:
         return np.zeros(2), _UNSEEN_LEAN_RAD
-    inner, outer = np.quantile(radii, _EXTENT)
+    inner, outer = _extent_px(reduced, radii)
     miss = np.array(axle.edge_miss_px)
     leans = -miss[::-1] if turns_clockwise else miss
     return 2 * leans / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
@@ -379,6 +382,22 @@ def _u_blades(given: PixelSums, made: Shapes) -> float:
         - np.delete(columns, 4, axis=1) @ np.linalg.lstsq(np.delete(columns, 4, axis=1), columns[:, 4], rcond=1e-12)[0]
     )
     return float(1 / np.linalg.norm(rest))
+
+
+def _region(reduced: ReducedRecording) -> SummedRegion | None:
+    """What the summed pixels see beside the opening, as the image shows it."""
+    axle = reduced.axle
+    if axle is None or not axle.plate_share:
+        return None
+    return SummedRegion(ends_rad=np.array(axle.plate_ends_rad), share=np.array(axle.plate_share))
+
+
+def _extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:
+    """Inner and outer radius of the opening: of the sector in the image, else nearly those of its pixels."""
+    if reduced.axle is not None and reduced.axle.radii_px is not None:
+        return reduced.axle.radii_px
+    inner, outer = np.quantile(distance, _EXTENT)
+    return float(inner), float(outer)
 
 
 def _radii_px(reduced: ReducedRecording) -> Array | None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, sector_fit
+from irtiming.estimate import by_blackbody, plate_light, sector_fit
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.physics import blurred_sector
@@ -99,6 +99,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True)
     ])  # fmt: skip
     shift, low, high, uneven = seen(numbers)
+    ends, share = plate_light.spread(sector, summed, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", slopes, sector.covariance, slopes))
     return AxleView(
         row_px=shape.axle_row_px,
@@ -112,6 +113,10 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         u_edge_miss_px=float(max(u_low, u_high)),
         distortion=shape.distortion,
         u_distortion=sector.u("distortion"),
+        blur_px=shape.blur_px,
+        radii_px=(shape.inner_radius_px, shape.outer_radius_px),
+        plate_ends_rad=tuple(ends.tolist()),
+        plate_share=tuple(share.tolist()),
     )
 
 

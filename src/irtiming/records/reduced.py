@@ -94,7 +94,10 @@ class AxleView:
     axle. Polar angles in the image.
     ``edge_miss_px`` is by how much the mask's radial edges, that of the smaller polar angle first, miss the axle: at the radius r
     an edge stands ``edge_miss_px`` / r beyond its direction. None where it was not looked at. ``distortion`` is that of the
-    lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane.
+    lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane. ``blur_px`` is the blur's standard
+    deviation, ``radii_px`` the opening's inner and outer radius; None where they were not looked at. ``plate_share`` (k,) is how
+    much of what mask plate and uneven wheel add to the summed pixels comes from between two of ``plate_ends_rad`` (k + 1,),
+    angles from ``mean_angle_rad`` as wheel coordinates grow; empty where they add nothing.
     """
 
     row_px: float
@@ -108,6 +111,10 @@ class AxleView:
     u_edge_miss_px: float = 0.0
     distortion: float = 0.0
     u_distortion: float = 0.0
+    blur_px: float = 0.0
+    radii_px: tuple[float, float] | None = None
+    plate_ends_rad: tuple[float, ...] = ()
+    plate_share: tuple[float, ...] = ()
 
 
 @final

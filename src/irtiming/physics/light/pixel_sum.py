@@ -17,6 +17,8 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics.light import summed_region
+from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
     TURN,
@@ -75,6 +77,8 @@ class Passing:
         Angle by which the summed region exceeds the opening at either end.
     radii
         Of the opening.
+    region
+        That is summed; None takes ``border_rad`` for its border.
     """
 
     wheel: WheelModel
@@ -86,6 +90,12 @@ class Passing:
     lean_high_rad: float = 0.0
     border_rad: float = 0.1
     radii: Radii = field(default_factory=Radii)
+    region: SummedRegion | None = None
+
+    @property
+    def summed(self) -> SummedRegion:
+        """The region that is summed."""
+        return self.region or summed_region.sector(self.actual.opening_angle_rad, self.border_rad)
 
     @property
     def sweep_rad(self) -> float:
@@ -126,14 +136,13 @@ def shapes(passing: Passing) -> Shapes:
         Wheel, window and opening.
     """
     wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
-    wide = replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad)
-    narrow, broad = (exposed_fraction(start, one, sweep_rad=sweep) for one in (wheel, wide))
+    narrow = exposed_fraction(start, wheel, sweep_rad=sweep)
     rings = _rings(passing, wheel)
     fraction = _fraction(rings, wheel)
     return Shapes(
         fraction=fraction,
         skew=skewed_fraction(start, wheel, sweep_rad=sweep),
-        plate=broad - narrow,
+        plate=summed_region.exposed(passing.summed, _region_ends(passing, wheel)) - passing.summed.total * narrow,
         blades=_second_blade(rings, wheel) - (1 - fraction) / 2,
     )
 
@@ -158,11 +167,10 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: f
     out = _fraction_slopes(rings, passing, wheel)
     out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
     even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
-    pair = [
-        _fraction_slopes(_rings(even, one), even, one)[:6]
-        for one in (wheel, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad))
-    ]
-    out[:6] += plate * (pair[1] - pair[0]) + skew * _skew_slopes(passing, wheel)
+    narrow = _fraction_slopes(_rings(even, wheel), even, wheel)[:6]
+    out[:6] += plate * (_region_slopes(even, wheel) - passing.summed.total * narrow) + skew * _skew_slopes(
+        passing, wheel
+    )
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
     return dict(zip(names, out, strict=True))
@@ -191,6 +199,20 @@ def _rings(passing: Passing, wheel: WheelModel) -> list[_Ring]:
         )
         for share, place in zip(passing.radii.share, passing.radii.place, strict=True)
     ]
+
+
+def _region_ends(passing: Passing, wheel: WheelModel) -> PointAverage:
+    """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
+    centre = np.mod(wheel.opening_coordinate_rad + passing.start_rad, TURN)
+    return at_point(centre + passing.summed.ends_rad[:, None], wheel.cutout_edges_rad, sweep_rad=passing.sweep_rad)
+
+
+def _region_slopes(even: Passing, wheel: WheelModel) -> Array:
+    """Derivatives of what the summed region sees, as the first six of `_fraction_slopes`; a border grows with the opening."""
+    if even.region is not None:
+        return summed_region.slopes(even.region, _region_ends(even, wheel), sweep_rad=even.sweep_rad)
+    wide = replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * even.border_rad)
+    return _fraction_slopes(_rings(even, wide), even, wide)[:6]
 
 
 def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:

@@ -1,0 +1,51 @@
+"""Over the wheel's angle, where the light comes from that the summed pixels see beside the opening's: mask plate, uneven wheel."""
+
+import numpy as np
+from scipy.special import ndtr
+
+from irtiming.physics import blurred_sector
+from irtiming.records.arrays import Array, Mask
+from irtiming.records.row_timing import SectorFit
+
+_PIXEL_PX = 12**-0.5  # standard deviation of a place within a pixel
+_STEP_RAD = float(np.radians(1.5))
+_FINE_RAD = 0.08  # within the opening's ends
+_N_COARSE = 4  # farther in, where little changes
+_REACH = 3.0  # standard deviations of the spread
+_LEAST = 1e-4  # of the contrast: less is not told from none
+
+
+def spread(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, Array]:
+    """Ends (k + 1,), rad, and what each part adds, (k,): the sum of its magnitudes is 1; both empty where nothing is added.
+
+    Parameters
+    ----------
+    sector
+        Fitted to the contrast image.
+    summed
+        Pixels that are summed, shape (row, column).
+    shift_rad
+        Mean angle of the light from the bisector, in the wheel's sense: from there angles are counted.
+
+    Notes
+    -----
+    Wheel coordinates grow against polar angles of a clockwise wheel.
+    """
+    row0, row1, column0, column1 = sector.roi
+    lit = summed[row0:row1, column0:column1] & (np.abs(sector.ring) > _LEAST)
+    if not np.any(lit):
+        return np.zeros(0), np.zeros(0)
+    _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
+    place = shift_rad - sector.ring_angle_rad[lit]
+    sigma = np.hypot(sector.shape.blur_px, _PIXEL_PX) / np.maximum(radius[lit], 1.0)
+    ends = _ends(sector.shape.opening_angle_rad, float(np.max(np.abs(place) + _REACH * sigma)))
+    share = np.diff([sector.ring[lit] @ ndtr((end - place) / sigma) for end in ends])
+    return ends, share / np.sum(np.abs(share))
+
+
+def _ends(opening_angle_rad: float, farthest_rad: float) -> Array:
+    """Fine steps about both ends of the opening and as far as the plate shows, coarse ones within."""
+    inner = max(opening_angle_rad / 2 - _FINE_RAD, opening_angle_rad / 4)
+    farthest = max(farthest_rad, opening_angle_rad / 2)
+    outer = np.linspace(inner, farthest, max(2, 1 + round((farthest - inner) / _STEP_RAD)))
+    return np.concatenate([-outer[::-1], np.linspace(-inner, inner, _N_COARSE + 1)[1:-1], outer])

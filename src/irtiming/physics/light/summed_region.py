@@ -1,0 +1,75 @@
+r"""What a whole region of pixels sees of the passing wheel: more than the mask opening, whose plate shows around it.
+
+.. math:: R(\theta) = \sum_k s_k \frac{1}{a_{k+1} - a_k} \int_{a_k}^{a_{k+1}} \mathrm{open}(\theta + a)\, da
+
+The region has the share s_k of its light between the angles a_k and a_{k+1} from the opening's centre; a border that is some
+pixels wide spans the smaller an angle the farther it lies from the axle, so it is no wider sector.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.wheel import EDGE_SIGNS, PointAverage
+from irtiming.records.arrays import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SummedRegion:
+    """How a region's light spreads over the wheel coordinate: ``ends_rad`` (k + 1,) from the opening's centre, ``share`` (k,)."""
+
+    ends_rad: Array
+    share: Array
+
+    @property
+    def total(self) -> float:
+        """Sum of the shares: 1 of light that is everywhere of one sign."""
+        return float(np.sum(self.share))
+
+    @property
+    def density(self) -> Array:
+        """Share per rad, shape (k,)."""
+        return np.asarray(self.share / np.diff(self.ends_rad))
+
+
+def sector(opening_angle_rad: float, border_rad: float) -> SummedRegion:
+    """A region that exceeds an opening by the same angle at either end.
+
+    Parameters
+    ----------
+    opening_angle_rad, border_rad
+        Of the opening, and beyond it.
+    """
+    half = opening_angle_rad / 2 + border_rad
+    return SummedRegion(ends_rad=np.array([-half, half]), share=np.ones(1))
+
+
+def exposed(region: SummedRegion, ends: PointAverage) -> Array:
+    """R, shape (n,).
+
+    Parameters
+    ----------
+    region
+        Its area.
+    ends
+        The wheel at ``region.ends_rad``, shapes (k + 1, n).
+    """
+    return np.asarray(region.density @ np.diff(ends.arc_rad, axis=0))
+
+
+def slopes(region: SummedRegion, ends: PointAverage, *, sweep_rad: float) -> Array:
+    """Derivatives of R per rad, shape (6, n): to the angles by which edges come early, the opening angle (none), and the sweep.
+
+    Parameters
+    ----------
+    region, ends
+        As for `exposed`.
+    sweep_rad
+        Angle of the window.
+    """
+    out = np.zeros((6, ends.arc_rad.shape[1]))
+    out[:4] = np.array(EDGE_SIGNS)[:, None] * np.einsum("k,ekn->en", region.density, np.diff(ends.passed, axis=1))
+    out[5] = (region.density @ np.diff(ends.ends_rad, axis=0) - exposed(region, ends)) / sweep_rad
+    return out
