@@ -1,4 +1,4 @@
-"""Over the wheel's angle, where the light comes from that the summed pixels see beside the opening's: mask plate, uneven wheel."""
+"""Over the wheel's angle, where the light comes from that summed pixels see beside the opening's: mask plate, uneven wheel."""
 
 import numpy as np
 from scipy.special import ndtr

@@ -93,11 +93,6 @@ class Passing:
     region: SummedRegion | None = None
 
     @property
-    def summed(self) -> SummedRegion:
-        """The region that is summed."""
-        return self.region or summed_region.sector(self.actual.opening_angle_rad, self.border_rad)
-
-    @property
     def sweep_rad(self) -> float:
         """Of the window, never zero: a smooth and even function of the angle swept."""
         return float(np.hypot(self.swept_rad, _SHORTEST_RAD))
@@ -136,13 +131,12 @@ def shapes(passing: Passing) -> Shapes:
         Wheel, window and opening.
     """
     wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
-    narrow = exposed_fraction(start, wheel, sweep_rad=sweep)
     rings = _rings(passing, wheel)
     fraction = _fraction(rings, wheel)
     return Shapes(
         fraction=fraction,
         skew=skewed_fraction(start, wheel, sweep_rad=sweep),
-        plate=summed_region.exposed(passing.summed, _region_ends(passing, wheel)) - passing.summed.total * narrow,
+        plate=_plate(passing, wheel),
         blades=_second_blade(rings, wheel) - (1 - fraction) / 2,
     )
 
@@ -167,10 +161,7 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: f
     out = _fraction_slopes(rings, passing, wheel)
     out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
     even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
-    narrow = _fraction_slopes(_rings(even, wheel), even, wheel)[:6]
-    out[:6] += plate * (_region_slopes(even, wheel) - passing.summed.total * narrow) + skew * _skew_slopes(
-        passing, wheel
-    )
+    out[:6] += plate * _plate_slopes(even, wheel) + skew * _skew_slopes(passing, wheel)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
     return dict(zip(names, out, strict=True))
@@ -201,18 +192,33 @@ def _rings(passing: Passing, wheel: WheelModel) -> list[_Ring]:
     ]
 
 
-def _region_ends(passing: Passing, wheel: WheelModel) -> PointAverage:
+def _plate(passing: Passing, wheel: WheelModel) -> Array:
+    """P: what the summed region sees, as the image shows it or of a border all around, less the opening."""
+    start, sweep, region = passing.start_rad, passing.sweep_rad, passing.region
+    narrow = exposed_fraction(start, wheel, sweep_rad=sweep)
+    if region is not None:
+        return summed_region.exposed(region, _region_ends(passing, wheel, region)) - region.total * narrow
+    return exposed_fraction(start, _wide(passing, wheel), sweep_rad=sweep) - narrow
+
+
+def _plate_slopes(even: Passing, wheel: WheelModel) -> Array:
+    """Derivatives of P, as the first six of `_fraction_slopes`."""
+    narrow, region = _fraction_slopes(_rings(even, wheel), even, wheel)[:6], even.region
+    if region is not None:
+        seen = summed_region.slopes(region, _region_ends(even, wheel, region), sweep_rad=even.sweep_rad)
+        return seen - region.total * narrow
+    wide = _wide(even, wheel)
+    return _fraction_slopes(_rings(even, wide), even, wide)[:6] - narrow
+
+
+def _wide(passing: Passing, wheel: WheelModel) -> WheelModel:
+    return replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad)
+
+
+def _region_ends(passing: Passing, wheel: WheelModel, region: SummedRegion) -> PointAverage:
     """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
     centre = np.mod(wheel.opening_coordinate_rad + passing.start_rad, TURN)
-    return at_point(centre + passing.summed.ends_rad[:, None], wheel.cutout_edges_rad, sweep_rad=passing.sweep_rad)
-
-
-def _region_slopes(even: Passing, wheel: WheelModel) -> Array:
-    """Derivatives of what the summed region sees, as the first six of `_fraction_slopes`; a border grows with the opening."""
-    if even.region is not None:
-        return summed_region.slopes(even.region, _region_ends(even, wheel), sweep_rad=even.sweep_rad)
-    wide = replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * even.border_rad)
-    return _fraction_slopes(_rings(even, wide), even, wide)[:6]
+    return at_point(centre + region.ends_rad[:, None], wheel.cutout_edges_rad, sweep_rad=passing.sweep_rad)
 
 
 def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:
