@@ -130,6 +130,8 @@ def tried(wanted: Wanted, options: argparse.Namespace, before: Iterable[dict[str
     there = {key_of(line): line for line in before}
     keys = {seed: key_of(json.loads(json.dumps({**asdict(wanted), "seed": seed}))) for seed in seeds_of(options)}
     missing = [seed for seed, key in keys.items() if key not in there]
+    if missing and options.out is not None and options.out.exists() and not options.out.read_text().endswith("\n"):
+        options.out.write_text(options.out.read_text() + "\n")  # behind a line that was cut off
     with ProcessPoolExecutor(options.workers) as pool:
         for line in pool.map(partial(one_rig, wanted), missing):
             there[key_of(line)] = line

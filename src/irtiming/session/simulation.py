@@ -170,6 +170,7 @@ def _drawn(order: SimulationOrder) -> SimulatedRig:
     if order.mask_offset_m is not None:
         scene = replace(scene, mask=replace(scene.mask, centre_x_m=order.mask_offset_m, centre_y_m=0.0))
     if order.laboratory:
+        scene = with_wheel_speed(scene, order.wheel_hz[0], frame_hz=order.frame_hz, samples=order.frames)
         return in_laboratory(replace(rig, scene=scene), seed=order.seed, asked=order.defects)
     return replace(rig, scene=with_defects(scene, order.defects))
 

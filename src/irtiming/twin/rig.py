@@ -29,6 +29,7 @@ from irtiming.twin.scene import (
     Timing,
     readout_mode_of,
 )
+from irtiming.twin.upkeep import Drift
 
 _NAMES = {
     (True, "snapshot"): "cooled",
@@ -342,21 +343,25 @@ def _lag_truth(timing: BolometerTiming) -> dict[str, object]:
 
 def _camera_truth(scene: Scene) -> dict[str, object]:
     """What is true of this kind of camera only."""
-    timing, drift, events = scene.timing, scene.drift, scene.correction.events
+    timing = scene.timing
     shared: dict[str, object] = {"readout_mode": readout_mode_of(timing), "trigger_delay_s": timing.trigger_delay_s}
     if timing.row_delay_s is not None:
         shared["row_delay_s"] = timing.row_delay_s
-    if isinstance(timing, CameraTiming):
-        return {
-            "camera": "photon",
-            **shared,
-            "exposure_midpoint_delay_s": timing.trigger_delay_s + window.centre_s(timing),
-            "integration_time_s": timing.integration_time_s,
-        }
+    if isinstance(timing, BolometerTiming):
+        return {"camera": "microbolometer", **shared, **_lag_truth(timing), **_upkeep_truth(scene)}
     return {
-        "camera": "microbolometer",
+        "camera": "photon",
         **shared,
-        **_lag_truth(timing),
+        "exposure_midpoint_delay_s": timing.trigger_delay_s + window.centre_s(timing),
+        "integration_time_s": timing.integration_time_s,
+        **(_upkeep_truth(scene) if scene.correction.events or scene.drift != Drift() else {}),
+    }
+
+
+def _upkeep_truth(scene: Scene) -> dict[str, object]:
+    """What the camera does to keep its image even, and how it drifts."""
+    drift, events = scene.drift, scene.correction.events
+    return {
         "shutter_start_s": [event.start_s for event in events],
         "shutter_duration_s": [event.duration_s for event in events],
         "shutter_kind": " ".join(event.kind for event in events),

@@ -1,6 +1,7 @@
 """What `irtiming simulate` makes for each kind of camera, and what it refuses."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,47 @@ def test_what_is_not_said_is_drawn(tmp_path: Path) -> None:
     ):
         assert one[name] == pytest.approx(value, abs=5 * tolerance)
         assert value != one[name] != other[name]
+
+
+def test_each_defect_has_its_option(tmp_path: Path) -> None:
+    """Oracle: what was asked for, in SI units, in truth.json; rig.toml tells nothing of it."""
+    truth = _simulate(
+        tmp_path, *_SMALL, "--late-application-gate", "5 us", "--late-control-gate", "3 us", "--late-trigger", "0.8 us",
+        "--clock-ppm", "-50", "--lateral-offset-mm", "-0.1", "--tilt-deg", "1.4", "-1.1", "--focal-length-px", "600",
+        "--lens-centre-px", "3", "-5", "--distortion", "-0.03", "--blur-rows-px", "0.55", "--blur-columns-px", "0.95",
+        "--glare", "0.03", "--glare-px", "4", "--glare-shape", "gaussian", "--blade", "-0.012", "--sway", "0.03",
+        "--references-anew", "--filter", "0.06", "--averaged-frames", "2", "--memory", "0.005", "--rise", "10 us",
+        "--fall", "5 us", "--tail", "0.04", "--tail-time", "0.2 ms", "--count-time-error", "-12.5 us", "--nuc-at", "0.6 s",
+    )  # fmt: skip
+    wanted = {
+        "late_application_gate_s": 5e-6, "late_control_gate_s": 3e-6, "late_trigger_s": 0.8e-6,
+        "clock_relative_error": -50e-6, "lateral_offset_m": -0.1e-3, "tilt_about_row_rad": math.radians(1.4),
+        "tilt_about_column_rad": math.radians(-1.1), "focal_length_px": 600, "lens_centre_row_px": 3,
+        "lens_centre_column_px": -5, "distortion": -0.03, "blur_rows_px": 0.55, "blur_columns_px": 0.95,
+        "glare_share": 0.03, "glare_px": 4, "blade_share": -0.012, "sway_share": 0.03, "references_anew": True,
+        "filter_share": 0.06, "averaged_frames": 2, "memory_share": 0.005, "rise_s": 10e-6, "fall_s": 5e-6,
+        "tail_share": 0.04, "tail_s": 0.2e-3, "count_time_error_s": -12.5e-6,
+    }  # fmt: skip
+    assert {name: truth[name] for name in wanted} == pytest.approx(wanted)
+    assert truth["glare_shape"] == "gaussian"
+    assert truth["shutter_start_s"] == [0.6]
+    written = (tmp_path / "rig.toml").read_text()
+    assert "[latency]" not in written
+    assert "[clock]" not in written
+
+
+def test_a_laboratory_is_drawn_but_for_what_is_asked(tmp_path: Path) -> None:
+    """Oracle: rig.toml has the sections; the filter is the one that was asked for, the rest another with another seed."""
+    one, other = (
+        _simulate(
+            tmp_path / seed, "--camera", "microbolometer", *_SMALL, "--laboratory", "--filter", "0.11", "--seed", seed
+        )
+        for seed in ("1", "2")
+    )
+    assert one["filter_share"] == other["filter_share"] == 0.11
+    assert one["glare_share"] != other["glare_share"] != 0
+    written = (tmp_path / "1" / "rig.toml").read_text()
+    assert all(word in written for word in ("[latency]", "[clock]", "lateral_offset_u_mm", "application_gate_u_us"))
 
 
 def test_photon_camera_is_the_default(tmp_path: Path) -> None:
@@ -114,6 +156,9 @@ def test_a_snapshot_camera_with_lag_gets_what_was_asked(tmp_path: Path) -> None:
         (("--camera", "microbolometer", "--trigger-delay", "-1 ms"), "trigger delay of '-1 ms'"),
         (("--camera", "microbolometer", "--drift-dn-per-s", "nan"), "drift of nan"),
         (("--integration-time", "0 s"), "integration time of '0 s'"),
+        (("--camera", "microbolometer", "--tail", "0.02"), "which has none"),
+        (("--filter", "1.5"), "a filter of 1.5"),
+        (("--blade", "3"), "--blade of 3"),
     ],
 )
 def test_what_makes_no_sense_is_refused_and_nothing_is_left(
