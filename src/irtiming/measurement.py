@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from irtiming.errors import EstimationError, IrTimingError
-from irtiming.estimate import profiles, timing, two_constants
+from irtiming.estimate import diagnosis, profiles, timing, two_constants
 from irtiming.estimate.published import procedure
 from irtiming.estimate.timing import Timing
 from irtiming.plan import hindsight
@@ -23,10 +23,11 @@ from irtiming.reduce.wheel import pooled_slots
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with the recording's name, frames done and frames in all."""
 
-Extra: TypeAlias = Literal["published", "profiles", "prediction"]
-"""What is made beside the estimate on request: the paper's procedure, profile likelihoods, what the recordings should tell."""
+Extra: TypeAlias = Literal["published", "profiles", "prediction", "diagnosis"]
+"""What is made beside the estimate on request: the paper's procedure, profile likelihoods, what the recordings should tell, and
+what explains structured residuals."""
 
-ALL_EXTRAS: tuple[Extra, ...] = ("published", "profiles", "prediction")
+ALL_EXTRAS: tuple[Extra, ...] = ("published", "profiles", "prediction", "diagnosis")
 
 
 def analyse(
@@ -121,6 +122,8 @@ def _with_extras(analysis: Analysis, found: Timing, asked: Collection[str]) -> A
         analysis = replace(analysis, profiles=profiles.profiles(found))
     if "prediction" in asked:
         analysis = replace(analysis, prediction=hindsight.predict(analysis))
+    if "diagnosis" in asked:
+        analysis = replace(analysis, diagnosis=diagnosis.diagnose(found))
     return analysis
 
 

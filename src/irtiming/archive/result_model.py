@@ -208,6 +208,7 @@ class Result(Core):
     joint_fit: Evidence | None = None
     likelihood: Evidence | None = None
     prediction: Evidence | None = None
+    diagnosis: Evidence | None = None
     other_method: Core | None = None
     two_constants: Evidence | None = None
     noise_correlation: Evidence | None = None

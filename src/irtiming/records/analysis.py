@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TypeAlias, final
 
 from irtiming.records.choices import Choices
+from irtiming.records.diagnosis import Diagnosis
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit
 from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import PublishedLagFit
@@ -58,7 +59,7 @@ class Analysis:
         The result by the project's method.
     wheel
         Slots that all recordings tell together.
-    published, profiles, prediction, two_constants
+    published, profiles, prediction, two_constants, diagnosis
         Made on request; None or empty where nobody asked, or none could be made.
     """
 
@@ -77,6 +78,7 @@ class Analysis:
     profiles: tuple[Profile, ...] = ()
     prediction: Prediction | None = None
     two_constants: TwoConstantsResult | None = None
+    diagnosis: Diagnosis | None = None
 
     @property
     def result(self) -> Result:
@@ -93,4 +95,5 @@ class Analysis:
             Finding(code="slots-doubtful", severity="warning", what=text)
             for text in (self.wheel.warnings if self.wheel else ())
         ]
-        return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two]))
+        cause = self.diagnosis.findings if self.diagnosis else ()
+        return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two, *cause]))

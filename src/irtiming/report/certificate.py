@@ -7,6 +7,7 @@ from irtiming.report import result
 from irtiming.report.blocks import Section
 from irtiming.report.page import Certificate, Content, render
 from irtiming.report.sections import (
+    diagnosis,
     image,
     inputs,
     joint_fit,
@@ -57,6 +58,7 @@ def sections(analysis: Analysis) -> tuple[Section, ...]:
         lag.section(analysis),
         two_constants.section(analysis.two_constants),
         joint_fit.section(analysis),
+        diagnosis.section(analysis),
         uncertainty.section(analysis),
         image.section(analysis),
         rig.section(analysis),

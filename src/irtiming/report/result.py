@@ -58,6 +58,7 @@ def result(analysis: Analysis) -> dict[str, Any]:
         "two_constants": result_of_fits.two_constants(two),
         "noise_correlation": _noise(analysis),
         "prediction": _predicted(analysis),
+        "diagnosis": result_of_fits.diagnosis(analysis.diagnosis),
         "other_method": next(
             ({"method": other.method, **_core(analysis, other), "warnings": [one.sentence() for one in other.findings]}
              for other in both if other is not analysis.result), None,

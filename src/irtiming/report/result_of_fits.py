@@ -1,12 +1,13 @@
 """The fits behind a result as plain data, for JSON: joint fit, recording by recording, as published, opening, two constants."""
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from math import inf
 from typing import Any
 
 import numpy as np
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.diagnosis import Diagnosis
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.records.row_timing import RowTimingFit, SectorFit
@@ -212,3 +213,19 @@ def two_constant_parameters(found: TwoConstantsResult | None) -> dict[str, Any]:
             estimate.names, estimate.values, estimate.standard_uncertainties, found.change_per_k_s, strict=False
         )
     }
+
+
+def diagnosis(found: Diagnosis | None) -> dict[str, Any] | None:
+    """Causes that were tried and numbers that stand for defects; None where nobody asked."""
+    if found is None:
+        return None
+    return {
+        "deviance": found.deviance,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "causes": [asdict(one) for one in found.causes],
+        "fitted": [
+            {"name": one.name, "value": one.value.value, "standard_uncertainty": one.value.standard_uncertainty,
+             "unit": one.unit, "from_none": one.from_none, "gained": one.gained}
+            for one in found.fitted
+        ],
+    }  # fmt: skip

@@ -1,0 +1,135 @@
+"""The likeliest cause of structured residuals: defects put into the sums of small simulated recordings, one at a time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming import measurement
+from irtiming.archive import reader
+from irtiming.archive.rig_file import read_rig
+from irtiming.estimate import causes, diagnosis, timing
+from irtiming.estimate.frame_residuals import FrameResiduals
+from irtiming.records.diagnosis import Cause
+from irtiming.reduce.wheel import pooled_slots
+from irtiming.session.simulation import CameraOrder, SimulationOrder, simulate
+
+
+def _reduced(folder, camera):
+    order = SimulationOrder(folder=folder, camera=CameraOrder(camera=camera, rows=64, columns=80), frames=400)
+    made = simulate(order)
+    rig = read_rig(made.rig)
+    one = measurement.reduce(reader.read(made.recordings[0]), rig)
+    tracks, _ = pooled_slots.pool([one], before=None)
+    return replace(one, track=tracks[0]), rig
+
+
+@pytest.fixture(scope="module")
+def photon(tmp_path_factory):
+    """One reduced recording of a cooled camera, 64 x 80 pixels, 400 frames, and its rig."""
+    return _reduced(tmp_path_factory.mktemp("photon"), "photon")
+
+
+@pytest.fixture(scope="module")
+def microbolometer(tmp_path_factory):
+    """The same of a microbolometer camera."""
+    return _reduced(tmp_path_factory.mktemp("microbolometer"), "microbolometer")
+
+
+def _span(values):
+    return np.ptp(np.quantile(values, [0.03, 0.97], axis=0), axis=0)
+
+
+def _spoilt(recording, added):
+    """The recording with so much of the contrast added to each frame, shape (n,)."""
+    if recording.pixels is not None:
+        sums = recording.pixels.pixel_sum
+        return replace(recording, pixels=replace(recording.pixels, pixel_sum=sums + added * _span(sums)))
+    rows = recording.rows.row_sum_dn
+    return replace(recording, rows=replace(recording.rows, row_sum_dn=rows + added[:, None] * _span(rows)))
+
+
+def _every_second(n):
+    return np.where(np.arange(n) % 2 == 0, 2e-3, -2e-3)
+
+
+def _jump(n):
+    return np.where(np.arange(n) > n // 2, 8e-3, 0.0)
+
+
+@pytest.mark.parametrize("camera", ["photon", "microbolometer"])
+@pytest.mark.parametrize(
+    ("added", "cause"),
+    [(_every_second, "every second frame differs"), (_jump, "the level")],
+)
+def test_what_was_put_in_is_named_first(request, camera, added, cause):
+    """Oracle: the defect that was added to the sums, known in closed form; its size is found too where it is one number."""
+    recording, rig = request.getfixturevalue(camera)
+    found = diagnosis.diagnose(timing.estimate([_spoilt(recording, added(recording.trigger_ticks.size))], rig))
+    if added is _jump and camera == "photon":
+        return  # its levels follow a jump by themselves: nothing is left
+    first = found.causes[0]
+    assert first.name.startswith(cause)
+    assert first.chance < 1e-6
+    if added is _every_second:
+        assert first.size == pytest.approx(2e-3, rel=0.25)
+
+
+@pytest.mark.parametrize("camera", ["photon", "microbolometer"])
+def test_a_sound_rig_gives_no_finding(request, camera):
+    """Oracle: nothing was put in; no cause moves the result by a standard uncertainty, and none is named."""
+    recording, rig = request.getfixturevalue(camera)
+    found = diagnosis.diagnose(timing.estimate([recording], rig))
+    assert found.findings == ()
+    assert len({one.name for one in found.causes}) == len(found.causes)
+    assert found.fitted
+
+
+def _seen(rng, *, n=1000, added=0.0, noise=1e-4):
+    """Residuals of noise over a trapezoid that opens twice a turn, with so much of the frame before."""
+    number = np.arange(n)
+    angle = np.mod(2 * np.pi * number * 0.0990990, 2 * np.pi)
+    fraction = np.clip(0.5 + 1.6 * np.cos(2 * angle), 0, 1)[:, None]
+    plain = FrameResiduals(
+        name="x", omega_rad_per_s=6 * np.pi, angle_rad=angle, time=np.linspace(-1, 1, n), number=number, fraction=fraction,
+        residual=rng.normal(0, noise, (n, 1)), row=np.zeros(1), noise=np.array([noise]),
+    )  # fmt: skip
+    (before,) = next(one for one in causes.CANDIDATES if "one before" in one.name).columns(plain)
+    return plain, before, replace(plain, residual=plain.residual + added * before)
+
+
+def test_the_frame_before_is_the_frame_before():
+    """Oracle: by hand; the model of the trigger before less that of this one, nothing after a gap."""
+    plain, before, _ = _seen(np.random.default_rng(1))
+    assert before[0, 0] == 0
+    assert before[7, 0] == plain.fraction[6, 0] - plain.fraction[7, 0]
+    lost = replace(plain, number=plain.number + (plain.number > 6))
+    (after_gap,) = next(one for one in causes.CANDIDATES if "one before" in one.name).columns(lost)
+    assert after_gap[7, 0] == 0
+
+
+def test_a_harmonic_filter_of_nothing_is_the_model():
+    """Oracle: a factor of 1; a turn by i m is the derivative of cos 2 theta, -2 sin 2 theta."""
+    angle = np.mod(2.399963 * np.arange(2000), 2 * np.pi)
+    wave = replace(_seen(np.random.default_rng(2))[0], angle_rad=angle, fraction=np.cos(2 * angle)[:, None])
+    ones = np.ones(513, complex)
+    assert np.abs(wave.filtered(ones) - wave.fraction).max() < 1e-4
+    assert np.abs(wave.slope / wave.omega_rad_per_s + 2 * np.sin(2 * angle)[:, None]).max() < 1e-2
+
+
+@pytest.mark.parametrize(("moves", "severity"), [(3.0, "doubt"), (0.2, "warning")])
+def test_a_cause_is_a_doubt_only_where_it_moves_the_result(moves, severity):
+    """Oracle: by hand; a deviance 900 beyond 1000 degrees of freedom, of which one number explains 800."""
+    first = Cause(name="a", gained=800.0, n_numbers=1, chance=0.0, size=1e-3, moves={"trigger_delay": moves}, cure="b")
+    (found,) = diagnosis._findings([first], deviance=1900.0, freedom=1000)
+    assert (found.severity, found.cure) == (severity, "b")
+    assert "explains most of them is that a (deviance 800 of 900 too much)" in found.what
+
+
+def test_two_causes_that_explain_alike_are_both_named():
+    """Oracle: by hand; deviances that differ by 4 are e^2 apart, and the larger move counts."""
+    first = Cause(name="a", gained=104.0, n_numbers=1, chance=0.0, size=1e-3, moves={"trigger_delay": 0.1})
+    second = replace(first, name="c", gained=100.0, moves={"trigger_delay": -5.0})
+    (found,) = diagnosis._findings([first, second], deviance=1100.0, freedom=1000)
+    assert "or nearly as well that c: that would move trigger_delay by -5.0 u" in found.what
+    assert diagnosis._findings([replace(first, chance=0.5)], deviance=1100.0, freedom=1000) == ()
