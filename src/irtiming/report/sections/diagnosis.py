@@ -39,9 +39,9 @@ def causes(found: Diagnosis) -> Table:
         align="lrrrr" + "r" * len(parameters),
         rows=rows,
         note="Each is tried alone, beside all that was fitted (score test). Deviance of the residuals over the noise of "
-        f"neighbouring frames: {found.deviance:.0f} with {found.degrees_of_freedom} degrees of freedom. Each number gains about 1 "
-        "by chance. More than chance: the probability that noise gains as much, times the number of causes. Size: rms of what "
-        "it adds, in parts of the contrast. The last columns say how far each parameter would move, were the cause fitted.",
+        f"neighbouring frames: {found.deviance:.0f} with {found.degrees_of_freedom} degrees of freedom. Each number gains about "
+        "1 by chance. More than chance: the probability that noise gains as much, times the number of causes. Size: rms "
+        "of what it adds, in parts of the contrast. The last columns say how far each parameter would move, were it fitted.",
     )  # fmt: skip
 
 
