@@ -34,6 +34,7 @@ class BruteBolometer:
     bisector_rad: float = float(np.radians(-91.2))
     opening_rad: float = float(np.radians(75))
     blur_px: float = 0.8
+    blur_ellipticity: float = 0.0
     edges: tuple[float, float, float, float] = EDGES
     gate_rad: float = float(np.pi / 2 + 0.2682)
     centre_rad: float = float(np.radians(-90))
@@ -78,6 +79,7 @@ class BruteBolometer:
             bisector_rad=self.bisector_rad,
             opening_angle_rad=self.opening_rad,
             blur_px=self.blur_px,
+            blur_ellipticity=self.blur_ellipticity,
             distortion=self.distortion,
             image_rows=self.rows,
             image_columns=self.columns,
@@ -121,8 +123,11 @@ class BruteBolometer:
         near = np.arange(-reach, reach + 1)
         at_row, at_column = np.rint(row)[:, None] + near, np.rint(column)[:, None] + near
         by_row, by_column = (
-            norm.cdf((at + 0.5 - x[:, None]) / self.blur_px) - norm.cdf((at - 0.5 - x[:, None]) / self.blur_px)
-            for at, x in ((at_row, row), (at_column, column))
+            norm.cdf((at + 0.5 - x[:, None]) / blur) - norm.cdf((at - 0.5 - x[:, None]) / blur)
+            for at, x, blur in (
+                (at_row, row, self.blur_px * (1 - self.blur_ellipticity)),
+                (at_column, column, self.blur_px * (1 + self.blur_ellipticity)),
+            )
         )
         by_row[(at_row < 0) | (at_row >= self.rows)] = 0
         by_column[(at_column < 0) | (at_column >= self.columns)] = 0

@@ -57,6 +57,19 @@ def test_the_sector_comes_back(plain, camera):
     assert plain.n_rounds == 2
 
 
+@pytest.mark.parametrize("mirror", [False, True])
+def test_a_blur_that_is_not_round_comes_back(brute_bolometer, lag, brute_rows, rig_with, mirror):
+    """Oracle: the light that was summed through 0.5 px over rows and 0.9 px over columns; read backwards too."""
+    soft = brute_bolometer(offset=(0.35, -0.25), blur_px=0.7, blur_ellipticity=2 / 7)
+    rows = brute_rows(soft, noise_dn=6.0, seed=3, mirror=mirror)
+    found = _twice(rows, soft, lag, rig=rig_with(mirrored=mirror))
+    assert abs(found.shape.blur_ellipticity - 2 / 7) < 4 * found.u("blur_ellipticity") < 0.1
+    assert abs(found.shape.blur_px - 0.7) < 4 * found.u("blur_px") < 0.06
+    assert abs(found.row_delay_s - soft.row_delay_s) < 4 * found.u_row_delay_s
+    if not mirror:
+        assert np.all(np.abs(_pulls(found, soft)) < 4)
+
+
 def test_even_pixels_leave_nothing_over(plain, camera):
     """Oracle: the light that was summed; no scatter of gains, no plate, and an excess that is noise."""
     light = camera.light[1].sum(axis=0)
