@@ -103,3 +103,15 @@ def test_every_place_named_for_the_paper_exists():
     names = [code for code in _cells(page, 3) if code.isidentifier()]
     assert len(files) > 20
     assert [name for name in names if not re.search(rf"(def|class) {name}\b", source)] == []
+
+
+def test_every_source_file_that_the_pages_name_exists():
+    """Oracle: the files."""
+    homes = (ROOT, ROOT / "src" / "irtiming", ROOT / "tests")
+    gone = [
+        f"{page.relative_to(ROOT)}: {name}"
+        for page in (ROOT / "README.md", *DOCS.rglob("*.md"))
+        for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]+\.py)`", page.read_text())
+        if not any((home / name).exists() for home in homes)
+    ]
+    assert gone == []
