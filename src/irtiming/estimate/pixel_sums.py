@@ -40,6 +40,9 @@ from irtiming.records.wheel_geometry import WheelModel
 SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high")
 """Local numbers beside the edges' delays: rad, s, rad, rad."""
 
+CORNERS = "corner_variance"
+"""Local number that may stand beside them: what else rounds the corners, rad^2."""
+
 _BORDER_RAD = 0.1  # where the axle was not found in the image
 _UNSEEN_LEAN_RAD = 0.01
 _EXTENT = (0.02, 0.98)  # of the pixels' radii
@@ -103,6 +106,7 @@ class PixelSums:
             border_rad=self.border_rad,
             radii=self.radii,
             region=self.region,
+            corner_variance_rad2=numbers.get(CORNERS, 0.0),
         )
 
     def projected(self, numbers: Mapping[str, float]) -> Projected:

@@ -27,6 +27,13 @@ EDGES, RESIDUALS, IMAGE = (
 """Sources of a budget beside those that rig.toml names."""
 
 
+CORNERS_SOURCE = "straightness of the mask's edges"
+"""Source of what rounds corners by an angle."""
+
+STRAIGHT_RAD = 2e-3
+"""To which angle about the axle mask edges are straight: burrs of 0.05 mm, 27 mm from it."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SharedNumber:
@@ -122,6 +129,23 @@ def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_
         for source, kind, u in geometry.angle_budget
     ]
     return errors
+
+
+def uneven_edges(fits: Sequence[RecordingFit]) -> SharedNumber:
+    """What rounds the corners of pixel sums beside the window and the leans: radial mask edges that are not straight.
+
+    It is an angle, the same at any wheel speed, which is what tells it from the window. Taken on trust is its size, with one
+    standard uncertainty a scatter of `STRAIGHT_RAD` along an edge; its square may come out negative as well as positive.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    """
+    return SharedNumber(
+        name=CORNERS_SOURCE, unit="1", effects=[{"corner_variance": STRAIGHT_RAD**2}] * len(fits), u=1.0,
+        source=CORNERS_SOURCE, kind="B",
+    )  # fmt: skip
 
 
 def residual_errors(fits: Sequence[RecordingFit], covariance_rad2: Array) -> list[SharedNumber]:

@@ -28,7 +28,7 @@ from irtiming.estimate import (
 )
 from irtiming.estimate.joint import Joint, LocalModel, Measurand
 from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
-from irtiming.estimate.pixel_sums import SHAPE
+from irtiming.estimate.pixel_sums import CORNERS, SHAPE
 from irtiming.estimate.rig_errors import CLOCK, RigErrors
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
@@ -47,8 +47,6 @@ from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
-_CORNER_RAD = 4.5e-3  # what rounds the corners besides the window and is not in the model, as simulated rigs showed
-_WINDOW_SHARE = 0.02  # of its length: by how much windows came out wrong on simulated rigs, cause unknown
 _UNKNOWN_WINDOW_S = 0.1  # standard uncertainty of a window that no frame tells anything of
 _LEAST_U_LEAN_RAD = 1e-5
 _NOTHING_MORE = RigErrors()
@@ -179,17 +177,14 @@ def of_pixel_fits(
 def _window(
     found: Joint, fits: Sequence[EdgeDelayFit], *, stated_s: float | None, rig: RigErrors = _NOTHING_MORE
 ) -> Window:
-    """What else rounds the corners of the sums as a window does, and whether several wheel speeds tell it from that."""
+    """What is stated of the window, and whether several wheel speeds tell it from an angle that rounds the corners too."""
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
     if WINDOW not in found.names:
         return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, u_beside_s=0.0, is_told=False)
-    alone = found.estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
-    length_s = abs(alone.value(WINDOW))
-    unknown_s = _CORNER_RAD**2 / (2 * max(length_s, alone.u(WINDOW)) * fastest**2)
     return Window(
         stated_s=stated_s,
         u_stated_s=rig.u_window_s,
-        u_beside_s=float(np.hypot(unknown_s, _WINDOW_SHARE * length_s)),
+        u_beside_s=0.0,
         is_told=fastest > _SPEED_RATIO * slowest,
     )
 
@@ -199,7 +194,7 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
-    return LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=given.at, trace=given.trace)
+    return LocalModel(names=(*EDGE_DELAYS, *SHAPE, CORNERS), at=given.at, trace=given.trace)
 
 
 def opening_and_window(
@@ -228,6 +223,7 @@ def opening_and_window(
             shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
             for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
         ),
+        shared_numbers.uneven_edges(fits),
     ]
 
 

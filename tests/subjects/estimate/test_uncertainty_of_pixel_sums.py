@@ -133,7 +133,12 @@ def test_pulls_of_two_speeds_are_standard(noisy, recordings):
     found, random, pulls = noisy.found.joint, np.random.default_rng(5), []
     exact = recordings((3.0, 8.0))
     true = dict(zip(ERRORS, (*(EARLY / U_EDGE), 0.0), strict=True))
-    true |= {"lean_low": LEANS[0], "lean_high": LEANS[1], "integration_time": WINDOW}
+    true |= {
+        "lean_low": LEANS[0],
+        "lean_high": LEANS[1],
+        "integration_time": WINDOW,
+        shared_numbers.CORNERS_SOURCE: 0.0,
+    }
     for _ in range(120):
         models = []
         for one, fit in zip(exact, noisy.fits, strict=True):
@@ -208,14 +213,20 @@ def test_leans_in_the_image_by_hand(recordings, clockwise, expected):
 
 
 @pytest.mark.parametrize("stated_s", [None, WINDOW])
-def test_what_rounds_corners_besides_the_window(noisy, stated_s):
-    """Oracle: by hand; squares of what rounds corners add: w^2 + a^2 is w + a^2 / 2 w; a is 4.5 mrad, 2 % of w beside it."""
-    found, omega = noisy.found.joint, TURN * 8
-    length_s = abs(found.found.values["integration_time"])
-    window = timing._window(found, noisy.fits, stated_s=stated_s)
-    assert window.u_beside_s == pytest.approx(
-        np.hypot((4.5e-3 / omega) ** 2 / (2 * length_s), 0.02 * length_s), rel=1e-6
-    )
+def test_only_several_speeds_tell_a_window(noisy, stated_s):
+    """Oracle: by hand; an angle that rounds the corners is a time that falls with the speed, 8 Hz over 3 Hz."""
+    window = timing._window(noisy.found.joint, noisy.fits, stated_s=stated_s)
     assert window.is_told
     assert window.stated_s == stated_s
-    assert not timing._window(found, noisy.fits[:1], stated_s=stated_s).is_told
+    assert not timing._window(noisy.found.joint, noisy.fits[:1], stated_s=stated_s).is_told
+
+
+def test_speeds_tell_the_window_from_what_rounds_corners_besides(recordings, geometry):
+    """Oracle: the window that made the sums; u holds what the straightness of the edges leaves open, most at one speed."""
+    u_s = []
+    for rates in ((3.0,), (3.0, 8.0)):
+        found = _combined(recordings(rates, noise=2e-5, seed=4), geometry).found.joint
+        one = found.estimate([Measurand(name="integration_time", weights={"integration_time": 1.0})])
+        assert abs(abs(one.values[0]) - WINDOW) < 3 * one.standard_uncertainties[0]
+        u_s.append(one.standard_uncertainties[0])
+    assert u_s[1] < u_s[0] / 2

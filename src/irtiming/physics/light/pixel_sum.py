@@ -34,6 +34,7 @@ _NARROWEST_RAD = 1e-3
 _SHORTEST_RAD = 1e-5  # a window that sweeps less looks like one that sweeps this: no derivative of a sum has a step
 _RADII = 4  # Gauss-Legendre nodes over the opening's radii
 _DIFFERENCE_RAD = 1e-5
+_OF_A_SPAN = 12.0  # its square over the variance of what lies evenly in it
 
 
 @final
@@ -79,6 +80,8 @@ class Passing:
         Of the opening.
     region
         That is summed; None takes ``border_rad`` for its border.
+    corner_variance_rad2
+        By how much more than the window something rounds the corners by an angle, as the variance of that angle.
     """
 
     wheel: WheelModel
@@ -91,11 +94,13 @@ class Passing:
     border_rad: float = 0.1
     radii: Radii = field(default_factory=Radii)
     region: SummedRegion | None = None
+    corner_variance_rad2: float = 0.0
 
     @property
     def sweep_rad(self) -> float:
-        """Of the window, never zero: a smooth and even function of the angle swept."""
-        return float(np.hypot(self.swept_rad, _SHORTEST_RAD))
+        """Of a window that rounds the corners as much as all does, never zero: smooth and even in the angle swept."""
+        square = self.swept_rad**2 + _OF_A_SPAN * self.corner_variance_rad2
+        return float(np.hypot(np.sqrt(max(square, 0.0)), _SHORTEST_RAD))
 
     @property
     def start_rad(self) -> Array:
@@ -154,7 +159,8 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: f
     Returns
     -------
     By ``edge_0`` .. ``edge_3`` (per rad by which the edge comes earlier; their sum is the derivative to the wheel angle),
-    ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad).
+    ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
+    ``corner_variance`` (per rad^2).
     """
     wheel = passing.actual
     rings = _rings(passing, wheel)
@@ -162,9 +168,10 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: f
     out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
     even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
     out[:6] += plate * _plate_slopes(even, wheel) + skew * _skew_slopes(passing, wheel)
+    corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    return dict(zip(names, out, strict=True))
+    return dict(zip(names, out, strict=True)) | {"corner_variance": corners}
 
 
 @final

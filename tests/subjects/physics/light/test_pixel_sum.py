@@ -92,7 +92,8 @@ def _sum(passing, skew, plate, blades=0.0):
     [(0.0, 0.0, 0.0), (5e-3, 0.0, 0.0), (0.0, 0.2, 0.0), (5e-3, -0.2, 0.0), (0.0, 0.0, 0.4)],
 )
 @pytest.mark.parametrize(
-    "name", ["edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high"]
+    "name",
+    ["edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high", "corner_variance"],
 )
 def test_derivatives_are_those_of_differences(name, skew, plate, blades):
     """Oracle: central differences; a skew of five thousandths moves those to the edges by less."""
@@ -101,7 +102,8 @@ def test_derivatives_are_those_of_differences(name, skew, plate, blades):
         unit = np.eye(4)[int(name[-1])]
         moved = [replace(passing, edges_early_rad=passing.edges_early_rad + sign * step * unit) for sign in (1, -1)]
     else:
-        field = f"{name}_rad"
+        field = f"{name}_rad2" if name == "corner_variance" else f"{name}_rad"
+        step = 1e-9 if name == "corner_variance" else step
         moved = [replace(passing, **{field: getattr(passing, field) + sign * step}) for sign in (1, -1)]
     numeric = (_sum(moved[0], skew, plate, blades) - _sum(moved[1], skew, plate, blades)) / (2 * step)
     found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades)[name]
