@@ -25,8 +25,8 @@ def causes(found: Diagnosis) -> Table:
             f"{one.gained:.1f}",
             str(one.n_numbers),
             "no" if one.chance > 0.05 else f"{one.chance:.0e}",
-            significant(1e3 * one.size) if one.size > 0 else "–",
-            *(f"{one.moves[name]:+.2f}" if name in one.moves else "–" for name in parameters),
+            f"{1e3 * one.size:.3f}",
+            *(_signed(one.moves[name]) if name in one.moves else "–" for name in parameters),
         )
         for one in found.causes
     )
@@ -50,7 +50,7 @@ def fitted(found: Diagnosis) -> Table:
     rows = tuple(
         (
             one.name.replace("_", " "),
-            f"{one.value.value:.4g}",
+            f"{one.value.value:.3g}",
             significant(one.value.standard_uncertainty) if one.value.standard_uncertainty > 0 else "–",
             "" if one.unit == "1" else one.unit,
             f"{one.from_none:+.1f}",
@@ -66,3 +66,8 @@ def fitted(found: Diagnosis) -> Table:
         note="Errors of the rig are counted in the standard uncertainties that rig.toml states, and so is their distance from "
         "none; a number of a recording is as far from none as its own uncertainty says. Deviance gained: by having it.",
     )
+
+
+def _signed(value: float) -> str:
+    text = f"{value:+.2f}"
+    return "0" if float(text) == 0 else text
