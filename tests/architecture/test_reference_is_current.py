@@ -107,7 +107,7 @@ def test_every_place_named_for_the_paper_exists():
 
 def test_every_source_file_that_the_pages_name_exists():
     """Oracle: the files."""
-    homes = (ROOT, ROOT / "src" / "irtiming", ROOT / "tests")
+    homes = (ROOT, ROOT / "src", ROOT / "src" / "irtiming")
     gone = [
         f"{page.relative_to(ROOT)}: {name}"
         for page in (ROOT / "README.md", *DOCS.rglob("*.md"))
