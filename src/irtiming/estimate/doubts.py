@@ -15,6 +15,7 @@ _CONTRADICTS = 4.0  # standard uncertainties
 _LARGEST_EDGE_RAD = 5e-3
 _CORRELATED = 2.0  # variance inflation of pixel sums from which it is said
 _CORRELATED_ROWS = 4.0  # the same of row sums, whose frames are judged over all rows
+_SWAY, _BLADES = 0.005, 0.002  # of the contrast, from which levels are worth a word
 _BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
 
 
@@ -164,7 +165,7 @@ def of_joint(joint: JointFit) -> tuple[Finding, ...]:
 
 
 def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
-    """Frames that were left out, and residuals that are correlated.
+    """Frames that were left out, what levels do, and residuals that are correlated.
 
     Parameters
     ----------
@@ -183,9 +184,10 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
     ]
     widened = [fit.widening**0.5 for fit in fits if fit.widening > _CORRELATED]
     if not widened:
-        return tuple(left_out)
+        return (*left_out, *of_levels(fits))
     return (
         *left_out,
+        *of_levels(fits),
         Finding(
             code="residuals-correlated",
             severity="warning",
@@ -195,6 +197,30 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
             cure=f"their uncertainty was widened by up to {max(widened):.1f}",
         ),
     )
+
+
+def of_levels(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
+    """What the levels of photon cameras do beyond a straight line: it is fitted, and costs next to nothing.
+
+    Parameters
+    ----------
+    fits
+        One per recording.
+    """
+    found = []
+    for fit in fits:
+        levels = fit.levels
+        if levels is not None and levels.jumps:
+            what = f"the levels jump at {len(levels.jumps)} frames, as they do where a camera corrects itself"
+            cure = "each stretch has levels of its own; switch the camera's own correction off"
+            found.append(Finding(code="levels-jump", severity="info", recording=fit.name, what=what, cure=cure))
+        elif levels is not None and levels.sway > _SWAY:
+            what = f"the levels sway by {levels.sway:.1%} of the contrast; {levels.n_numbers} numbers take it out"
+            found.append(Finding(code="levels-sway", severity="info", recording=fit.name, what=what))
+        if abs(fit.blades) > max(_CONTRADICTS * fit.u_blades, _BLADES):
+            warmer = f"one blade of the wheel looks {abs(fit.blades):.2%} of the contrast warmer than the other: it is fitted"
+            found.append(Finding(code="blades-differ", severity="info", recording=fit.name, what=warmer))
+    return tuple(found)
 
 
 def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Finding, ...]:

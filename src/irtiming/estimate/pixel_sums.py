@@ -3,13 +3,12 @@ r"""The pixel sums of one recording: what they say of the numbers that they foll
 Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
 
 .. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n) +
-\mathrm{blades}\,B(\theta_n))
+\mathrm{blades}\,B(\theta_n) + \mathrm{beside}\,B'(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
 passing of that edge shows it), the opening angle, the length of the window, and by how much the mask's radial edges miss the
-axle. Covered level, step, skew, plate and blades are the recording's own; they enter linearly and are projected out. Covered
-level and step drift as smooth curves and jump where a camera corrects itself, with as many numbers as the recording itself asks
-for (`inference.drifting_levels`).
+axle. All the others are the recording's own; they enter linearly and are projected out. Covered level and step drift as smooth
+curves and jump where a camera corrects itself, with as many numbers as the recording asks for (`inference.drifting_levels`).
 
 The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two
 does no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`)
@@ -110,7 +109,7 @@ class PixelSums:
         )
 
     def projected(self, numbers: Mapping[str, float]) -> Projected:
-        """Residuals with the recording's own numbers at their best: levels are covered, step, skew, plate, blades, then drifts.
+        """Residuals with the recording's own numbers at their best: covered, step, skew, plate, blades, beside, then drifts.
 
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
@@ -121,9 +120,9 @@ class PixelSums:
         }
 
         def slopes_of(levels: Array) -> Array:
-            skew, plate, blades = (float(level) / float(levels[1]) for level in levels[2:5])
-            step = levels[1] + gain @ levels[5 : 5 + gain.shape[1]]
-            found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades)
+            skew, plate, blades, beside = (float(level) / float(levels[1]) for level in levels[2:6])
+            step = levels[1] + gain @ levels[6 : 6 + gain.shape[1]]
+            found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades, beside=beside)
             taken = [per_unit.get(name, (name, 1.0)) for name in numbers]
             return np.stack([unit * step * found[name] for name, unit in taken], axis=1) / self.noise
 
@@ -132,7 +131,7 @@ class PixelSums:
     def columns(self, made: Shapes) -> Array:
         """What the recording's own numbers multiply, shape (n_kept, k)."""
         own, moving = self.levels, made.fraction[:, None]
-        small = own.relative_gain[self.kept, None] * np.stack([made.skew, made.plate, made.blades], axis=1)
+        small = own.relative_gain[self.kept, None] * made.small
         gain, drift = own.gain[self.kept] * moving, own.drift[self.kept]
         return np.concatenate([np.ones_like(moving), moving, small, gain, drift], axis=1)
 
@@ -247,7 +246,7 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
     found = drifting_levels.choose(
         given.sums,
         made.fraction,
-        shapes=np.stack([made.skew, made.plate, made.blades], axis=1),
+        shapes=made.small,
         place=(ticks - ticks[0]) / max(1, int(np.ptp(ticks))),
     )
     if found.n_numbers == 1 and given.levels.n_numbers == 1:
@@ -255,7 +254,11 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
     drift, gain = np.zeros((n_frames, found.drift.shape[1])), np.zeros((n_frames, found.gain.shape[1]))
     relative = np.ones(n_frames)
     drift[given.kept], gain[given.kept], relative[given.kept] = found.drift, found.gain, found.relative_gain
-    levels = DriftingLevels(drift=drift, gain=gain, relative_gain=relative, jumps=found.jumps)
+    ends = (found.offset_change, found.offset_change + found.relative_gain)
+    levels = DriftingLevels(
+        drift=drift, gain=gain, relative_gain=relative, sway=float(max(np.ptp(one) for one in ends)),
+        jumps=tuple(int(k) for k in np.flatnonzero(given.kept)[list(found.jumps)]),
+    )  # fmt: skip
     given = replace(given, levels=levels)
     return given, _solved(given, numbers)
 
@@ -350,8 +353,10 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
     made = pixel_sum.shapes(given.passing(numbers))
-    skew, plate, blades = best.levels[2:5] / step
-    expected = made.fraction + skew * made.skew + plate * made.plate + blades * made.blades
+    amounts, opening = best.levels[2:6] / step, given.reduced.opening
+    per_pixel = float(opening.mask.sum() / opening.weight.sum())  # blades differ in the border as well
+    u_sum = float(np.sqrt(best.at.deviance / free * widening)) / abs(step)
+    expected = made.fraction + made.small @ amounts
     return EdgeDelayFit(
         name=given.reduced.name,
         trigger_delay_time_set_s=given.reduced.trigger_delay_time_set_s,
@@ -373,8 +378,8 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         n_dropped=int(given.reduced.trigger_ticks.size - given.kept.sum()),
         kept=given.kept,
         levels=given.levels,
-        blades=float(blades),
-        u_blades=_u_blades(given, made) * float(np.sqrt(best.at.deviance / free * widening)) / abs(step),
+        blades=float(amounts[2]) * per_pixel,
+        u_blades=_u_blades(given, made) * u_sum * per_pixel,
     )
 
 

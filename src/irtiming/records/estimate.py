@@ -142,13 +142,16 @@ class DriftingLevels:
         Shape (n_frame, l); what is added to the step.
     relative_gain
         Shape (n_frame,); the step over its mean, by which small parts of the sum change as well.
+    sway
+        Range over which covered and open level go in the recording, opening fractions.
     jumps
-        First frames after a jump of the levels, as places among the kept frames.
+        First frames after a jump of the levels, as places among the frames of the reduced recording.
     """
 
     drift: Array
     gain: Array
     relative_gain: Array
+    sway: float = 0.0
     jumps: tuple[int, ...] = ()
 
     @property
@@ -210,8 +213,8 @@ class EdgeDelayFit:
 
     @property
     def n_own(self) -> int:
-        """Numbers that the recording has for itself: covered level, step, skew, plate and blades, and what levels drift by."""
-        return 5 + (1 if self.levels is None else self.levels.n_numbers)
+        """Numbers that the recording has for itself: covered level, step, skew, plate, blades twice, and what levels drift by."""
+        return 6 + (1 if self.levels is None else self.levels.n_numbers)
 
     @property
     def covariance_s2(self) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import final
 
 import numpy as np
+from scipy import ndimage
 
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel import TURN
@@ -12,7 +13,7 @@ from irtiming.records.arrays import Array, Mask
 from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Opening, PixelSums, ReducedRecording
+from irtiming.records.reduced import Opening, PixelSums, ReducedRecording, ShutterEvent
 from irtiming.records.rig import Rig
 from irtiming.reduce import frame_pass, nonuniformity, remarks
 from irtiming.reduce.accumulators.counts import Counts
@@ -21,7 +22,7 @@ from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import contrast_image, in_plateau_frames
+from irtiming.reduce.opening import contrast_image, in_plateau_frames, steady_levels
 from irtiming.reduce.opening.in_plateau_frames import Sighting
 from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
@@ -29,6 +30,7 @@ from irtiming.reduce.wheel import frame_angles, nominal_angles
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
+_NEAR, _MARGIN, _SCATTERS = 2, 2, 8.0  # frames: of one event, kept away from it; of the sums' usual scatter
 _FEWEST_SETTLED, _MOST_SETTLED = 5, 60
 
 
@@ -69,6 +71,8 @@ def reduce(
         stretches = frame_pass.run(
             recording, found.roi, every=every, judge=judge, good=(projection,), progress=progress
         )
+        if not judge.is_shut.any():
+            judge.is_shut = _shut(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn)
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
@@ -87,6 +91,7 @@ def reduce(
             "u_gain": nonuniformity.u_gain(recording, correct)[_box(settled)],
         },
         references=nonuniformity.fingerprint(recording),
+        shutter_events=_shutter_events(judge),
         findings=(*sighting.findings, *dropped),
     )
 
@@ -97,10 +102,14 @@ def _box(found: Opening) -> tuple[slice, slice]:
 
 @final
 class _Alive:
-    """Frames with a wheel angle and live pixels that are not the frame before are good; one look at each frame tells."""
+    """Frames with a wheel angle and live pixels that are not the frame before are good; one look at each frame tells.
+
+    Not those of a closed shutter (``is_shut``): all sums tell which.
+    """
 
     def __init__(self, is_known: Mask, limits: Limits, repeats: Repeats) -> None:
         self.is_known, self.limits, self.repeats = is_known, limits, repeats
+        self.is_shut: Mask = np.zeros(is_known.size, bool)
 
     @property
     def reach(self) -> int:
@@ -110,7 +119,7 @@ class _Alive:
     @property
     def good(self) -> Mask:
         """Shape (n_frame,), of the frames that have been read."""
-        return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated
+        return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated & ~self.is_shut
 
     def add(self, block: Block) -> None:
         """Everything is known from others."""
@@ -120,6 +129,25 @@ class _Alive:
         return self.good[first:end], np.zeros(min(end, n_read) - first, bool)
 
 
+def _shut(sighting: Sighting, angle: Array, total: Array) -> Mask:
+    """Several frames near each other that do not show what the wheel demands, and those beside them, shape (n_frame,)."""
+    if sighting.steady is None:
+        return np.zeros(angle.size, bool)
+    strays = np.abs(np.nan_to_num(sighting.steady.strays(total, angle)))
+    usual = 1.4826 * float(np.median(strays))
+    far = strays > max(steady_levels.ODD, _SCATTERS * usual)
+    near = ndimage.convolve1d(far.astype(int), np.ones(2 * _NEAR + 1, int), mode="constant") > 1
+    return np.asarray(ndimage.binary_dilation(ndimage.binary_closing(far & near, iterations=_NEAR), iterations=_MARGIN))
+
+
+def _shutter_events(judge: "_Alive") -> tuple[ShutterEvent, ...]:
+    labels, n = ndimage.label(judge.is_shut)
+    within = [np.flatnonzero(labels == k) for k in range(1, n + 1)]
+    return tuple(
+        ShutterEvent(first_frame=int(one[0]), end_frame=int(one[-1]) + 1, kind="closed") for one in within if one.size
+    )
+
+
 def _settled(recording: Recording, sighting: Sighting, correct: Correction, angle: Array, total: Array) -> Opening:
     """The opening with mean frames from the middle of the plateaus, where no blurred edge is near.
 
@@ -127,7 +155,8 @@ def _settled(recording: Recording, sighting: Sighting, correct: Correction, angl
     in the noise of the sum, yet turns the image of the mask by a milliradian.
     """
     known, found = np.flatnonzero(np.isfinite(angle)), sighting.opening
-    total = total if sighting.steady is None else sighting.steady.without_drift(total)
+    if sighting.steady is not None and sighting.steady.is_disturbed:
+        total = sighting.steady.without_drift(total)
     intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
     bright_when_open = not found.blackbody_is_colder
     means = []
@@ -152,6 +181,7 @@ def _kept(recording: Recording, judge: _Alive) -> tuple[Mask, tuple[Finding, ...
     outside, dead = ~judge.is_known, judge.limits.is_dead
     again = judge.repeats.is_repeated & ~dead
     dropped = [*remarks.without_angle(recording, outside)]
+    dropped.extend(remarks.shutter_closed(recording, event) for event in _shutter_events(judge))
     if dead.any():
         what = f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale"
         dropped.append(doubt(code="dead-frames", recording=recording, what=what))

@@ -5,6 +5,7 @@ import numpy as np
 from irtiming.records.arrays import Mask
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
+from irtiming.records.reduced import ShutterEvent
 from irtiming.records.wheel_track import WheelTrack
 
 
@@ -50,6 +51,19 @@ def without_angle(recording: Recording, outside: Mask) -> tuple[Finding, ...]:
         return ()
     what = f"{outside.sum()} frames dropped: triggered where no control slots were recorded"
     return (doubt(code="frames-without-angle", recording=recording, what=what),)
+
+
+def shutter_closed(recording: Recording, event: ShutterEvent) -> Finding:
+    """Frames of a closed shutter.
+
+    Parameters
+    ----------
+    recording, event
+        Where it was, and when.
+    """
+    first, last = event.first_frame, event.end_frame - 1
+    what = f"the shutter is closed in frames {first} to {last}: dropped with the frames around them"
+    return doubt(code="shutter-closed", recording=recording, what=what)
 
 
 def lost_frames(recording: Recording) -> tuple[Finding, ...]:

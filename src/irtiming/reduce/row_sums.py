@@ -131,11 +131,12 @@ def _dropped(
     outside, judge = ~np.isfinite(harvest.angles.angle_rad), harvest.judge
     found = [*remarks.without_angle(recording, outside)]
     for event in events:
-        frames = f"in frames {event.first_frame} to {event.end_frame - 1}: dropped with the frames around them"
         if event.kind == "frozen":
-            found.append(doubt(code="camera-frozen", recording=recording, what=f"the camera is frozen {frames}"))
+            frames = f"in frames {event.first_frame} to {event.end_frame - 1}"
+            what = f"the camera is frozen {frames}: dropped with the frames around them"
+            found.append(doubt(code="camera-frozen", recording=recording, what=what))
         else:
-            found.append(doubt(code="shutter-closed", recording=recording, what=f"the shutter is closed {frames}"))
+            found.append(remarks.shutter_closed(recording, event))
     lone = judge.suspicious & ~judge.zone & ~outside
     if lone.any():
         what = f"{lone.sum()} single frames dropped: they do not show what the wheel angle demands"

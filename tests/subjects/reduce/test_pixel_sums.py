@@ -143,3 +143,22 @@ def test_reduction_of_one_recording_is_the_same_whatever_the_blocks(paper_wheel,
     assert np.array_equal(one.pixels.pixel_count, other.pixels.pixel_count)
     assert np.array_equal(one.pixels.pixel_sum, other.pixels.pixel_sum)
     np.testing.assert_allclose(one.contrast.projection_dn, other.contrast.projection_dn, atol=1e-9)
+
+
+def test_a_shutter_that_closes_is_left_out_and_told(reduced, paper_camera):
+    """Oracle: the frames that were spoilt: ten of a closed shutter, and levels that are 3 % of the contrast higher afterwards."""
+
+    def close(frames):
+        frames[240:250] = np.random.default_rng(1).normal(5400, 3, frames[:10].shape)
+        frames[250:] += 30
+        return frames
+
+    found, whole = reduced(paper_camera(), spoil=close)[0], reduced(paper_camera())[0]
+    (event,) = found.shutter_events
+    assert (event.kind, whole.shutter_events) == ("closed", ())
+    assert 236 <= event.first_frame <= 240
+    assert 250 <= event.end_frame <= 254
+    assert "shutter-closed" in [finding.code for finding in found.findings]
+    assert not np.any((found.frame_index >= 240) & (found.frame_index < 250))
+    assert whole.trigger_ticks.size - found.trigger_ticks.size == event.end_frame - event.first_frame
+    np.testing.assert_array_equal(found.opening.mask, whole.opening.mask)

@@ -1,11 +1,13 @@
 r"""The sum over the mask opening as the wheel covers and uncovers it, averaged over the integration window (eq. 1, figure 4b).
 
-.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P + \mathrm{blades}\, B
+.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P + \mathrm{blades}\, B +
+\mathrm{beside}\, B'
 
 F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
 earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
 nor blackbody: an opening that is wider by the summed border. B is half the share that the second blade covers (edges 2 to 3) less
-half of what the first does: the two are not equally warm. Blur moves light but keeps its sum, so it has no place here.
+half of what the first does: the two are not equally warm. B' is the same for the summed border alone: the wheel turns before the
+mask plate too. Blur moves light but keeps its sum, so it has no place here.
 
 The window rounds the corners of F over the angle that the wheel sweeps. A radial edge of the mask that misses the axle rounds its
 corners too, over an angle that does not depend on the wheel's speed: at the radius r it stands ``lean`` (r_0 / r - mean) beside
@@ -119,12 +121,18 @@ class Passing:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """F, S, P and B; shapes (n,)."""
+    """F, S, P, B and B'; shapes (n,)."""
 
     fraction: Array
     skew: Array
     plate: Array
     blades: Array
+    beside: Array
+
+    @property
+    def small(self) -> Array:
+        """All but F, shape (n, 4)."""
+        return np.stack([self.skew, self.plate, self.blades, self.beside], axis=1)
 
 
 def shapes(passing: Passing) -> Shapes:
@@ -138,23 +146,28 @@ def shapes(passing: Passing) -> Shapes:
     wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
     rings = _rings(passing, wheel)
     fraction = _fraction(rings, wheel)
+    even = _even(passing)
+    inner, outer = (_blades(_rings(even, one), one) for one in (wheel, _wide(passing, wheel)))
     return Shapes(
         fraction=fraction,
         skew=skewed_fraction(start, wheel, sweep_rad=sweep),
         plate=_plate(passing, wheel),
-        blades=_second_blade(rings, wheel) - (1 - fraction) / 2,
+        blades=_blades(rings, wheel),
+        beside=outer - inner,
     )
 
 
-def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: float = 0.0) -> dict[str, Array]:
+def slopes(
+    passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: float = 0.0, beside: float = 0.0
+) -> dict[str, Array]:
     """Derivatives of f by name, each of shape (n,).
 
     Parameters
     ----------
     passing
         Wheel, window and opening.
-    skew, plate, blades
-        Amounts of S, P and B.
+    skew, plate, blades, beside
+        Amounts of S, P, B and B'.
 
     Returns
     -------
@@ -166,12 +179,17 @@ def slopes(passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: f
     rings = _rings(passing, wheel)
     out = _fraction_slopes(rings, passing, wheel)
     out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
-    even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
+    even = _even(passing)
     out[:6] += plate * _plate_slopes(even, wheel) + skew * _skew_slopes(passing, wheel)
+    out[:6] += beside * (_blades_slopes(even, _wide(passing, wheel)) - _blades_slopes(even, wheel))
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
     return dict(zip(names, out, strict=True)) | {"corner_variance": corners}
+
+
+def _even(passing: Passing) -> Passing:
+    return replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
 
 
 @final
@@ -231,6 +249,17 @@ def _region_ends(passing: Passing, wheel: WheelModel, region: SummedRegion) -> P
 def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:
     arcs = sum(ring.share * (ring.high.arc_rad - ring.low.arc_rad) for ring in rings)
     return np.asarray(arcs / wheel.opening_angle_rad)
+
+
+def _blades(rings: list[_Ring], wheel: WheelModel) -> Array:
+    """B of an opening."""
+    return _second_blade(rings, wheel) - (1 - _fraction(rings, wheel)) / 2
+
+
+def _blades_slopes(even: Passing, wheel: WheelModel) -> Array:
+    """Derivatives of B, as the first six of `_fraction_slopes`."""
+    rings = _rings(even, wheel)
+    return (_second_blade_slopes(rings, even, wheel) + _fraction_slopes(rings, even, wheel) / 2)[:6]
 
 
 def _second_blade(rings: list[_Ring], wheel: WheelModel) -> Array:

@@ -27,7 +27,7 @@ _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a 
 class _Sample:
     """A sample of frames, which of them show the opening wholly open and wholly covered, and what their levels do.
 
-    ``steady`` is None where their levels need no care.
+    ``steady`` is None where they do not follow a wheel, or no angle is known.
     """
 
     raw: Pixels
@@ -43,7 +43,7 @@ class Sighting:
     """The opening, the histogram that its threshold stands in, and what is doubtful about them.
 
     ``noise_dn`` is that of one raw pixel from frame to frame; ``steady`` what the levels of the sample frames do, None where they
-    need no care.
+    do not follow a wheel.
     """
 
     opening: Opening
@@ -82,7 +82,7 @@ def find(
     seen = _sample(recording, correct, wheel_angle_rad)
     open_dn = mean_frame(seen.raw[seen.open_frames], correct)
     covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
-    covered_dn += 0.0 if seen.steady is None else _apart(open_dn - covered_dn, seen.seeds)
+    covered_dn += _apart(open_dn - covered_dn, seen)
     step = float(np.median((open_dn - covered_dn)[seen.seeds]))
     contrast = (open_dn - covered_dn) / step
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
@@ -151,10 +151,10 @@ def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | 
     if angle is not None:
         place = picked / recording.frames.shape[0]
         steady = steady_levels.find(values, angle, place=place, is_colder=not bright_when_open)
-    is_disturbed = steady is not None and steady.is_disturbed
-    level = steady.steadied(values) if steady is not None and is_disturbed else values
-    near = 0.02 * float(np.ptp(level))
-    tops, bottoms = level > level.max() - near, level < level.min() + near
+    level = steady.steadied(values) if steady is not None and steady.is_disturbed else values
+    alike = np.ones(level.size, bool) if steady is None else ~steady.is_odd
+    near = 0.02 * float(np.ptp(level[alike]))
+    tops, bottoms = alike & (level > level[alike].max() - near), alike & (level < level[alike].min() + near)
     for plateau, word in ((tops, "brightest"), (bottoms, "darkest")):
         if plateau.mean() < _PLATEAU_SHARE or plateau.sum() < 3:
             glare = _follows(raw, values, around=around, correct=correct)
@@ -171,7 +171,7 @@ def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | 
         seeds=seeds,
         open_frames=tops if bright_when_open else bottoms,
         covered_frames=bottoms if bright_when_open else tops,
-        steady=steady if is_disturbed else None,
+        steady=steady,
     )
 
 
@@ -184,10 +184,11 @@ def _follows(raw: Pixels, values: Array, *, around: Mask, correct: Correction) -
     return abs(float(rest @ beside) / float(rest @ rest))
 
 
-def _apart(contrast_dn: Array, seeds: Mask) -> float:
-    """Contrast of the pixels far from the opening, DN: levels drift between the open and the covered frames."""
-    far = ~ndimage.binary_dilation(seeds, iterations=_FAR_PX)
-    return float(np.median(contrast_dn[far])) if far.any() else 0.0
+def _apart(contrast_dn: Array, seen: _Sample) -> float:
+    """Contrast of the pixels far from the opening, DN, where levels drift between the open and the covered frames."""
+    far = ~ndimage.binary_dilation(seen.seeds, iterations=_FAR_PX)
+    is_disturbed = seen.steady is not None and seen.steady.is_disturbed
+    return float(np.median(contrast_dn[far])) if is_disturbed and far.any() else 0.0
 
 
 def _level_part(near: Mask, values: Array) -> Mask:

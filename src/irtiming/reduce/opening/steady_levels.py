@@ -16,7 +16,10 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Shapes
 from irtiming.physics.wheel import TURN, wheel_model
-from irtiming.records.arrays import Array
+from irtiming.records.arrays import Array, Mask
+
+ODD, _SCATTERS = 0.05, 8.0
+"""Of the step, and of the scatter: a frame that strays further shows something else."""
 
 _WHEEL = wheel_model((0.0, TURN / 4, TURN / 2, 3 * TURN / 4), 0.0, opening_angle_rad=1.0, centre_angle_rad=0.0)
 _SCAN = 90  # wheel angles over half a turn, after which the wheel is nearly the same
@@ -26,6 +29,7 @@ _OPENING = "opening_angle"
 _ROUNDS = 2
 _SHORTEST = 20  # frames per bend of a level
 _FEWEST = 60
+_TRIMMED, _MOST_ALIKE = 4, 0.8
 _FOLLOWS = 0.05  # of the step: frames that scatter more about the wheel do not follow it
 _DISTURBED = 0.005  # of the step; a frame within 0.02 counts as on the plateau
 _NARROWEST_RAD, _WIDEST_RAD = 0.05, 3.0
@@ -51,6 +55,10 @@ class SteadyLevels:
         The step in units of the values; the opening angle, and the narrowest cutout or blade, as they appear.
     jumps
         Places of the frames after a jump.
+    edges_early_rad
+        Shape (4,); by how much edges 0..3 of a wheel of four equal parts would have to come earlier.
+    is_odd
+        Shape (n,); frames that show something else than wheel and blackbody: a closed shutter.
     """
 
     place: Array
@@ -63,6 +71,8 @@ class SteadyLevels:
     opening_angle_rad: float
     narrowest_rad: float
     jumps: Array
+    edges_early_rad: Array
+    is_odd: Mask
 
     @property
     def sway(self) -> float:
@@ -79,6 +89,24 @@ class SteadyLevels:
         covered = float(np.min(values)) if self.step > 0 else float(np.max(values))
         rest = values - covered - self.step * self.offset
         return np.asarray(covered + rest / self.gain - self.step * self.second_blade)
+
+    def strays(self, values: Array, wheel_angle_rad: Array) -> Array:
+        """By how much other values of all frames differ from what wheel and levels make them, in steps, shape (n_frame,).
+
+        Nan where the angle is unknown. ``values`` and ``wheel_angle_rad`` (n_frame,).
+        """
+        place, known = np.arange(values.size) / values.size, np.isfinite(wheel_angle_rad)
+        offset, gain = (np.interp(place, self.place, one)[known] for one in (self.offset, self.gain))
+        made = pixel_sum.shapes(_passing(wheel_angle_rad[known], self.edges_early_rad, self.opening_angle_rad))
+        expected = offset + gain * (made.fraction + self.blades * made.blades)
+        near, line = np.ones(expected.size, bool), np.zeros(2)
+        for _ in range(_TRIMMED):
+            line = np.polyfit(expected[near], values[known][near], 1)
+            beside = np.abs(values[known] - np.polyval(line, expected))
+            near = beside <= np.quantile(beside, _MOST_ALIKE)
+        out = np.full(values.size, np.nan)
+        out[known] = (values[known] - np.polyval(line, expected)) / line[0]
+        return out
 
     def without_drift(self, values: Array) -> Array:
         """Other values of all frames of the recording, shape (n_frame,), about as they would be with steady levels."""
@@ -119,6 +147,13 @@ def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool
     return None if levels is None else given.result(numbers, levels, swing=swing, known=known)
 
 
+def _passing(angle: Array, edges_early_rad: Array, opening_angle_rad: float) -> Passing:
+    return Passing(
+        wheel=_WHEEL, middle_rad=angle, edges_early_rad=edges_early_rad, opening_angle_rad=opening_angle_rad,
+        swept_rad=0.0,
+    )  # fmt: skip
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Given:
@@ -127,13 +162,7 @@ class _Given:
     place: Array
 
     def passing(self, numbers: Mapping[str, float]) -> Passing:
-        return Passing(
-            wheel=_WHEEL,
-            middle_rad=self.angle,
-            edges_early_rad=np.array([numbers[name] for name in _EDGES]),
-            opening_angle_rad=numbers[_OPENING],
-            swept_rad=0.0,
-        )
+        return _passing(self.angle, np.array([numbers[name] for name in _EDGES]), numbers[_OPENING])
 
     def shapes(self, numbers: Mapping[str, float]) -> Shapes:
         return pixel_sum.shapes(self.passing(numbers))
@@ -173,7 +202,7 @@ class _Given:
 
         return at
 
-    def result(self, numbers: dict[str, float], levels: Levels, *, swing: float, known: Array) -> SteadyLevels | None:
+    def result(self, numbers: dict[str, float], levels: Levels, *, swing: float, known: Mask) -> SteadyLevels | None:
         """In steps, over all frames: those of unknown angle lie between their neighbours."""
         made = self.shapes(numbers)
         moving = made.fraction[:, None]
@@ -183,7 +212,10 @@ class _Given:
         root = np.sqrt(levels.weight)[:, None]
         amounts = np.linalg.lstsq(columns * root, self.values * root[:, 0], rcond=1e-12)[0]
         step = float(amounts[1])
-        scatter = 1.4826 * float(np.median(np.abs(self.values - columns @ amounts))) / abs(step)
+        strays = np.abs(self.values - columns @ amounts) / abs(step)
+        scatter = 1.4826 * float(np.median(strays))
+        is_odd = np.zeros(known.size, bool)
+        is_odd[known] = strays > max(ODD, _SCATTERS * scatter)
         if not scatter < _FOLLOWS:
             return None
         at = np.arange(known.size)
@@ -191,9 +223,10 @@ class _Given:
             np.interp(at, at[known], one)
             for one in (self.place, levels.offset_change / step, levels.relative_gain, amounts[2] / step * made.blades)
         )
-        edges = np.array([_WHEEL.cutout_edges_rad[k] - numbers[name] for k, name in enumerate(_EDGES)])
+        early = np.array([numbers[name] for name in _EDGES])
+        edges = np.array(_WHEEL.cutout_edges_rad) - early
         return SteadyLevels(
             place=place, offset=offset, gain=gain, second_blade=second, blades=float(amounts[2] / step), scatter=scatter,
             step=step * swing, opening_angle_rad=numbers[_OPENING], jumps=self.place[list(levels.jumps)],
-            narrowest_rad=float(np.diff(np.append(edges, edges[0] + TURN)).min()),
+            narrowest_rad=float(np.diff(np.append(edges, edges[0] + TURN)).min()), edges_early_rad=early, is_odd=is_odd,
         )  # fmt: skip

@@ -77,14 +77,18 @@ def test_plate_and_skew_are_a_wider_and_an_uneven_opening():
     np.testing.assert_allclose(
         found.plate, pixel_sum.shapes(wide).fraction - pixel_sum.shapes(even).fraction, atol=1e-12
     )
+    np.testing.assert_allclose(found.beside, pixel_sum.shapes(wide).blades - pixel_sum.shapes(even).blades, atol=1e-12)
     expected = skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
     np.testing.assert_allclose(found.skew, expected, atol=1e-12)
     assert np.ptp(found.plate) > 0.05
 
 
 def _sum(passing, skew, plate, blades=0.0):
-    made = pixel_sum.shapes(passing)
-    return made.fraction + skew * made.skew + plate * made.plate + blades * made.blades
+    return _sum_of(pixel_sum.shapes(passing), skew, plate, blades)
+
+
+def _sum_of(made, skew, plate, blades):
+    return made.fraction + made.small @ np.array([skew, plate, blades, -blades / 2])
 
 
 @pytest.mark.parametrize(
@@ -106,7 +110,7 @@ def test_derivatives_are_those_of_differences(name, skew, plate, blades):
         step = 1e-9 if name == "corner_variance" else step
         moved = [replace(passing, **{field: getattr(passing, field) + sign * step}) for sign in (1, -1)]
     numeric = (_sum(moved[0], skew, plate, blades) - _sum(moved[1], skew, plate, blades)) / (2 * step)
-    found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades)[name]
+    found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades, beside=-blades / 2)[name]
     assert np.max(np.abs(numeric)) > 1e-3
     beside = np.abs(found - numeric)
     if skew and name.startswith("edge"):
