@@ -15,6 +15,7 @@ from irtiming.records.rig import (
     CameraOptics,
     Clock,
     Latency,
+    LensCalibration,
     LightGates,
     MaskOpening,
     Measured,
@@ -62,10 +63,28 @@ def _in_millimetres(half_mm: float) -> float:
     return half_mm
 
 
+def _matrix(numbers: list[float]) -> list[float]:
+    if min(numbers[:2]) <= 0:
+        raise OutOfRange(f"= {numbers}; fx and fy must be greater than 0 px")
+    return numbers
+
+
 def _with_its_number(part: _P, companion: str, key: str) -> _P:
     if companion in part.model_fields_set and key not in part.model_fields_set:
         raise ValueError(f"{companion} stands without {key}; add {key} or take it out")
     return part
+
+
+_Two = Annotated[list[Number], Field(min_length=2, max_length=2)]
+_COMPANIONS = (
+    ("distortion_u", "distortion"),
+    ("focal_length_u_px", "focal_length_px"),
+    ("lens_centre_u_px", "lens_centre_px"),
+    ("camera_matrix_u", "camera_matrix"),
+    ("distortion_coefficients", "camera_matrix"),
+    ("distortion_coefficients_u", "distortion_coefficients"),
+    ("region_origin_px", "camera_matrix"),
+)
 
 
 class _Wheel(Part):
@@ -153,18 +172,75 @@ class _Camera(Part):
         description="standard uncertainty of the count_time that recordings state",
         json_schema_extra={"limit": NOT_NEGATIVE},
     )
+    focal_length_px: float | None = Field(
+        None, gt=0, le=1e6, description="focal length of the lens over the pixel pitch"
+    )
+    focal_length_u_px: Uncertainty = 0.0
+    lens_centre_px: _Two | None = Field(
+        None,
+        description="column and row of the lens centre in the image recorded, pixel centres at whole numbers",
+        json_schema_extra={"must": "it must be a list of two numbers, column and row"},
+    )
+    lens_centre_u_px: Uncertainty = 0.0
+    camera_matrix: Annotated[list[Number], Field(min_length=4, max_length=4), AfterValidator(_matrix)] | None = Field(
+        None,
+        description="fx, fy, cx, cy of a calibration by OpenCV, Kalibr or ROS, px",
+        json_schema_extra={"must": "it must be a list of four numbers: fx, fy, cx, cy"},
+    )
+    camera_matrix_u: Annotated[list[Uncertainty], Field(min_length=4, max_length=4)] = Field(
+        [0.0] * 4,
+        description="their standard uncertainties, px",
+        json_schema_extra={"must": "it must be a list of four numbers", "limit": NOT_NEGATIVE},
+    )
+    distortion_coefficients: Annotated[list[Number], Field(min_length=4, max_length=5)] = Field(
+        [0.0] * 5,
+        description="k1, k2, p1, p2, k3 of the same calibration",
+        json_schema_extra={"must": "it must be a list of k1, k2, p1, p2 and, if it has one, k3"},
+    )
+    distortion_coefficients_u: Uncertainty = Field(
+        0.0, description="standard uncertainty of k1", json_schema_extra={"limit": NOT_NEGATIVE}
+    )
+    region_origin_px: _Two = Field(
+        [0.0, 0.0],
+        description="column and row of the recorded image's first pixel in the image that was calibrated",
+        json_schema_extra={"must": "it must be a list of two numbers, column and row"},
+    )
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Camera":
-        return _with_its_number(self, "distortion_u", "distortion")
+        for companion, key in _COMPANIONS:
+            _with_its_number(self, companion, key)
+        for name in ("distortion", "focal_length_px", "lens_centre_px"):
+            if {name, "camera_matrix"} <= self.model_fields_set:
+                raise ValueError(f"{name} stands beside camera_matrix, which says the same; take one of them out")
+        return self
 
     def record(self) -> CameraOptics:
         """The same in SI units."""
-        u_us = self.integration_time_u_us
-        optics = CameraOptics(integration_time_u_s=None if u_us is None else u_us * _SI["us"])
+        u_us, centre, u_centre = self.integration_time_u_us, self.lens_centre_px, self.lens_centre_u_px
+        optics = CameraOptics(
+            integration_time_u_s=None if u_us is None else u_us * _SI["us"],
+            focal_length_px=None
+            if self.focal_length_px is None
+            else Measured(self.focal_length_px, self.focal_length_u_px),
+            lens_centre_px=None if centre is None else (Measured(centre[0], u_centre), Measured(centre[1], u_centre)),
+            calibration=self._calibration(),
+        )
         if self.distortion is None:
             return optics
         return replace(optics, distortion=Measured(self.distortion, self.distortion_u))
+
+    def _calibration(self) -> LensCalibration | None:
+        if self.camera_matrix is None:
+            return None
+        fx, fy, cx, cy = map(Measured, self.camera_matrix, self.camera_matrix_u)
+        across, down = self.region_origin_px
+        k1, k2, p1, p2, k3 = (*self.distortion_coefficients, 0.0)[:5]
+        return LensCalibration(
+            focal_length_px=(fx, fy),
+            centre_px=(replace(cx, value=cx.value - across), replace(cy, value=cy.value - down)),
+            coefficients=(Measured(k1, self.distortion_coefficients_u), k2, p1, p2, k3),
+        )
 
 
 _Late = Annotated[
@@ -329,7 +405,29 @@ def _camera_lines(camera: CameraOptics) -> list[str]:
     return [
         *([] if camera.distortion == CameraOptics().distortion else _plain_lines("distortion", camera.distortion)),
         *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / _SI['us'])}"]),
+        *_lens_lines(camera),
     ]
+
+
+def _lens_lines(camera: CameraOptics) -> list[str]:
+    focal, centre, calibration = camera.focal_length_px, camera.lens_centre_px, camera.calibration
+    lines = [] if focal is None else _stated("focal_length", focal.value, focal.standard_uncertainty)
+    if centre is not None:
+        lines += _stated("lens_centre", [one.value for one in centre], centre[0].standard_uncertainty)
+    if calibration is not None:
+        matrix = (*calibration.focal_length_px, *calibration.centre_px)
+        k1, *others = calibration.coefficients
+        lines += [
+            f"camera_matrix = {_toml([one.value for one in matrix])}",
+            f"camera_matrix_u = {_toml([one.standard_uncertainty for one in matrix])}",
+            f"distortion_coefficients = {_toml([k1.value, *others])}",
+            f"distortion_coefficients_u = {_toml(k1.standard_uncertainty)}",
+        ]
+    return lines
+
+
+def _stated(name: str, value: float | list[float], u: float) -> list[str]:
+    return [f"{name}_px = {_toml(value)}", *([f"{name}_u_px = {_toml(u)}"] if u else [])]
 
 
 def _plain_lines(name: str, number: Measured) -> list[str]:
@@ -344,5 +442,7 @@ def _lines(name: str, unit: str, *, number: Measured) -> list[str]:
     return lines
 
 
-def _toml(number: float) -> str:
+def _toml(number: float | list[float]) -> str:
+    if isinstance(number, list):
+        return f"[{', '.join(map(_toml, number))}]"
     return repr(float(f"{number:.15g}"))

@@ -9,12 +9,16 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import ComplexArray, Mask, Ticks
-from irtiming.records.row_timing import SectorFit, SectorShape
+from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
 """Numbers of the sector in the order of its covariance."""
 
-_STEPS = {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "glare": 1e-3, "glare_px": 3e-2}
+_STEPS = {
+    "bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "keystone_row": 1e-4, "keystone_column": 1e-4,
+    "log_focal_length": 0.02, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
+    "glare_px": 3e-2,
+}  # fmt: skip
 SHAPE_STEPS = tuple(_STEPS.get(name, 3e-3) for name in SHAPE_NUMBERS)
 """By how much each is varied for a derivative."""
 
@@ -90,10 +94,17 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
     return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
 
 
-def shape_of(numbers: Mapping[str, float], mirrored: bool, *, image: tuple[int, ...]) -> SectorShape:
+def shape_of(
+    numbers: Mapping[str, float], mirrored: bool, *, image: tuple[int, ...], lens_terms: LensTerms | None = None
+) -> SectorShape:
     """Sector with these numbers, among others, in an image of so many rows and columns."""
-    named = {name: float(numbers[name]) for name in SHAPE_NUMBERS}
-    return SectorShape(**named, mirrored=mirrored, image_rows=image[0], image_columns=image[1])
+    return SectorShape(
+        **{name: float(numbers[name]) for name in SHAPE_NUMBERS},
+        mirrored=mirrored,
+        image_rows=image[0],
+        image_columns=image[1],
+        lens_terms=lens_terms or LensTerms(),
+    )
 
 
 def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:

@@ -8,28 +8,29 @@ Two things spoil amplitudes and leave phases alone: pixels differ in gain, and t
 So a pixel's deviation is split along and across its phase; only along it may differ by the pixels' gain scatter. What is left
 along it counts as light, noise and all: the same noise is in the row sums, where it then does less harm than the doubt.
 
-A lens that distorts moves the phases where the axle is not in the middle of the image. Where it is, they say nothing of the lens,
-nor does the lens matter; then what rig.toml states holds, or that few lenses distort more than tenths.
+A lens that distorts moves the phases where the axle is not in the middle of the image, and a tilted camera moves the mask's arcs.
+Where the image says nothing of lens and tilt they hardly matter; then what rig.toml states holds, or what no camera exceeds.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import sector_image
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, shape_of
+from irtiming.estimate import lens_knowledge, sector_image
+from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation
 from irtiming.estimate.sector_image import NUMBERS, Look, SeenContrast, View
 from irtiming.physics import blurred_sector, lens
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rig import Measured, Rig
+from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -37,15 +38,15 @@ _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _MOST_ELLIPTIC = 0.6
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
-_FIRMEST_DISTORTION = 1e-5  # uncertainty of one that counts as exact
 _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
 _FIRST_SCATTER = 0.02
-_MOST_EVALUATIONS = 30
+_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 8
+_OTHER_SIGN = 0.3  # of the prior uncertainty of a distortion: with which either sign is tried
 _FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
-_N_PRIORS = 6
+_N_PRIORS = 5 + N_KNOWN
 _U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
 _CLUSTER_PX = 3.0
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
@@ -62,6 +63,11 @@ _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "glare": 0.02,
     "glare_px": 3.0,
     "distortion": 0.02,
+    "keystone_row": 2e-3,
+    "keystone_column": 2e-3,
+    "log_focal_length": 0.5,
+    "lens_row_px": 3.0,
+    "lens_column_px": 3.0,
     "row_delay_s": 1e-5,
     "turn_rad": 0.02,
     "ring_inner_px": 2.0,
@@ -76,8 +82,18 @@ _LIMITS = {
     "glare": (_LEAST_GLARE, _MOST_GLARE),
     "glare_px": (_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX),
     "distortion": (lens.LOWEST, lens.HIGHEST),
+    "keystone_row": (-0.3, 0.3),
+    "keystone_column": (-0.3, 0.3),
     "plate_reflection": (0.0, 1.0),
 }
+_SLIGHT = (
+    "distortion",
+    "keystone_row",
+    "keystone_column",
+    "log_focal_length",
+    "lens_row_px",
+    "lens_column_px",
+)  # found once the rest is
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 
 
@@ -124,24 +140,17 @@ def fit(
         If the image shows no sector.
     """
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
-    begin = _begin(images.seen[0], images.view, rig) if start is None else _numbers(start)
+    known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
+    begin = sector_image.first_guess(images.seen[0], images.view) | known.start if start is None else _numbers(start)
     is_rolling = camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS
-    free = [name for name in NUMBERS if is_rolling or name != "row_delay_s"]
+    held = (*known.held, *(() if is_rolling else ("row_delay_s",)), *(_SLIGHT if start is None else ()))
+    free = [name for name in NUMBERS if name not in held]
 
     def misfit(at: Array) -> Array:
         numbers = begin | dict(zip(free, at, strict=True))
-        return np.concatenate([_priors(numbers, rig.camera.distortion), *images.misfit(numbers)])
+        return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers)])
 
-    inward = np.array([_INWARD * _SCALES[name] for name in free])
-    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-    found = least_squares(
-        misfit,
-        np.clip([begin[name] for name in free], low + inward, high - inward),
-        x_scale=[_SCALES[name] for name in free],
-        bounds=(low, high),
-        max_nfev=_MOST_EVALUATIONS,
-        ftol=_FIRST_GAIN if start is None else _GAIN,
-    )
+    found = _searched(misfit, [begin | one for one in _signs(known, start)], free=free, is_first=start is None)
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
     _check(numbers, recordings[0])
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
@@ -150,6 +159,42 @@ def fit(
     covariance[np.ix_(at, at)] = _covariance(np.asarray(found.jac), residual, clusters)
     told = _told(images, numbers, known=(covariance, _chi_square(images, residual[clusters >= 0])))
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+
+
+def _signs(known: LensKnowledge, start: SectorFit | None) -> list[dict[str, float]]:
+    """Distortions with which a search begins once the rest is known roughly.
+
+    A barrel about a lens centre to one side of the axle moves the phases as a pincushion about one to the other side does; only
+    what is left then tells the two apart, and no search finds its way from the one to the other.
+    """
+    distortion = known.known["distortion"]
+    if start is None or start.n_rounds > 1 or distortion.standard_uncertainty == 0:
+        return [{}]
+    return [{"distortion": distortion.value + sign * _OTHER_SIGN * distortion.standard_uncertainty} for sign in (-1, 1)]
+
+
+def _searched(
+    misfit: Callable[[Array], Array], starts: list[dict[str, float]], *, free: list[str], is_first: bool
+) -> OptimizeResult:
+    """Best of the searches: from several starts a short one each, and a whole one from where the best of them ended."""
+    inward = np.array([_INWARD * _SCALES[name] for name in free])
+    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
+
+    def search(start: Array, evaluations: int) -> OptimizeResult:
+        return least_squares(
+            misfit,
+            np.clip(start, low + inward, high - inward),
+            x_scale=[_SCALES[name] for name in free],
+            bounds=(low, high),
+            max_nfev=evaluations,
+            ftol=_FIRST_GAIN if is_first else _GAIN,
+        )
+
+    begin = [np.array([one[name] for name in free]) for one in starts]
+    if len(begin) == 1:
+        return search(begin[0], _MOST_EVALUATIONS)
+    best = min((search(one, _FEW_EVALUATIONS) for one in begin), key=lambda found: float(found.cost))
+    return best if best.status > 0 else search(best.x, _MOST_EVALUATIONS)
 
 
 def _chi_square(images: _Images, residual: Array) -> float:
@@ -169,7 +214,7 @@ def _clusters(images: _Images, numbers: Mapping[str, float], n_residual: int) ->
     there, as is that of its neighbours; across it, the errors of the wheel's angle in the frames in which an edge passes, which
     it shares with all pixels of its sector of a few pixels' width.
     """
-    view, shape = images.view, shape_of(numbers, images.view.mirrored, image=images.view.image)
+    view, shape = images.view, images.view.shape(numbers)
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     width = _CLUSTER_PX / float(radius[view.good].mean())
     sector = np.unique((angle[view.good] / width).astype(np.int64), return_inverse=True)[1]
@@ -222,6 +267,7 @@ def _images(
         summed=_summed(first),
         mirrored=rig.wheel.rotation == "counterclockwise",
         field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.unevenness, *_FIELD_PRIORS)),
+        lens_terms=lens_knowledge.knowledge(rig.camera, image=first.opening.mask.shape).terms,
     )
     if known is not None:
         seen = [sector_image.turned(look, _numbers(known), view=view) for look in seen]
@@ -231,11 +277,6 @@ def _images(
         for look in seen
     ]
     return _Images(seen=seen, view=view, u_dn=[u + np.zeros(good.shape) for u in u_dn])
-
-
-def _begin(seen: Look, view: View, rig: Rig) -> dict[str, float]:
-    """What the image shows, through the lens that rig.toml states."""
-    return sector_image.first_guess(seen, view) | {"distortion": rig.camera.distortion.value}
 
 
 def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, float]) -> SectorFit:
@@ -274,7 +315,7 @@ def _light(seen: SeenContrast, numbers: Mapping[str, float], *, view: View) -> d
     """Where the light comes from: the fields of a `SectorFit` that say so."""
     summed = np.where(view.summed, 1.0, 0.0)
     return {
-        "shape": shape_of(numbers, view.mirrored, image=view.image),
+        "shape": view.shape(numbers),
         "plate": seen.plate,
         "ring": seen.over_ring * summed,
         "ring_angle_rad": seen.centre_angle_rad,
@@ -339,14 +380,13 @@ def _numbers(found: SectorFit) -> dict[str, float]:
     }
 
 
-def _priors(numbers: Mapping[str, float], distortion: Measured) -> Array:
-    """A loose word on the radii of the cutouts, the plate's reflection and the glare, for where they do not show; on the lens."""
+def _priors(numbers: Mapping[str, float]) -> Array:
+    """A loose word on the radii of the cutouts, the plate's reflection and the glare, for where they do not show."""
     inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
     outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
-    off = (numbers["distortion"] - distortion.value) / max(distortion.standard_uncertainty, _FIRMEST_DISTORTION)
     margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
     glare = numbers["glare"] / _U_GLARE, math.log(numbers["glare_px"] / sector_image.GLARE_PX) / _U_GLARE_WIDTH
-    return np.array([*margins, numbers["plate_reflection"], off, *glare])
+    return np.array([*margins, numbers["plate_reflection"], *glare])
 
 
 def _summed(rows: ReducedRecording) -> Mask:

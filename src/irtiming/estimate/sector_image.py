@@ -25,7 +25,7 @@ from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.row_timing import SectorShape
+from irtiming.records.row_timing import LensTerms, SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
 NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_outer_px", "plate_reflection")
@@ -39,6 +39,7 @@ _FIRST_BLUR_PX = 0.7
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
 _CUTOUT_MARGIN_PX = 1.5
+_PLAIN = LensTerms()
 
 
 @final
@@ -47,7 +48,7 @@ class View:
     """Region of interest, good pixels and summed pixels in it, shape (roi rows, roi columns); mirrored or not.
 
     ``image`` is the number of rows and columns of the whole image, ``field_prior`` how high, roughly, the basis functions of the
-    smooth field may be, as a share of the contrast.
+    smooth field may be, as a share of the contrast; ``lens_terms`` what a calibration says of the lens.
     """
 
     roi: tuple[int, int, int, int]
@@ -56,6 +57,11 @@ class View:
     summed: Mask
     mirrored: bool
     field_prior: float
+    lens_terms: LensTerms = _PLAIN
+
+    def shape(self, numbers: Mapping[str, float]) -> SectorShape:
+        """Sector with these numbers, among others, in this view."""
+        return shape_of(numbers, self.mirrored, image=self.image, lens_terms=self.lens_terms)
 
     @cached_property
     def field(self) -> SmoothField:
@@ -258,7 +264,7 @@ def fitted(look: Look, numbers: Mapping[str, float], *, view: View, u_dn: Comple
 
 
 def _parts(look: Look, numbers: Mapping[str, float], view: View) -> _Parts:
-    shape, turn = shape_of(numbers, view.mirrored, image=view.image), numbers["turn_rad"] + look.turn_rad
+    shape, turn = view.shape(numbers), numbers["turn_rad"] + look.turn_rad
     row_turn = look.omega * numbers["row_delay_s"]
 
     def seen(points: LightPoints) -> ComplexArray:
@@ -332,7 +338,7 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, vi
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
-    shape = shape_of(numbers, view.mirrored, image=view.image)
+    shape = view.shape(numbers)
     light = sharp = _smeared(shape, _ones, view).real
     moment = _smeared(shape, _angles, view).real
     if shape.glare != 0:

@@ -88,7 +88,9 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
 
     def seen(numbers: dict[str, float]) -> Array:
         """Mean angle of the light from the bisector, by how much each edge misses the axle, and what uneven light turns."""
-        at = shape_of(numbers, shape.mirrored, image=(shape.image_rows, shape.image_columns))
+        at = shape_of(
+            numbers, shape.mirrored, image=(shape.image_rows, shape.image_columns), lens_terms=shape.lens_terms
+        )
         angle, _ = blurred_sector.pixel_places(at, roi=sector.roi)
         uneven = np.sum(light * angle) / np.sum(light) - np.sum(even * angle) / np.sum(even)
         return np.array([np.sum(light * angle) / np.sum(light), *_edge_miss_px(at), uneven])

@@ -16,13 +16,16 @@ from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
+_OF_CAMERA = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "lens_row_px", "lens_column_px")
+
 DELAY = "delay"
 """Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
 
-EDGES, RESIDUALS, IMAGE = (
+EDGES, RESIDUALS, IMAGE, CAMERA = (
     "cutout edges",
     "structure of the residuals common to all recordings",
     "axle, mask and blur in the image",
+    "tilt of the camera, and its lens",
 )
 """Sources of a budget beside those that rig.toml names."""
 
@@ -177,6 +180,9 @@ def _turned(
 def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> list[SharedNumber]:
     """Errors of the opening's shape in the image, by what each fit owes to them.
 
+    What camera and lens add, tilt, focal length, distortion and lens centre, has a line of its own: it is what would go if
+    they were known.
+
     Parameters
     ----------
     fits, sectors
@@ -184,16 +190,30 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
     """
     errors = []
     for g, sector in enumerate({id(sector): sector for sector in sectors}.values()):
-        root = _root(sector.covariance)
-        for m in range(root.shape[1]):
+        for m, (source, error) in enumerate(_image_parts(sector)):
             effects = [
-                dict(zip(fit.estimate.names, (fit.shape_effect @ root[:, m]).tolist(), strict=True))
+                dict(zip(fit.estimate.names, (fit.shape_effect @ error).tolist(), strict=True))
                 if own is sector and fit.shape_effect is not None
                 else {}
                 for fit, own in zip(fits, sectors, strict=True)
             ]
-            errors.append(SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=IMAGE, kind="A"))
+            errors.append(
+                SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=source, kind="A")
+            )
     return errors
+
+
+def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:
+    """Independent errors of the sector's numbers, (n_shape,) each, in standard uncertainties, and who owes them."""
+    whole, at = sector.covariance, [k for k, name in enumerate(sector.names) if name in _OF_CAMERA]
+    own = whole[np.ix_(at, at)]
+    scale = np.sqrt(np.maximum(np.diag(own), 1e-300))
+    through = whole[:, at] / scale
+    by_camera = through @ np.linalg.pinv(own / np.outer(scale, scale), rcond=1e-10, hermitian=True) @ through.T
+    rest = whole - by_camera
+    rest[at, :] = rest[:, at] = 0.0
+    parts = ((IMAGE, _root(rest)), (CAMERA, _root(by_camera)))
+    return [(source, error) for source, root in parts for error in root.T if error.any()]
 
 
 def _root(covariance: Array) -> Array:

@@ -10,7 +10,8 @@ offset                 centre of the mask's own arcs minus the axle, rows and co
 inner, outer radius    of the arcs about the mask's own centre, px
 bisector               direction of the mask's bisector, polar angle in the image
 opening angle          gamma, between the two radial edges
-distortion             of the lens (`physics.lens`); offset, radii and angles are those of the undistorted, flat plane
+distortion             of the lens (`physics.lens`), tilt and lens centre (`physics.projection`); offset, radii and angles
+                       are those of the wheel's plane
 blur                   standard deviations of the Gaussian that smears light over rows and over columns, px
 =====================  =======================================================================================
 
@@ -28,7 +29,7 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
-from irtiming.physics.lens import Lens
+from irtiming.physics.projection import Projection, projection_of
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
@@ -40,6 +41,7 @@ SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
 """Of the sector's border; the wheel's edges come to the first radial edge first."""
 
 _DIRECTIONS = 33  # in the sector, among which its sharpest are sought
+_LOOKS = 9  # along either arc for the largest magnification
 
 
 @final
@@ -87,7 +89,8 @@ def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
 def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
     half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
     half_angle = shape.opening_angle_rad / 2
-    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / _widest(shape) for blur in _sharpest(shape))
+    wide = _widest(shape, projection_of(shape))
+    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))
     radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / along)))
     for_waves = math.ceil(half_angle * n_harmonics) + _MORE_NODES
     around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / across)))
@@ -110,47 +113,37 @@ def _sharpest(shape: SectorShape) -> tuple[float, float]:
 
 def _in_image(shape: SectorShape, nodes: _Nodes) -> LightPoints:
     """Places in the image, and areas there."""
-    row, column = _from_axle(shape, nodes.down, nodes.across)
-    lens = lens_of(shape)
-    along, beside = lens.magnification(row, column)
-    row, column = lens.seen(row, column)
+    projection, right = projection_of(shape), _sense(shape) * nodes.across
+    row, column = projection.seen(nodes.down, right)
+    _, larger = projection.magnification(nodes.down, right)
     angle = np.arctan2(nodes.down, nodes.across) - shape.bisector_rad
     return LightPoints(
         row_px=row,
         column_px=column,
         angle_rad=np.mod(angle + np.pi, 2 * np.pi) - np.pi,
-        area_px2=nodes.area * along * beside,
+        area_px2=nodes.area * larger,
     )
 
 
-def lens_of(shape: SectorShape) -> Lens:
-    """Lens through which the sector is seen."""
-    return Lens(distortion=shape.distortion, rows=shape.image_rows, columns=shape.image_columns)
-
-
-def _from_axle(shape: SectorShape, down: Array, across: Array) -> tuple[Array, Array]:
-    """Row and column in the flat plane of places counted from the axle in the wheel's sense."""
-    row, column = lens_of(shape).flat(shape.axle_row_px, shape.axle_column_px)
-    return row + down, column + (-1.0 if shape.mirrored else 1.0) * across
+def _sense(shape: SectorShape) -> float:
+    """In which columns are counted from the axle: rightwards or leftwards."""
+    return -1.0 if shape.mirrored else 1.0
 
 
 def _to_axle(shape: SectorShape, row_px: Array, column_px: Array) -> tuple[Array, Array]:
-    """Places of the image in the flat plane, counted from the axle in the wheel's sense."""
-    lens = lens_of(shape)
-    axle_row, axle_column = lens.flat(shape.axle_row_px, shape.axle_column_px)
-    row, column = lens.flat(row_px, column_px)
-    return row - axle_row, (-1.0 if shape.mirrored else 1.0) * (column - axle_column)
+    """Places of the image in the wheel's plane, counted from the axle in the wheel's sense."""
+    down, right = projection_of(shape).flat(row_px, column_px)
+    return down, _sense(shape) * right
 
 
-def _widest(shape: SectorShape) -> float:
-    """Magnification that no place of the sector exceeds."""
-    lens = lens_of(shape)
-    if lens.distortion <= 0:
-        return 1.0
-    row, column = lens.flat(shape.axle_row_px, shape.axle_column_px)
-    off = math.hypot(row - lens.middle_px[0], column - lens.middle_px[1])
-    reach = off + math.hypot(shape.offset_row_px, shape.offset_column_px) + shape.outer_radius_px
-    return 1 + 3 * lens.distortion * (reach / lens.half_diagonal_px) ** 2
+def _widest(shape: SectorShape, projection: Projection) -> float:
+    """Magnification that no place of the sector exceeds, or next to none."""
+    radius = np.array([[shape.inner_radius_px], [shape.outer_radius_px]])
+    polar = shape.bisector_rad + shape.opening_angle_rad / 2 * np.linspace(-1, 1, _LOOKS)
+    down = shape.offset_row_px + radius * np.sin(polar)
+    right = _sense(shape) * (shape.offset_column_px + radius * np.cos(polar))
+    least, area = projection.magnification(down, right)
+    return max(1.0, float(np.max(area / least)))
 
 
 @lru_cache(maxsize=256)
@@ -249,7 +242,7 @@ def _depth_px(shape: SectorShape, down: Array, across: Array) -> Array:
 
 def _depths_px(shape: SectorShape, down: Array, across: Array) -> Array:
     """The same for each side, shape (4, ...)."""
-    along, beside = lens_of(shape).magnification(*_from_axle(shape, down, across))
+    least, _ = projection_of(shape).magnification(down, _sense(shape) * across)
     down, across = down - shape.offset_row_px, across - shape.offset_column_px
     radius = np.hypot(down, across)
     off = np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi
@@ -257,7 +250,7 @@ def _depths_px(shape: SectorShape, down: Array, across: Array) -> Array:
         radius * np.sin(np.clip(shape.opening_angle_rad / 2 + way * off, -np.pi / 2, np.pi / 2)) for way in (1, -1)
     )
     depths = np.stack([radius - shape.inner_radius_px, shape.outer_radius_px - radius, first, second])
-    return np.asarray(depths * np.minimum(along, beside))
+    return np.asarray(depths * least)
 
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:

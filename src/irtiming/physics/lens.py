@@ -1,77 +1,166 @@
-r"""Radial distortion of a lens, in closed form where there is one.
+r"""Distortion of a lens, in closed form where there is one.
 
-A point at the undistorted distance r_u from the middle of the image appears at
+A point at the undistorted distance r_u from the lens centre appears at
 
     r_d = r_u (1 + k r_u^2)
 
-both in half diagonals of the image, the middle being ((rows - 1) / 2, (columns - 1) / 2) and the half diagonal
-hypot(rows, columns) / 2 px. k is negative for a barrel, positive for a pincushion. Straight lines, circles and angles of the rig
-are straight, round and right in the undistorted plane, called flat here; blur and pixels act in the image.
+both in half diagonals of the image, hypot(rows, columns) / 2 px. The lens centre lies by ``off_row_px`` and ``off_column_px``
+beside the middle of the image, ((rows - 1) / 2, (columns - 1) / 2). k is negative for a barrel, positive for a pincushion. A lens
+that others calibrated has OpenCV's further terms: (x, y) being columns and rows from the lens centre and r their distance,
+
+    x_d = x (1 + k r^2 + k_2 r^4 + k_3 r^6) + 2 p_1 x y + p_2 (r^2 + 2 x^2)
+    y_d = y (1 + k r^2 + k_2 r^4 + k_3 r^6) + p_1 (r^2 + 2 y^2) + 2 p_2 x y
+
+and rows that are f_y / f_x times as large. Straight lines are straight in the undistorted plane, called flat here; blur and
+pixels act in the image.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
 from numba import njit
 
 from irtiming.records.arrays import Array
+from irtiming.records.row_timing import LensTerms
 
 LOWEST, HIGHEST = -0.14, 0.5
 """Distortions between which every point of the image has one point in the flat plane; below -4/27 its corners have none."""
 
 _TURNING, _FARTHEST = -4 / 27, 1.5  # k r_d^2 where r_d stops growing with r_u, and r_u / r_d there
 _MOST_STEPS = 40
+_NO_TERMS = LensTerms()
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Lens:
-    """Distortion k and size of the image; an image without a size is for k = 0 only."""
+    """Distortion k, size of the image, lens centre and further terms; an image without a size is for no distortion at all."""
 
     distortion: float
     rows: int
     columns: int
+    off_row_px: float = 0.0
+    off_column_px: float = 0.0
+    terms: LensTerms = field(default_factory=LensTerms)
 
     @property
     def middle_px(self) -> tuple[float, float]:
-        """Row and column of the point that stays."""
-        return (self.rows - 1) / 2, (self.columns - 1) / 2
+        """Row and column of the lens centre: the point that stays."""
+        return (self.rows - 1) / 2 + self.off_row_px, (self.columns - 1) / 2 + self.off_column_px
 
     @property
     def half_diagonal_px(self) -> float:
         """Unit of the distances."""
         return math.hypot(self.rows, self.columns) / 2
 
+    @property
+    def is_straight(self) -> bool:
+        """Whether image and flat plane are the same."""
+        return self.distortion == 0 and self.terms == _NO_TERMS
+
     def seen(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Where points of the flat plane appear; numbers or arrays that broadcast, px."""
-        if self.distortion == 0:
+        if self.is_straight:
             return row_px, column_px
         down, across, square = self._from_middle(row_px, column_px)
-        factor = 1 + self.distortion * square
-        return self.middle_px[0] + down * factor, self.middle_px[1] + across * factor
+        factor = 1 + square * (self.distortion + square * (self.terms.quartic + square * self.terms.sextic))
+        aside_down, aside_across = self._tangential(down, across)
+        return (
+            self.middle_px[0] + (down * factor + aside_down) * self.terms.row_stretch,
+            self.middle_px[1] + across * factor + aside_across,
+        )
 
     def flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Where points of the image lie in the flat plane; numbers or arrays that broadcast, px."""
-        if self.distortion == 0:
+        if self.is_straight:
             return row_px, column_px
+        if self.terms != _NO_TERMS:
+            return self._flat_by_search(row_px, column_px)
         down, across, square = self._from_middle(row_px, column_px)
         factor = _flattening(np.atleast_1d(np.asarray(self.distortion * square, dtype=float)).ravel())
         factor = factor.reshape(np.shape(square)) if np.ndim(square) else float(factor[0])
         return self.middle_px[0] + down * factor, self.middle_px[1] + across * factor
 
     def magnification(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
-        """Of the image over the flat plane, along and across the radius, at points of the flat plane; product: that of areas."""
-        if self.distortion == 0:
+        """Of the image over the flat plane at points of the flat plane: the least of any direction, and that of areas."""
+        if self.is_straight:
             return 1.0, 1.0
-        _, _, square = self._from_middle(row_px, column_px)
-        return 1 + 3 * self.distortion * square, 1 + self.distortion * square
+        down, across, _ = self._from_middle(row_px, column_px)
+        unit = self.half_diagonal_px
+        yy, yx, xy, xx = _slopes(down / unit, across / unit, _coefficients(self.distortion, self.terms))
+        yy, yx = yy * self.terms.row_stretch, yx * self.terms.row_stretch
+        area = yy * xx - yx * xy
+        whole = yy**2 + yx**2 + xy**2 + xx**2
+        largest = np.sqrt((whole + np.sqrt(np.maximum(whole**2 - 4 * area**2, 0.0))) / 2)
+        return np.abs(area) / largest, area
+
+    def _flat_by_search(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
+        unit = self.half_diagonal_px
+        down, across = np.broadcast_arrays(
+            (row_px - self.middle_px[0]) / self.terms.row_stretch / unit, (column_px - self.middle_px[1]) / unit
+        )
+        y, x = _flat_points(
+            np.ascontiguousarray(down, dtype=float).ravel(),
+            np.ascontiguousarray(across, dtype=float).ravel(),
+            _coefficients(self.distortion, self.terms),
+        )
+        if np.ndim(down) == 0:
+            return self.middle_px[0] + unit * float(y[0]), self.middle_px[1] + unit * float(x[0])
+        return self.middle_px[0] + unit * y.reshape(down.shape), self.middle_px[1] + unit * x.reshape(down.shape)
+
+    def _tangential(self, down: Any, across: Any) -> tuple[Any, Any]:
+        """By how much a lens that is not centred moves points of the flat plane down and across, px."""
+        first, second = (p / self.half_diagonal_px for p in (self.terms.tangential_row, self.terms.tangential_column))
+        if first == 0 and second == 0:
+            return 0.0, 0.0
+        square, mixed = down**2 + across**2, 2 * down * across
+        return first * (square + 2 * down**2) + second * mixed, first * mixed + second * (square + 2 * across**2)
 
     def _from_middle(self, row_px: Any, column_px: Any) -> tuple[Any, Any, Any]:
         """Distances down and across, px, and the square of the whole distance in half diagonals."""
         down, across = row_px - self.middle_px[0], column_px - self.middle_px[1]
         return down, across, (down**2 + across**2) / self.half_diagonal_px**2
+
+
+def _coefficients(distortion: float, terms: LensTerms) -> Array:
+    return np.array([distortion, terms.quartic, terms.sextic, terms.tangential_row, terms.tangential_column])
+
+
+@njit(cache=True, nogil=True)
+def _slopes(y: Any, x: Any, of: Array) -> Any:
+    """Derivatives of y_d to y and x, then of x_d to y and x; half diagonals."""
+    square = y * y + x * x
+    factor = 1 + square * (of[0] + square * (of[1] + square * of[2]))
+    growth = 2 * (of[0] + square * (2 * of[1] + 3 * square * of[2]))
+    yy = factor + y * y * growth + 6 * of[3] * y + 2 * of[4] * x
+    xx = factor + x * x * growth + 2 * of[3] * y + 6 * of[4] * x
+    mixed = y * x * growth + 2 * of[3] * x + 2 * of[4] * y
+    return yy, mixed, mixed, xx
+
+
+@njit(cache=True, nogil=True)
+def _flat_points(down: Array, across: Array, of: Array) -> Any:
+    """Newton's method for the point (y, x) that appears at (down, across), shapes (n,); half diagonals."""
+    out = np.empty((2, down.size))
+    for k in range(down.size):
+        y, x = down[k], across[k]
+        for _ in range(_MOST_STEPS):
+            square = y * y + x * x
+            factor = 1 + square * (of[0] + square * (of[1] + square * of[2]))
+            off_y = y * factor + of[3] * (square + 2 * y * y) + 2 * of[4] * y * x - down[k]
+            off_x = x * factor + 2 * of[3] * y * x + of[4] * (square + 2 * x * x) - across[k]
+            yy, yx, xy, xx = _slopes(y, x, of)
+            whole = yy * xx - yx * xy
+            if whole < 0.05:  # beyond the turning point there is no such point
+                break
+            step_y, step_x = (xx * off_y - yx * off_x) / whole, (yy * off_x - xy * off_y) / whole
+            y, x = y - step_y, x - step_x
+            if abs(step_y) + abs(step_x) < 1e-12:
+                break
+        out[0, k], out[1, k] = y, x
+    return out
 
 
 @njit(cache=True, nogil=True)

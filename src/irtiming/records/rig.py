@@ -88,16 +88,34 @@ class Clock:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class LensCalibration:
+    """A calibration of others: camera matrix and distortion as OpenCV, Kalibr (radtan) and ROS have them, in the image recorded.
+
+    ``focal_length_px`` are f_x and f_y, ``centre_px`` c_x and c_y, columns first, pixel centres at whole numbers;
+    ``coefficients`` are k_1, k_2, p_1, p_2, k_3. Only k_1 carries an uncertainty: it stands for that of the whole curve.
+    """
+
+    focal_length_px: tuple[Measured, Measured]
+    centre_px: tuple[Measured, Measured]
+    coefficients: tuple[Measured, float, float, float, float] = (Measured(0.0), 0.0, 0.0, 0.0, 0.0)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class CameraOptics:
     """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half diagonals of the image.
 
     Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
     ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where nobody knows
-    it.
+    it. ``lens_centre_px``, column and row, and ``focal_length_px`` are None where rig.toml does not state them. A ``calibration``
+    holds all of these, and then stands alone.
     """
 
-    distortion: Measured = Measured(0.0, 0.1)
+    distortion: Measured = Measured(0.0, 0.05)
     integration_time_u_s: float | None = None
+    lens_centre_px: tuple[Measured, Measured] | None = None
+    focal_length_px: Measured | None = None
+    calibration: LensCalibration | None = None
 
 
 @final

@@ -1,13 +1,29 @@
 """What the exact model of a rolling microbolometer camera is made of, and what its fit gives for one recording."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
 
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.estimate import Estimate
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LensTerms:
+    """What a calibration says of a lens beyond its distortion k: OpenCV's further terms, in half diagonals of the image.
+
+    ``quartic`` and ``sextic`` are k_2 and k_3, ``tangential_row`` and ``tangential_column`` p_1 and p_2, ``row_stretch`` is
+    f_y / f_x: by how much larger the image is along its rows' order than along its columns'.
+    """
+
+    quartic: float = 0.0
+    sextic: float = 0.0
+    tangential_row: float = 0.0
+    tangential_column: float = 0.0
+    row_stretch: float = 1.0
 
 
 @final
@@ -20,9 +36,13 @@ class SectorShape:
     the direction of the mask's bisector, ``opening_angle_rad`` gamma. Light is smeared by a Gaussian of the standard deviations
     ``blur_px`` (1 - ``blur_ellipticity``) over rows and ``blur_px`` (1 + ``blur_ellipticity``) over columns of the image, but for
     the share ``glare`` of it, which a round Gaussian of the standard deviation ``glare_px`` spreads wider. ``distortion`` is that
-    of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels: offsets, radii and angles are those
-    of the undistorted plane. ``mirrored`` is true for a counterclockwise wheel: then columns are counted leftwards from the axle,
-    and polar angles, bisector and column offset with them.
+    of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels, ``lens_row_px`` and
+    ``lens_column_px`` say how far beside the middle of the image its centre lies, ``lens_terms`` what else is known of it.
+    ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane appears shorter half a diagonal
+    of the image further down, and further right; they come from a tilted camera (`physics.projection`), whose focal length is
+    exp ``log_focal_length`` half diagonals. Offsets, radii and angles are those of the wheel's plane, a px of it being as large
+    as one of the image at the axle. ``mirrored`` is true for a counterclockwise wheel: then columns are counted leftwards from
+    the axle, and polar angles, bisector and column offset with them.
     """
 
     axle_row_px: float
@@ -38,6 +58,12 @@ class SectorShape:
     blur_ellipticity: float = 0.0
     glare: float = 0.0
     glare_px: float = 6.0
+    keystone_row: float = 0.0
+    keystone_column: float = 0.0
+    log_focal_length: float = 0.0
+    lens_row_px: float = 0.0
+    lens_column_px: float = 0.0
+    lens_terms: LensTerms = field(default_factory=LensTerms)
     mirrored: bool = False
     image_rows: int = 0
     image_columns: int = 0

@@ -1,6 +1,6 @@
 """The fits behind a result as plain data, for JSON: joint fit, recording by recording, as published, opening, two constants."""
 
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from math import inf
 from typing import Any
 
@@ -19,7 +19,6 @@ from irtiming.report.sections import two_constants as wide_range
 from irtiming.report.sections.joint_fit import Shared, angles, moved, shared
 from irtiming.report.sections.row_sums import published_fits
 
-_NOT_FITTED = ("mirrored", "image_rows", "image_columns")
 _OF_WINDOW = {"delay": "middle_of_window", "integration_time": "window"}
 
 
@@ -151,7 +150,7 @@ def published(analysis: Analysis) -> list[dict[str, Any]]:
 
 def opening(found: SectorFit) -> dict[str, Any]:
     """The fitted sector."""
-    names = [field.name for field in fields(found.shape) if field.name not in _NOT_FITTED]
+    names = found.names
     u = dict(zip(names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
     return {
         **{name: {"value": float(getattr(found.shape, name)), "standard_uncertainty": u[name]} for name in names},

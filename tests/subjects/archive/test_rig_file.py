@@ -62,7 +62,7 @@ def test_a_lens_may_be_stated(tmp_path: Path) -> None:
     """Oracle: the numbers of the text; without them few lenses are excluded; written and read again."""
     path = tmp_path / "rig.toml"
     path.write_text(RIG)
-    assert read_rig(path).camera.distortion == Measured(0.0, 0.1)
+    assert read_rig(path).camera.distortion == Measured(0.0, 0.05)
     for text, expected in (("distortion_u = 0.002", Measured(-0.05, 0.002)), ("", Measured(-0.05))):
         path.write_text(f"{RIG}\n[camera]\ndistortion = -0.05\n{text}\n")
         rig = read_rig(path)
@@ -272,3 +272,56 @@ def test_an_uncertainty_without_its_number_is_refused(tmp_path: Path, line: str,
     with pytest.raises(ArchiveError) as error:
         read_rig(path)
     assert complaint in str(error.value) or "relative_error is missing" in str(error.value)
+
+
+_CALIBRATED = """
+camera_matrix = [735.2, 734.8, 321.5, 237.25]
+camera_matrix_u = [1.5, 1.6, 0.8, 0.9]
+distortion_coefficients = [-0.21, 0.13, 0.002, -0.003]
+distortion_coefficients_u = 0.01
+region_origin_px = [240, 180]
+"""
+
+
+def test_a_calibration_of_others_is_read(tmp_path: Path) -> None:
+    """Oracle: the numbers of the text, the region's origin taken off the lens centre; written and read again they are alike."""
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{RIG}\n[camera]\n{_CALIBRATED}")
+    rig = read_rig(path)
+    lens = rig.camera.calibration
+    assert lens is not None
+    assert lens.focal_length_px == (Measured(735.2, 1.5), Measured(734.8, 1.6))
+    assert lens.centre_px == (Measured(81.5, 0.8), Measured(57.25, 0.9))
+    assert lens.coefficients == (Measured(-0.21, 0.01), 0.13, 0.002, -0.003, 0.0)
+    write_rig(rig, tmp_path / "again.toml")
+    assert read_rig(tmp_path / "again.toml").camera == rig.camera
+
+
+def test_what_is_known_of_a_lens_is_read(tmp_path: Path) -> None:
+    """Oracle: the numbers of the text; written and read again they are alike."""
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{RIG}\n[camera]\nfocal_length_px = 735.0\nfocal_length_u_px = 15\nlens_centre_px = [81.5, 57]\n")
+    rig = read_rig(path)
+    assert rig.camera.focal_length_px == Measured(735.0, 15.0)
+    assert rig.camera.lens_centre_px == (Measured(81.5), Measured(57.0))
+    write_rig(rig, tmp_path / "again.toml")
+    assert read_rig(tmp_path / "again.toml").camera == rig.camera
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("camera_matrix = [735.2, 0, 80, 60]", "fx and fy must be greater than 0 px"),
+        ("camera_matrix = [735.2, 735, 80]", "it must be a list of four numbers: fx, fy, cx, cy"),
+        ("distortion_coefficients = [-0.2, 0.1, 0, 0]", "distortion_coefficients stands without camera_matrix"),
+        ("camera_matrix = [735, 735, 80, 60]\ndistortion = 0.1", "distortion stands beside camera_matrix"),
+        ("lens_centre_px = [80]", "it must be a list of two numbers, column and row"),
+        ("focal_length_px = -3", r"focal_length_px = -3; it must be"),
+    ],
+)
+def test_half_a_calibration_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    """Oracle: the cure that names the key."""
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{RIG}\n[camera]\n{text}\n")
+    with pytest.raises(IrTimingError, match=message):
+        read_rig(path)

@@ -1,5 +1,6 @@
 """A lagging camera before a wheel, summed point by point in the time domain: no harmonic, no convolution."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,6 +8,7 @@ from functools import cached_property
 import numpy as np
 import pytest
 from scipy import ndimage
+from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 from irtiming.estimate.row_light import SHAPE_NUMBERS
@@ -44,6 +46,9 @@ class BruteBolometer:
     row_delay_s: float = 60e-6
     sub: int = 10
     distortion: float = 0.0
+    tilt_rad: tuple[float, float] = (0.0, 0.0)
+    focal_px: float = 300.0
+    lens_px: tuple[float, float] = (0.0, 0.0)
     camera_type: str = "microbolometer"
     readout_mode: str = "rolling"
     integration_time_s: float = 0.0
@@ -67,8 +72,14 @@ class BruteBolometer:
         )
 
     @property
+    def tilt(self) -> float:
+        """Of the camera, rad; ``tilt_rad`` is about an axis along the rows' order and one along the columns'."""
+        return math.hypot(*self.tilt_rad)
+
+    @property
     def shape(self) -> SectorShape:
         """Sector as the package describes it."""
+        unit = math.hypot(self.rows, self.columns) / 2
         return SectorShape(
             axle_row_px=self.axle[0],
             axle_column_px=self.axle[1],
@@ -81,6 +92,11 @@ class BruteBolometer:
             blur_px=self.blur_px,
             blur_ellipticity=self.blur_ellipticity,
             distortion=self.distortion,
+            keystone_row=-math.sin(self.tilt) * self.tilt_rad[1] / max(self.tilt, 1e-9) * unit / self.focal_px,
+            keystone_column=math.sin(self.tilt) * self.tilt_rad[0] / max(self.tilt, 1e-9) * unit / self.focal_px,
+            log_focal_length=math.log(self.focal_px / unit),
+            lens_row_px=self.lens_px[0],
+            lens_column_px=self.lens_px[1],
             image_rows=self.rows,
             image_columns=self.columns,
         )
@@ -99,17 +115,30 @@ class BruteBolometer:
         return row, column, polar, area * larger
 
     def through_lens(self, down, across):
-        """Where points beside the axle appear, and how much larger: the axle's own place by fixed-point iteration."""
-        middle, unit = ((self.rows - 1) / 2, (self.columns - 1) / 2), np.hypot(self.rows, self.columns) / 2
-        seen = np.array([self.axle[0] - middle[0], self.axle[1] - middle[1]]) / unit
+        """Where points beside the axle appear, and how much larger (differences): a turned plane before a pinhole, then the lens.
+
+        The axle lies where its undistorted image is, found by fixed-point iteration; a px of the plane is as large as there.
+        """
+        unit = np.hypot(self.rows, self.columns) / 2
+        middle = np.array([(self.rows - 1) / 2 + self.lens_px[0], (self.columns - 1) / 2 + self.lens_px[1]])
+        seen = (np.array(self.axle) - middle) / unit
         flat = seen
         for _ in range(100):
             flat = seen / (1 + self.distortion * (flat @ flat))
-        y, x = flat[0] + down / unit, flat[1] + across / unit
-        bent = 1 + self.distortion * (x * x + y * y)
-        by_y, by_x = 2 * self.distortion * y, 2 * self.distortion * x  # of bent
-        larger = (bent + y * by_y) * (bent + x * by_x) - (y * by_x) * (x * by_y)
-        return middle[0] + unit * y * bent, middle[1] + unit * x * bent, larger
+        turned = Rotation.from_rotvec([*self.tilt_rad, 0.0]).as_matrix()  # rows, columns, along the camera's axis
+
+        def image(down, across):
+            place = turned[:, :2] @ np.array([down, across])
+            place = place + np.array([*(unit * flat), self.focal_px])[:, None]
+            y, x = self.focal_px * place[:2] / place[2] / unit
+            bent = 1 + self.distortion * (x * x + y * y)
+            return np.array([middle[0] + unit * y * bent, middle[1] + unit * x * bent])
+
+        step = 1e-3
+        by_down = (image(down + step, across) - image(down - step, across)) / (2 * step)
+        by_across = (image(down, across + step) - image(down, across - step)) / (2 * step)
+        row, column = image(down, across)
+        return row, column, by_down[0] * by_across[1] - by_down[1] * by_across[0]
 
     @cached_property
     def light(self):
@@ -324,7 +353,7 @@ def sector_of() -> Callable[..., SectorFit]:
         values = dict.fromkeys(maps, nothing) | {
             "shape": camera.shape,
             "names": SHAPE_NUMBERS,
-            "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4] + [1e-5] * 3) ** 2),
+            "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4] + [1e-5] * 3 + [1e-6] * 5) ** 2),
             "plate": 0.0,
             "unevenness": 0.0,
             "gain_scatter": 0.0,

@@ -14,7 +14,10 @@ from irtiming.physics.response.first_order_lag import HARMONICS
 @pytest.fixture(scope="module")
 def sector(brute_bolometer, sector_of):
     """The camera's sector in a region two rows down and three columns to the right of the image's corner."""
-    camera = brute_bolometer(axle=(37.2, 34.3), offset=(0.2, -0.3), rows=38, columns=67, distortion=-0.05)
+    camera = brute_bolometer(
+        axle=(37.2, 34.3), offset=(0.2, -0.3), rows=38, columns=67, distortion=-0.05, tilt_rad=(0.1, -0.06), focal_px=150.0,
+        lens_px=(1.5, -2.0),
+    )  # fmt: skip
     return sector_of(camera, roi=(2, 38, 3, 67))
 
 
@@ -94,7 +97,7 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
     name, own = SHAPE_NUMBERS[number], SHAPE_STEPS[number]
     ahead, behind = (replace(sector, shape=replace(shape, **{name: getattr(shape, name) + off})) for off in (own, -own))
     (change,) = changes(found, [Variation(ahead=ahead, behind=behind, distance=2 * own)])
-    step = {"rad": 4e-4, "_px": 1.2e-2}.get(name[-3:], 4e-3)
+    step = 4 * own
     values = {one: getattr(shape, one) for one in SHAPE_NUMBERS}
 
     def slope(by):
@@ -118,7 +121,7 @@ def test_numbers_make_the_sector_they_were_taken_from(sector):
     numbers = {name: getattr(sector.shape, name) for name in SHAPE_NUMBERS} | {"another": 7.0}
     assert shape_of(numbers, False, image=(38, 67)) == sector.shape
     assert shape_of(numbers, True, image=(38, 67)) == replace(sector.shape, mirrored=True)
-    assert len(SHAPE_NUMBERS) == 13
+    assert len(SHAPE_NUMBERS) == 18
 
 
 def test_too_few_rows_are_refused(sector):

@@ -164,8 +164,8 @@ def test_budget_adds_up(fits, geometry, sector, omegas):
         assert np.sqrt(np.sum(np.square(lines))) == pytest.approx(u, rel=1e-9)
     sources = [(line.source, line.kind) for line in result.budget]
     assert sources == [
-        ("noise of the frames", "A"), ("axle, mask and blur in the image", "A"), ("cutout edges", "B"),
-        ("angle 0", "B"), ("angle 1", "B"),
+        ("noise of the frames", "A"), ("axle, mask and blur in the image", "A"), ("tilt of the camera, and its lens", "A"),
+        ("cutout edges", "B"), ("angle 0", "B"), ("angle 1", "B"),
     ]  # fmt: skip
 
 
@@ -289,7 +289,7 @@ def test_an_undetermined_time_constant_is_no_number(fits, geometry, sector):
     assert delay.lower < 2.3e-3 < delay.upper
     assert (delay.lower + delay.upper) / 2 == pytest.approx(2.3e-3, rel=0.01)
     assert any("the time constant is not determined (u = 3 ms, k = 1)" in text for text in _texts(result))
-    assert len(result.budget) == 5
+    assert len(result.budget) == 6
 
 
 @pytest.mark.parametrize(("relative", "known"), [(0.24, True), (0.26, False)])

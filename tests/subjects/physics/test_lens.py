@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 
 from irtiming.physics.lens import HIGHEST, LOWEST, Lens
+from irtiming.records.row_timing import LensTerms
 
 ROWS, COLUMNS = 120, 160
+TERMS = LensTerms(quartic=0.02, sextic=-0.004, tangential_row=0.001, tangential_column=-0.002, row_stretch=1.01)
 
 
 @pytest.mark.parametrize("distortion", [LOWEST, -0.05, -1e-4, 0.0, 0.03, HIGHEST])
-def test_there_and_back(distortion):
+@pytest.mark.parametrize("terms", [LensTerms(), TERMS])
+def test_there_and_back(distortion, terms):
     """Oracle: every pixel's centre, corners too, comes back to where it was."""
-    lens = Lens(distortion=distortion, rows=ROWS, columns=COLUMNS)
+    lens = Lens(distortion=distortion, rows=ROWS, columns=COLUMNS, terms=terms)
     row, column = np.arange(ROWS)[:, None] + 0.0, np.arange(COLUMNS)[None, :] + 0.0
     back = lens.seen(*lens.flat(row, column))
     for found, expected in zip(back, (row, column), strict=True):
@@ -31,15 +34,38 @@ def test_a_corner_comes_nearer_by_the_distortion():
 
 
 @pytest.mark.parametrize("distortion", [-0.12, 0.0, 0.2])
-def test_magnification_is_the_derivative(distortion):
-    """Oracle: central differences along the radius and across it."""
-    lens = Lens(distortion=distortion, rows=ROWS, columns=COLUMNS)
+@pytest.mark.parametrize("terms", [LensTerms(), TERMS])
+def test_magnification_is_the_derivative(distortion, terms):
+    """Oracle: central differences; the least of any direction is the smaller singular value, that of areas the determinant."""
+    lens = Lens(distortion=distortion, rows=ROWS, columns=COLUMNS, off_row_px=3.0, off_column_px=-5.0, terms=terms)
     place, step = np.array([20.0, 30.0]), 1e-4
-    radial = place - lens.middle_px
-    radial = radial / np.hypot(*radial)
-    for way, expected in zip((radial, radial[::-1] * (-1, 1)), lens.magnification(*place), strict=True):
-        ahead, behind = (np.array(lens.seen(*(place + sign * step * way))) for sign in (1, -1))
-        assert np.hypot(*(ahead - behind)) / (2 * step) == pytest.approx(expected, rel=1e-8)
+    slopes = np.array([
+        np.subtract(lens.seen(*(place + step * way)), lens.seen(*(place - step * way))) / (2 * step) for way in np.eye(2)
+    ])  # fmt: skip
+    least, area = lens.magnification(*place)
+    assert least == pytest.approx(np.linalg.svd(slopes)[1][1], rel=1e-8)
+    assert area == pytest.approx(np.linalg.det(slopes), rel=1e-8)
+
+
+def test_opencv_s_formula():
+    """Oracle: OpenCV's camera model written out by hand, in lengths over the focal length, with a camera matrix of its own."""
+    fx, fy, cx, cy = 300.0, 303.0, 82.0, 57.0
+    k1, k2, p1, p2, k3 = -0.21, 0.13, 0.002, -0.003, -0.04
+    x, y = 0.13, -0.17
+    r2 = x * x + y * y
+    radial = 1 + k1 * r2 + k2 * r2**2 + k3 * r2**3
+    column = fx * (x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)) + cx
+    row = fy * (y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y) + cy
+    unit = np.hypot(ROWS, COLUMNS) / 2
+    s = unit / fx
+    lens = Lens(
+        distortion=k1 * s**2, rows=ROWS, columns=COLUMNS, off_row_px=cy - 59.5, off_column_px=cx - 79.5,
+        terms=LensTerms(
+            quartic=k2 * s**4, sextic=k3 * s**6, tangential_row=p1 * s, tangential_column=p2 * s, row_stretch=fy / fx
+        ),
+    )  # fmt: skip
+    assert lens.seen(cy + fx * y, cx + fx * x) == pytest.approx((row, column), abs=1e-9)
+    assert lens.flat(row, column) == pytest.approx((cy + fx * y, cx + fx * x), abs=1e-9)
 
 
 def test_beyond_the_turning_point_a_place_stays_finite():

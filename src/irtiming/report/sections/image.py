@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from irtiming.physics.lens import Lens
+from irtiming.physics.projection import projection_of
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import Histogram, Opening, ReducedRecording
@@ -31,6 +31,11 @@ _SHAPE = (
     ("blur over columns against rows", "blur_ellipticity", 1.0),
     ("glare, share of the light", "glare", 1.0),
     ("glare, standard deviation (px)", "glare_px", 1.0),
+    ("keystone, rows (% over half a diagonal)", "keystone_row", 100.0),
+    ("keystone, columns (% over half a diagonal)", "keystone_column", 100.0),
+    ("logarithm of the focal length in half diagonals", "log_focal_length", 1.0),
+    ("lens centre beside the image’s middle, rows (px)", "lens_row_px", 1.0),
+    ("lens centre beside the image’s middle, columns (px)", "lens_column_px", 1.0),
 )
 
 
@@ -227,14 +232,12 @@ def contrasts(fit: SectorFit) -> Figure:
 def _sector(axes: Axes, shape: SectorShape) -> None:
     """Arcs and radial edges of the fitted sector in the image."""
     sense = -1.0 if shape.mirrored else 1.0
-    lens = Lens(distortion=shape.distortion, rows=shape.image_rows, columns=shape.image_columns)
-    axle_row, axle_column = lens.flat(shape.axle_row_px, shape.axle_column_px)
-    row, column = axle_row + shape.offset_row_px, axle_column + sense * shape.offset_column_px
     half = shape.opening_angle_rad / 2
     around = shape.bisector_rad + np.linspace(-half, half, 100)
     polar = np.concatenate([around, around[::-1], around[:1]])
     radius = np.repeat([shape.outer_radius_px, shape.inner_radius_px, shape.outer_radius_px], [100, 100, 1])
-    border = lens.seen(row + radius * np.sin(polar), column + sense * radius * np.cos(polar))
+    down, across = shape.offset_row_px + radius * np.sin(polar), shape.offset_column_px + radius * np.cos(polar)
+    border = projection_of(shape).seen(down, sense * across)
     axes.plot(border[1], border[0], color=_RED, linewidth=1.2)
 
 

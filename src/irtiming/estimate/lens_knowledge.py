@@ -1,0 +1,116 @@
+r"""What is known of camera and lens before the image is looked at: from rig.toml, or what no camera on such a rig exceeds.
+
+Cameras that are set up by eye are half a degree to two off the wheel's normal, a lens centre is off the image's
+middle by 1 to 3 per cent of its width, and thermal lenses see fields of 9 to 53 degrees across the diagonal. The image says more:
+these are for where it does not.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+from irtiming.records.rig import CameraOptics, LensCalibration, Measured
+from irtiming.records.row_timing import LensTerms
+
+LENS_NUMBERS = ("distortion", "log_focal_length", "lens_row_px", "lens_column_px")
+"""Numbers of the sector's shape of which something is known beforehand."""
+
+_TILT_U_RAD = math.radians(1.2)
+_CENTRE_U = 0.02  # of the image's width
+_FOCAL_LENGTH, _FOCAL_LENGTH_U = math.log(5.0), math.log(2.5)  # half diagonals
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LensKnowledge:
+    """What is known of LENS_NUMBERS, and the further terms of a calibrated lens."""
+
+    known: Mapping[str, Measured]
+    terms: LensTerms
+
+    @property
+    def start(self) -> dict[str, float]:
+        """Values to begin with."""
+        return {name: one.value for name, one in self.known.items()}
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Numbers that count as exact."""
+        return tuple(name for name, one in self.known.items() if one.standard_uncertainty == 0)
+
+    def off(self, numbers: Mapping[str, float]) -> Array:
+        """Deviations from what is known over its uncertainties: of LENS_NUMBERS, then of both tilts, shape (N_KNOWN,)."""
+        focal_length = math.exp(numbers["log_focal_length"])
+        tilts = [focal_length * numbers[name] / _TILT_U_RAD for name in ("keystone_row", "keystone_column")]
+        stated = [
+            (numbers[name] - one.value) / one.standard_uncertainty if one.standard_uncertainty else 0.0
+            for name, one in ((name, self.known[name]) for name in LENS_NUMBERS)
+        ]
+        return np.array([*stated, *tilts])
+
+
+N_KNOWN = len(LENS_NUMBERS) + 2
+"""Length of what `LensKnowledge.off` gives."""
+
+
+def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
+    """What rig.toml says of the lens, for an image of so many rows and columns; the wide priors where it says nothing.
+
+    Parameters
+    ----------
+    camera
+        Of rig.toml.
+    image
+        Rows and columns of the whole image.
+    """
+    unit, calibration = math.hypot(*image) / 2, camera.calibration
+    if calibration is not None:
+        known = _placed(calibration.focal_length_px[0], calibration.centre_px, image=image)
+        return LensKnowledge(
+            known=known | {"distortion": _in_half_diagonals(calibration, unit)}, terms=_terms(calibration, unit)
+        )
+    known = {
+        "distortion": camera.distortion,
+        "log_focal_length": Measured(_FOCAL_LENGTH, _FOCAL_LENGTH_U),
+        "lens_row_px": Measured(0.0, _CENTRE_U * image[1]),
+        "lens_column_px": Measured(0.0, _CENTRE_U * image[1]),
+    }
+    return LensKnowledge(
+        known=known | _placed(camera.focal_length_px, camera.lens_centre_px, image=image), terms=LensTerms()
+    )
+
+
+def _placed(
+    focal_length_px: Measured | None, centre_px: tuple[Measured, Measured] | None, *, image: tuple[int, ...]
+) -> dict[str, Measured]:
+    """Focal length and lens centre as the sector's shape has them, as far as stated."""
+    found = {}
+    if focal_length_px is not None:
+        unit, value = math.hypot(*image) / 2, focal_length_px.value
+        found["log_focal_length"] = Measured(math.log(value / unit), focal_length_px.standard_uncertainty / value)
+    if centre_px is not None:
+        for name, size, one in zip(("lens_column_px", "lens_row_px"), (image[1], image[0]), centre_px, strict=True):
+            found[name] = Measured(one.value - (size - 1) / 2, one.standard_uncertainty)
+    return found
+
+
+def _in_half_diagonals(calibration: LensCalibration, unit: float) -> Measured:
+    """k_1 of lengths over the focal length, for lengths over half a diagonal."""
+    first, scale = calibration.coefficients[0], (unit / calibration.focal_length_px[0].value) ** 2
+    return Measured(first.value * scale, first.standard_uncertainty * scale)
+
+
+def _terms(calibration: LensCalibration, unit: float) -> LensTerms:
+    across, down = (one.value for one in calibration.focal_length_px)
+    (_, quartic, first, second, sextic), scale = calibration.coefficients, unit / across
+    return LensTerms(
+        quartic=quartic * scale**4,
+        sextic=sextic * scale**6,
+        tangential_row=first * scale,
+        tangential_column=second * scale,
+        row_stretch=down / across,
+    )
