@@ -131,6 +131,21 @@ class Contribution(BudgetLine):
     sensitivity: dict[str, Real] | None = None
 
 
+class SplitPart(Uncertain):
+    """A number with its uncertainty."""
+
+    value: float
+
+
+class FallingRising(Part):
+    """Delay by falling slopes minus delay by rising ones: the time plus the angle over the wheel's angular frequency."""
+
+    time: SplitPart
+    angle: SplitPart
+    covariance: Real = Field(description="of time and angle")
+    covariance_unit: str
+
+
 class Core(Part):
     """What one method found."""
 
@@ -147,6 +162,7 @@ class Core(Part):
     budget: list[BudgetLine]
     contributions: list[Contribution] = Field([])
     edge_delays: EdgeDelays | None
+    falling_rising: FallingRising | None = None
     warnings: list[str]
 
 

@@ -24,6 +24,7 @@ from irtiming.estimate import (
     shape,
     shared_numbers,
     shared_residual,
+    slope_split,
     wheel_geometry,
 )
 from irtiming.estimate.joint import Joint, LocalModel, Measurand
@@ -379,6 +380,7 @@ def _result(
         relative_delays=relative_delays.of(found, fits, clock=rig.clock),
         not_in_uncertainty=(*rig.not_held, *reported.not_held),
         midpoint_leads=reported.midpoint_leads,
+        falling_rising=slope_split.of(found, fits),
         budget=reported.budget,
         edge_delay_s=np.mean([fit.edge_delay_s for fit in fits], axis=0),
         u_edge_delay_s=noise,

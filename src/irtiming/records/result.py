@@ -176,6 +176,9 @@ class Result:
         Time constants of the blackbody temperatures one by one; None where these are not known, or there is no lag.
     not_in_uncertainty
         In words, what the uncertainties do not hold because nobody stated it.
+    falling_rising
+        ``falling_rising_time`` and ``falling_rising_angle``: delay by falling slopes less delay by rising ones, at the angular
+        frequency omega, is the time plus the angle over omega; None where one wheel speed does not tell them apart.
     midpoint_leads
         Whether the middle of the integration window is to be told before its start, whose distance nobody knows well.
     """
@@ -191,3 +194,4 @@ class Result:
     effective: EffectiveTimeConstants | None = None
     not_in_uncertainty: tuple[str, ...] = ()
     midpoint_leads: bool = False
+    falling_rising: Estimate | None = None

@@ -113,6 +113,7 @@ def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
         "budget": _of_delay(chosen) if has_pixel_sums(analysis) else _by_parameter(chosen, headline(analysis, chosen)),
         "contributions": _by_parameter(chosen, _times(chosen)),
         "edge_delays": _edge_delays(analysis, chosen),
+        "falling_rising": _falling_rising(chosen),
     }
 
 
@@ -191,6 +192,18 @@ def _measured(line: Contribution | budget.Line) -> dict[str, Any] | None:
     if line.measured is None:
         return None
     return {"standard_uncertainty": line.measured[0], "unit": line.measured[1]}
+
+
+def _falling_rising(chosen: Result) -> dict[str, Any] | None:
+    """None where one wheel speed does not tell the time from the angle."""
+    found = chosen.falling_rising
+    if found is None:
+        return None
+    words = ("time", "angle")
+    return {
+        word: {"value": float(value), "standard_uncertainty": float(u), "unit": unit}
+        for word, value, u, unit in zip(words, found.values, found.standard_uncertainties, found.units, strict=True)
+    } | {"covariance": float(found.covariance[0, 1]), "covariance_unit": "s rad"}
 
 
 def _edge_delays(analysis: Analysis, chosen: Result) -> dict[str, Any] | None:

@@ -47,6 +47,7 @@ def parameters(analysis: Analysis) -> Table:
         expanded = budget.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
         text = time_text(split.value_s, split.standard_uncertainty_s)
         rows.append(("falling − rising", text, *expanded, "0 expected"))
+        rows += _as_time_and_angle(result)
     rows += [(one.name, bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]
     return Table(
         title="Timing of the camera",
@@ -57,6 +58,18 @@ def parameters(analysis: Analysis) -> Table:
         f"uncertainty (k = 1); value ± U holds the true one with {budget.COVERAGE_PERCENT} % probability. "
         f"Method: {METHOD_NAMES[result.method]}. {_signs(analysis)}",
     )
+
+
+def _as_time_and_angle(result: Result) -> list[tuple[str, str, str, str, str]]:
+    """Falling minus rising as a time that stays and an angle that shrinks with the wheel's speed."""
+    found = result.falling_rising
+    if found is None:
+        return [("  as time or angle", "–", "–", "–", "one wheel speed does not tell them apart")]
+    (time, angle), (u_time, u_angle) = found.values.tolist(), found.standard_uncertainties.tolist()
+    return [
+        ("  constant time", time_text(time, u_time), "–", "–", "a detector that falls otherwise than it rises"),
+        ("  angle", f"{1e6 * angle:.1f} ± {1e6 * u_angle:.1f} µrad", "–", "–", "mask and cutout edges, over ω"),
+    ]
 
 
 def _signs(analysis: Analysis) -> str:
