@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.records.choices import Choices
+from irtiming.records.estimate import Estimate
 from irtiming.report.blocks import Table
 from irtiming.report.combination import PAPER_TABLE_1, combined
 from irtiming.report.sections import inputs, joint_fit, parameters, relative_delays, uncertainty
@@ -24,6 +25,19 @@ def test_each_delay_stands_with_its_event_and_expanded_uncertainty(analysis):
 def test_the_split_of_falling_and_rising_uses_their_covariance(analysis):
     """Oracle: the common 30 us cancel; 4 and 3 us remain and add to 5 us."""
     assert parameters.parameters(analysis).rows[-1][:3] == ("falling − rising", "2.0 ± 5.0 µs", "10 µs")
+
+
+def test_several_speeds_tell_a_time_from_an_angle(analysis):
+    """Oracle: by hand; 3 us beside 1.4 mrad, and one speed says that it cannot tell."""
+    split = Estimate(
+        names=("falling_rising_time", "falling_rising_angle"), units=("s", "rad"), values=np.array([3e-6, 1.4e-3]),
+        covariance=np.diag([0.5e-6, 2e-5]) ** 2,
+    )  # fmt: skip
+    best = replace(analysis.best, falling_rising=split)
+    rows = parameters.parameters(replace(analysis, best=best)).rows
+    assert [row[1] for row in rows[-2:]] == ["3.00 ± 0.50 µs", "1400.0 ± 20.0 µrad"]
+    assert rows[-3][4] == "0 expected"
+    assert "one wheel speed" in parameters.parameters(analysis).rows[-1][4]
 
 
 def test_table_1_stands_beside_the_papers_numbers(analysis):

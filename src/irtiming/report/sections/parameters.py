@@ -46,7 +46,8 @@ def parameters(analysis: Analysis) -> Table:
     if split is not None:
         expanded = budget.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
         text = time_text(split.value_s, split.standard_uncertainty_s)
-        rows.append(("falling − rising", text, *expanded, "0 expected"))
+        apart = "" if result.falling_rising is not None else "; one wheel speed does not tell a time from an angle"
+        rows.append(("falling − rising", text, *expanded, f"0 expected{apart}"))
         rows += _as_time_and_angle(result)
     rows += [(one.name, bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]
     return Table(
@@ -64,7 +65,7 @@ def _as_time_and_angle(result: Result) -> list[tuple[str, str, str, str, str]]:
     """Falling minus rising as a time that stays and an angle that shrinks with the wheel's speed."""
     found = result.falling_rising
     if found is None:
-        return [("  as time or angle", "–", "–", "–", "one wheel speed does not tell them apart")]
+        return []
     (time, angle), (u_time, u_angle) = found.values.tolist(), found.standard_uncertainties.tolist()
     return [
         ("  constant time", time_text(time, u_time), "–", "–", "a detector that falls otherwise than it rises"),
