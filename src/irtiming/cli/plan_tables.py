@@ -156,14 +156,13 @@ def _proposals(proposals: Sequence[Proposal], asked: Sequence[Target]) -> Table:
 def _parts(best: Proposal) -> Table:
     table = _numbers("What u of the first is made of", "source", *(found.name for found in best.uncertainties))
     table.columns[0].justify = "left"
-    for k, part in enumerate(best.uncertainties[0].parts):
+    sizes = [{part.source: part.standard_uncertainty_s for part in found.parts} for found in best.uncertainties]
+    for source in dict.fromkeys(source for one in sizes for source in one):
         cells = [
-            _time(found.parts[k].standard_uncertainty_s)
-            if found.parts[k].standard_uncertainty_s >= _LEAST_SHARE * found.standard_uncertainty_s
-            else "–"
-            for found in best.uncertainties
+            _time(one[source]) if one.get(source, 0.0) >= _LEAST_SHARE * found.standard_uncertainty_s else "–"
+            for one, found in zip(sizes, best.uncertainties, strict=True)
         ]
-        table.add_row(part.source, *cells)
+        table.add_row(source, *cells)
     return table
 
 

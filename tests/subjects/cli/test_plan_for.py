@@ -22,13 +22,13 @@ def run():
 def test_the_plan_file_holds_what_is_predicted(run, tmp_path):
     """Oracle: the target, and the sum of the parts' squares."""
     out = tmp_path / "plan.json"
-    result = run("--for", "trigger_delay=0.5us", "--for", "relative_delay=0.2 us", "--json", out, "--most", 2)
+    result = run("--for", "trigger_delay=0.5us", "--for", "relative_delay=0.8 us", "--json", out, "--most", 2)
     assert result.exit_code == 0, result.output
     written = json.loads(out.read_text())
     assert len(written["proposals"]) == 2
     found = written["predicted_uncertainty"]
     assert found == written["proposals"][0]["predicted_uncertainty"]
-    for name, wanted in (("trigger_delay", 0.5e-6), ("relative_delay", 0.2e-6)):
+    for name, wanted in (("trigger_delay", 0.5e-6), ("relative_delay", 0.8e-6)):
         assert written["targets"][name] == {"standard_uncertainty": pytest.approx(wanted), "unit": "s"}
         assert found[name]["standard_uncertainty"] <= wanted
         total = sum(part["standard_uncertainty"] ** 2 for part in found[name]["parts"])
@@ -61,8 +61,15 @@ def test_a_rig_and_a_camera_are_taken_from_their_files(run, tmp_path):
                    "--rig", rig, "--json", out)  # fmt: skip
         assert done.exit_code == 0, done.output
         found.append(json.loads(out.read_text()))
-    relative = [one["predicted_uncertainty"]["relative_delay"]["standard_uncertainty"] for one in found]
-    assert relative[1] == pytest.approx(2 * relative[0], rel=1e-6)
+    relative = [
+        {
+            part["source"]: part["standard_uncertainty"]
+            for part in one["predicted_uncertainty"]["relative_delay"]["parts"]
+        }
+        for one in found
+    ]
+    assert relative[1]["noise of the frames"] == pytest.approx(2 * relative[0]["noise of the frames"], rel=1e-6)
+    assert relative[1]["clock of the trigger generator"] == pytest.approx(0.025 * 50e-6 / 3**0.5)
     parts = found[0]["predicted_uncertainty"]["trigger_delay"]["parts"]
     (mask,) = [part["standard_uncertainty"] for part in parts if part["source"] == "mask centre angle phi_M"]
     assert mask == pytest.approx(278e-6, rel=0.01)
