@@ -16,7 +16,7 @@ SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type 
 
 _STEPS = {
     "bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "keystone_row": 1e-4, "keystone_column": 1e-4,
-    "log_focal_length": 0.02, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
+    "log_focal_length": 0.01, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
     "glare_px": 3e-2,
 }  # fmt: skip
 SHAPE_STEPS = tuple(_STEPS.get(name, 3e-3) for name in SHAPE_NUMBERS)
