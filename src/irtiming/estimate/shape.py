@@ -22,7 +22,7 @@ from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
-_ROUNDS = 2  # the second knows what the first left over
+_ROUNDS = 3  # the second knows what the first left over, and looks for the lens; the third knows what is left then
 _NOT_SKEW = (
     0.03  # of the turn that uneven light brings: what it does to a slope beyond the skew of `physics.light.pixel_sum`
 )

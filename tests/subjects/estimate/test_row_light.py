@@ -128,3 +128,14 @@ def test_too_few_rows_are_refused(sector):
     """Oracle: five rows in the light; six must be."""
     with pytest.raises(EstimationError, match="only 5 image rows hold the light of 3 pixels or more, at least 6 must"):
         row_light(np.array([1, 2, 12, 13, 14, 15, 16]), sector, n_harmonics=HARMONICS)
+
+
+def test_a_tilted_camera_s_rows_see_the_light_that_was_counted(brute_bolometer):
+    """Oracle: sub-pixel points of the turned plane, projected by a rotation matrix and a pinhole and summed row by row."""
+    camera = brute_bolometer(tilt_rad=(0.1, -0.06), focal_px=150.0, lens_px=(1.5, -2.0), distortion=-0.05)
+    angle, light = camera.light
+    rows, order = np.arange(8, 28), np.arange(13)
+    expected = np.exp(-1j * np.outer(order, angle)) @ light.sum(axis=2)
+    points = blurred_sector.light_points(camera.shape, n_harmonics=12)
+    found = blurred_sector.row_harmonics(points, rows, blur_px=camera.blur_px, n_harmonics=12)
+    np.testing.assert_allclose(found, expected[:, rows].T, atol=3e-4 * np.abs(expected[0]).max())
