@@ -6,9 +6,11 @@ Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (
 \mathrm{blades}\,B(\theta_n) + \mathrm{beside}\,B'(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
-passing of that edge shows it), the opening angle, the length of the window, and by how much the mask's radial edges miss the
-axle. All the others are the recording's own; they enter linearly and are projected out. Covered level and step drift as smooth
-curves and jump where a camera corrects itself, with as many numbers as the recording asks for (`inference.drifting_levels`).
+passing of that edge shows it), the opening angle, the length of the window, by how much the mask's radial edges miss the axle,
+and the share s of the frame before that a pixel keeps: of all shapes the frame holds 1 - s as they are and s as they were one
+trigger earlier (`physics.response.pixel_memory`). All the others are the recording's own; they enter linearly and are projected
+out. Covered level and step drift as smooth curves and jump where a camera corrects itself, with as many numbers as the recording
+asks for (`inference.drifting_levels`).
 
 The wheel angle is taken at the moment of exposure, not at the trigger: an irregular slot or a change of speed between the two
 does no harm. The fit of one recording alone, without any threshold, says where the joint fit of all (`estimate.joint`)
@@ -29,6 +31,7 @@ from irtiming.inference.variable_projection import Projected
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
 from irtiming.physics.light.summed_region import SummedRegion
+from irtiming.physics.response import pixel_memory
 from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask, Ticks
@@ -36,8 +39,11 @@ from irtiming.records.estimate import EDGE_DELAYS, DriftingLevels, EdgeDelayFit,
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
-SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high")
-"""Local numbers beside the edges' delays: rad, s, rad, rad."""
+MEMORY = pixel_memory.PARAMETER
+"""Share s of the frame before that each frame holds."""
+
+SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", MEMORY)
+"""Local numbers beside the edges' delays: rad, s, rad, rad, 1."""
 
 CORNERS = "corner_variance"
 """Local number that may stand beside them: what else rounds the corners, rad^2."""
@@ -85,18 +91,36 @@ class PixelSums:
         """Pixel sums of the kept frames in the unit of the guessed step, shape (n_kept,)."""
         return np.asarray(self.reduced.pixel_sums.pixel_sum[self.kept] / self.unit_dn)
 
-    def angle(self, delay_s: float) -> Array:
-        """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,)."""
-        ticks, set_s = self.reduced.trigger_ticks[self.kept], self.reduced.trigger_delay_time_set_s
-        return wheel_angle_rad(delay_s, self.reduced.track, at_ticks=ticks, set_s=set_s)
+    def angle(self, delay_s: float, *, earlier: int = 0) -> Array:
+        """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,).
 
-    def passing(self, numbers: Mapping[str, float]) -> Passing:
-        """Wheel, window and opening at the local numbers."""
+        ``earlier`` is by how many triggers; before the wheel was seen it has turned evenly.
+        """
+        ticks, set_s = self.reduced.trigger_ticks, self.reduced.trigger_delay_time_set_s
+        period = float(np.median(np.diff(ticks)))
+        now = wheel_angle_rad(delay_s, self.reduced.track, at_ticks=ticks[self.kept], set_s=set_s)
+        if not earlier:
+            return now
+        then = wheel_angle_rad(
+            delay_s, self.reduced.track, at_ticks=np.asarray(ticks[self.kept] - earlier * period, float), set_s=set_s
+        )
+        step = self.angular_frequency_rad_per_s * period / self.reduced.track.clock_frequency_hz
+        return np.where(np.isfinite(then), then, now - earlier * step)
+
+    def shapes(self, numbers: Mapping[str, float]) -> Shapes:
+        """F, S, P and B of the kept frames, with what they hold of the frame before; shapes (n_kept,)."""
+        now = pixel_sum.shapes(self.passing(numbers))
+        if MEMORY not in numbers:
+            return now
+        return pixel_sum.remembered(now, pixel_sum.shapes(self.passing(numbers, earlier=1)), share=numbers[MEMORY])
+
+    def passing(self, numbers: Mapping[str, float], *, earlier: int = 0) -> Passing:
+        """Wheel, window and opening at the local numbers, so many triggers earlier."""
         delays, omega = np.array([numbers[name] for name in EDGE_DELAYS]), self.angular_frequency_rad_per_s
         middle = float(delays.mean())
         return Passing(
             wheel=self.wheel,
-            middle_rad=self.angle(middle),
+            middle_rad=self.angle(middle, earlier=earlier),
             edges_early_rad=omega * (delays - middle),
             opening_angle_rad=numbers["opening_angle"],
             swept_rad=omega * numbers["integration_time"],
@@ -114,15 +138,21 @@ class PixelSums:
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
         passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
-        columns, gain = self.columns(pixel_sum.shapes(passing)), self.levels.gain[self.kept]
+        before, share = self.passing(numbers, earlier=1), numbers.get(MEMORY, 0.0)
+        made, columns = (pixel_sum.shapes(passing), pixel_sum.shapes(before)), self.columns(self.shapes(numbers))
+        gain = self.levels.gain[self.kept]
         per_unit = {"integration_time": ("swept", omega)} | {
             name: (f"edge_{k}", omega) for k, name in enumerate(EDGE_DELAYS)
         }
 
         def slopes_of(levels: Array) -> Array:
-            skew, plate, blades, beside = (float(level) / float(levels[1]) for level in levels[2:6])
+            amounts = levels[2:6] / levels[1]
             step = levels[1] + gain @ levels[6 : 6 + gain.shape[1]]
-            found = pixel_sum.slopes(passing, skew=skew, plate=plate, blades=blades, beside=beside)
+            named = dict(zip(("skew", "plate", "blades", "beside"), amounts.tolist(), strict=True))
+            now, then = (pixel_sum.slopes(one, **named) for one in (passing, before))
+            found = {name: (1 - share) * now[name] + share * then[name] for name in now}
+            told = [one.fraction + one.small @ amounts for one in made]
+            found[MEMORY] = told[1] - told[0]
             taken = [per_unit.get(name, (name, 1.0)) for name in numbers]
             return np.stack([unit * step * found[name] for name, unit in taken], axis=1) / self.noise
 
@@ -241,7 +271,7 @@ def _straight(ticks: Ticks) -> DriftingLevels:
 
 def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, dict[str, float]]:
     """With levels that drift as the frames want it, and the numbers with those; the same where they want a straight line."""
-    made, n_frames = pixel_sum.shapes(given.passing(numbers)), given.kept.size
+    made, n_frames = given.shapes(numbers), given.kept.size
     ticks = given.reduced.trigger_ticks[given.kept]
     found = drifting_levels.choose(
         given.sums,
@@ -264,13 +294,13 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
 
 
 def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
-    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0)
+    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, 0.0)
     return dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True))
 
 
 def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
-    """Edge delays and opening angle at their best."""
-    held = [name for name in SHAPE if name != "opening_angle"]
+    """Edge delays, opening angle and memory at their best."""
+    held = [name for name in SHAPE if name not in ("opening_angle", MEMORY)]
     found = optimiser.minimise(given.at, start=start, held=held).values
     if not 0.2 < found["opening_angle"] / given.wheel.opening_angle_rad < 5:
         raise EstimationError(
@@ -340,7 +370,7 @@ def _scan(given: PixelSums) -> float:
 
 
 def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, float]) -> EdgeDelayFit:
-    names, half_s = (*EDGE_DELAYS, "opening_angle"), (given.reduced.integration_time_s or 0.0) / 2
+    names, half_s = (*EDGE_DELAYS, "opening_angle", MEMORY), (given.reduced.integration_time_s or 0.0) / 2
     best = given.projected(numbers)
     step = float(best.levels[1])
     free = best.at.residual.size - len(names) - best.levels.size
@@ -352,7 +382,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     jacobian = best.at.jacobian[:, [list(numbers).index(name) for name in names]]
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
-    made = pixel_sum.shapes(given.passing(numbers))
+    made = given.shapes(numbers)
     amounts, opening = best.levels[2:6] / step, given.reduced.opening
     per_pixel = float(opening.mask.sum() / opening.weight.sum())  # blades differ in the border as well
     u_sum = float(np.sqrt(best.at.deviance / free * widening)) / abs(step)
@@ -363,7 +393,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         angular_frequency_rad_per_s=given.angular_frequency_rad_per_s,
         estimate=Estimate(
             names=names,
-            units=("s",) * 4 + ("rad",),
+            units=("s",) * 4 + ("rad", "1"),
             values=np.array([numbers[name] for name in names]),
             covariance=white * best.at.deviance / free * widening,
         ),

@@ -165,7 +165,8 @@ def of_pixel_fits(
         n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
     )  # fmt: skip
     findings = (
-        *geometry.findings, *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
+        *geometry.findings, *frame_memory.of_result(reported.estimate),
+        *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
         *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
@@ -217,6 +218,7 @@ def opening_and_window(
     sample_s = min(
         TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
     )
+    memory = float(np.mean([fit.estimate.value(pixel_sums.MEMORY) for fit in fits]))
     return [
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
         shared_numbers.same(WINDOW, fits, start=sample_s, u=_UNKNOWN_WINDOW_S),
@@ -225,6 +227,7 @@ def opening_and_window(
             for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
         ),
         shared_numbers.uneven_edges(fits),
+        shared_numbers.same(pixel_sums.MEMORY, fits, unit="1", start=memory),
     ]
 
 

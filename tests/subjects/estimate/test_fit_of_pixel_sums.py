@@ -85,7 +85,18 @@ def test_any_integration_time_gives_the_start_of_the_window(recording, window):
 def test_unknown_integration_time_gives_the_middle(recording):
     """Oracle: start plus half the window that made the sums; the rounded corners cost a little."""
     fit = pixel_sums.fit(recording(_sums(), integration_time_s=None), _model())
-    np.testing.assert_allclose(fit.edge_delay_s, DELAY + WINDOW / 2, atol=1e-7)
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY + WINDOW / 2, atol=2e-7)
+
+
+@pytest.mark.parametrize("share", [0.01, -0.002, 0.1])
+def test_a_memory_of_the_pixels_is_found_and_its_delay_taken_off(recording, share):
+    """Oracle: f_n = (1 - s) F_n + s F_{n-1} frame by frame; without the memory the delay would be off by s frames."""
+    seen = _sums()
+    given = (1 - share) * seen + share * np.concatenate([seen[:1], seen[:-1]])
+    fit = pixel_sums.fit(recording(given + np.random.default_rng(6).normal(0, 1e-5, given.size)), _model())
+    assert fit.estimate.value("pixel_memory") == pytest.approx(share, abs=5 * fit.estimate.u("pixel_memory"))
+    assert fit.estimate.u("pixel_memory") < 5e-5
+    np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=6 * np.sqrt(fit.covariance_s2[0, 0]))
 
 
 def test_set_delay_is_taken_off(recording):
@@ -160,11 +171,11 @@ def test_wild_frames_are_dropped_and_told(recording):
     assert fit.n_dropped == 20
     assert fit.residual.size == 980
     np.testing.assert_allclose(fit.edge_delay_s, DELAY, atol=6 * np.sqrt(fit.covariance_s2[0, 0]))
-    assert np.sqrt(fit.covariance_s2[0, 0]) < 2e-6
+    assert np.sqrt(fit.covariance_s2[0, 0]) < 3e-6
 
 
 def test_analytic_derivatives_are_those_of_the_model(recording):
-    """Oracle: central differences of the projected residual in all eight local numbers, at a point away from the solution.
+    """Oracle: central differences of the projected residual in all nine local numbers, at a point away from the solution.
 
     Kaufman's derivative leaves out what the levels change where the residual is not zero: of noise-free sums, little.
     """
@@ -172,8 +183,8 @@ def test_analytic_derivatives_are_those_of_the_model(recording):
     given = replace(given, radii=Radii(share=np.array([0.4, 0.6]), place=np.array([0.3, -0.2])))
     early = np.array([1e-4, -2e-4, 3e-4, 0.0]) / OMEGA
     point = dict(zip(EDGE_DELAYS, DELAY + WINDOW / 2 + 1e-7 + early * 1e-2, strict=True))
-    point |= dict(zip(SHAPE, (GAMMA, 1.05 * WINDOW, 4e-3, -6e-3), strict=True))
-    steps = dict.fromkeys(EDGE_DELAYS, 1e-8) | dict(zip(SHAPE, (1e-6, 1e-7, 1e-6, 1e-6), strict=True))
+    point |= dict(zip(SHAPE, (GAMMA, 1.05 * WINDOW, 4e-3, -6e-3, 0.01), strict=True))
+    steps = dict.fromkeys(EDGE_DELAYS, 1e-8) | dict(zip(SHAPE, (1e-6, 1e-7, 1e-6, 1e-6, 1e-5), strict=True))
     analytic = given.at(point).jacobian
     for k, (name, step) in enumerate(steps.items()):
         ahead, behind = (given.at(point | {name: point[name] + sign * step}).residual for sign in (1, -1))
@@ -235,7 +246,7 @@ def test_too_many_wild_frames_are_refused(recording):
     """Oracle: the limit of 5 %; a tenth of the frames is wrong."""
     share = _sums() + np.random.default_rng(1).normal(0, 1e-4, 1000)
     share[::10] += 0.3
-    with pytest.raises(EstimationError, match=r"100 of 1000 frames differ from their neighbours .* check rig.toml"):
+    with pytest.raises(EstimationError, match=r"10\d of 1000 frames differ from their neighbours .* check rig.toml"):
         pixel_sums.fit(recording(share), _model())
 
 

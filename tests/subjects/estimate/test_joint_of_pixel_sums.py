@@ -183,7 +183,7 @@ def test_minimum_and_errors_are_those_of_an_independent_minimiser(noisy):
     values, errors = np.array(minimiser.values), np.array(minimiser.errors)
     sure = [k for k, one in enumerate(shared) if one.name not in SHAPE[1:]]  # the corners' shape is no parabola
     assert np.all(np.abs(values[sure]) < 0.1)
-    np.testing.assert_allclose(errors[[0, 1]], 1.0, rtol=0.05)
+    np.testing.assert_allclose(errors[[0, 1]], 1.0, rtol=0.1)  # the corners pull at the delay through the memory
     turned = np.array([[U_ANGLE * (one.name.startswith("mask")) + U_EDGE * (one.name == f"cutout edge {k}") for one in shared]
                        for k in range(4)])  # fmt: skip
     turned = turned * np.sqrt(np.diag(found.combined().covariance))

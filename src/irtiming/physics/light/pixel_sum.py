@@ -14,7 +14,7 @@ corners too, over an angle that does not depend on the wheel's speed: at the rad
 its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import final
 
 import numpy as np
@@ -155,6 +155,22 @@ def shapes(passing: Passing) -> Shapes:
         blades=_blades(rings, wheel),
         beside=outer - inner,
     )
+
+
+def remembered(now: Shapes, before: Shapes, *, share: float) -> Shapes:
+    """Shapes as a frame shows them that holds a share of the frame before.
+
+    Parameters
+    ----------
+    now, before
+        At the time of each frame, and at that of the frame before it.
+    share
+        s of `physics.response.pixel_memory`.
+    """
+    mixed = {
+        one.name: (1 - share) * getattr(now, one.name) + share * getattr(before, one.name) for one in fields(Shapes)
+    }
+    return Shapes(**mixed)
 
 
 def slopes(

@@ -26,6 +26,7 @@ def _rows(kind, mode):
         row_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
         row_px=np.array([4.0, 90.0, 311.0]),
         angular_frequency_rad_per_s=OMEGA,
+        step_rad=OMEGA * 0.033,
     )
 
 
@@ -35,9 +36,9 @@ def _timing(kind, mode, **change):
 
 
 @pytest.mark.parametrize(("kind", "mode"), KINDS)
-def test_names_are_those_of_response_and_readout(kind, mode):
-    """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay."""
-    own = ("integration_time",) if kind == "photon" else ("time_constant",)
+def test_names_are_those_of_response_memory_and_readout(kind, mode):
+    """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay; each a share of the frame before."""
+    own = ("integration_time", "pixel_memory") if kind == "photon" else ("time_constant", "recursive_filter")
     assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, *(("row_delay",) if mode == "rolling" else ()))
 
 
@@ -49,8 +50,8 @@ def test_derivatives_are_those_of_differences(kind, mode):
     np.testing.assert_array_equal(whole, harmonics(rows, timing))
     assert found.shape == (len(rows.names), 3, M + 1)
     for name, slope in zip(rows.names, found, strict=True):
-        step = 1e-9 if name == "row_delay" else 1e-7
-        ahead, behind = (harmonics(rows, timing | {name: timing[name] + sign * step}) for sign in (1, -1))
+        step = {"row_delay": 1e-9, "pixel_memory": 1e-6, "recursive_filter": 1e-6}.get(name, 1e-7)
+        ahead, behind = (harmonics(rows, timing | {name: timing.get(name, 0.0) + sign * step}) for sign in (1, -1))
         numeric = (ahead - behind) / (2 * step)
         np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
 
