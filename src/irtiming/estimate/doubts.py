@@ -6,6 +6,7 @@ import numpy as np
 from scipy import stats
 
 from irtiming.physics.covariance import inverse
+from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit
@@ -217,10 +218,16 @@ def of_levels(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
         elif levels is not None and levels.sway > _SWAY:
             what = f"the levels sway by {levels.sway:.1%} of the contrast; {levels.n_numbers} numbers take it out"
             found.append(Finding(code="levels-sway", severity="info", recording=fit.name, what=what))
-        if abs(fit.blades) > max(_CONTRADICTS * fit.u_blades, _BLADES):
-            warmer = f"one blade of the wheel looks {abs(fit.blades):.2%} of the contrast warmer than the other: it is fitted"
-            found.append(Finding(code="blades-differ", severity="info", recording=fit.name, what=warmer))
+        found += _of_blades(fit.name, fit.blades, u=fit.u_blades)
     return tuple(found)
+
+
+def _of_blades(recording: str, share: float, *, u: float) -> list[Finding]:
+    """Where one blade is warmer beyond doubt, as a share of the contrast."""
+    if abs(share) <= max(_CONTRADICTS * u, _BLADES):
+        return []
+    warmer = f"one blade of the wheel looks {abs(share):.2%} of the contrast warmer than the other: it is fitted"
+    return [Finding(code="blades-differ", severity="info", recording=recording, what=warmer)]
 
 
 def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Finding, ...]:
@@ -246,6 +253,9 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
                 cure=f"their uncertainty was widened by up to {max(widened):.1f}",
             )
         )
+    for fit in fits:
+        if BLADE in fit.estimate:
+            doubts += _of_blades(fit.name, fit.estimate.value(BLADE), u=fit.estimate.u(BLADE))
     if "row_delay" not in fits[0].estimate:
         return tuple(doubts)
     row_delay = float(np.mean([fit.estimate.value("row_delay") for fit in fits]))

@@ -118,7 +118,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
         estimate=Estimate(
             names=names,
-            units=tuple(map(task.model.camera.unit, names)),
+            units=tuple(row_sum.unit(name, task.model.camera) for name in names),
             values=np.array([found.timing[name] for name in names]),
             covariance=covariance,
         ),

@@ -17,7 +17,7 @@ from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.inference.condensed import condensed
 from irtiming.inference.optimiser import Linearised, Minimum, minimise
 from irtiming.physics.light import row_sum
-from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, Timing
+from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, RowSum, Timing
 from irtiming.records.arrays import Array
 
 _COARSE = 20
@@ -197,7 +197,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
 def _by_phases(seen: Array, model: RowSum, *, sign: int, held: Timing) -> Timing:
     """Delay of all edges, and row delay if there is one, that give the rows' second harmonic (n_row,) its phases."""
     omega, readout = model.angular_frequency_rad_per_s, model.camera.readout.PARAMETERS
-    at_once = dict.fromkeys((*EDGE_DELAYS, *readout), 0.0) | dict(held)
+    at_once = dict.fromkeys((*EDGE_DELAYS, BLADE, *readout), 0.0) | dict(held)
     turned = sign * seen * row_sum.harmonics(model.lowest(2), at_once)[:, 2].conj()
     phase = np.angle(np.sum(turned))
     rows = np.angle(turned * np.exp(-1j * phase))

@@ -74,10 +74,6 @@ class Camera:
     memory: Memory
     readout: Readout
 
-    def unit(self, parameter: str) -> str:
-        """Of a parameter of a row sum: a share has none, all others are times."""
-        return "1" if parameter == self.memory.PARAMETER else "s"
-
     @property
     def n_harmonics(self) -> int:
         """Highest order that a fit of rows needs: twice as high in a snapshot, for what is beyond adds up over all rows."""

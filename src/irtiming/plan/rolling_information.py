@@ -13,7 +13,7 @@ from typing import TypeAlias, final
 
 import numpy as np
 
-from irtiming.inference.information import without_own
+from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.light import row_sum
@@ -158,6 +158,12 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
         the pixels' gains do to them is an error that stays.
     """
     normal, effect = normal_and_effect(run, model)
+    local = row_sum.timing_names(_kind(run.camera))
+    normal = (
+        Information(source=NOISE, names=local, matrix=normal, gradient=np.zeros(len(local)))
+        .without(row_sum.BLADE)
+        .matrix
+    )
     timing = _timing_design(run)
     n_own, n_shape, n_common = timing.shape[1], len(_SHAPE), len(angles.common)
     first_edge = n_own + n_shape + n_common
@@ -178,7 +184,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
 
 def timing_names(run: RollingRun) -> tuple[str, ...]:
     """What a run tells of its camera: the trigger delay, what response, memory and readout have."""
-    response, memory, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
+    response, memory, _, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
     return ("trigger_delay", *([] if run.knows_response else [response]), memory, *readout)
 
 
@@ -236,6 +242,7 @@ def _row_sums(run: RollingRun, model: WheelModel) -> tuple[RowSum, Timing]:
     )
     own = {
         rows.camera.memory.PARAMETER: 0.0,
+        row_sum.BLADE: 0.0,
         rows.camera.response.PARAMETER: _response_s(run.camera),
         "row_delay": run.camera.row_delay_s or 0.0,
     }

@@ -18,7 +18,11 @@ from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
-SIX_NAMES = tuple(name for name in timing_names(camera("microbolometer", "rolling")) if name != "recursive_filter")
+SIX_NAMES = tuple(
+    name
+    for name in timing_names(camera("microbolometer", "rolling"))
+    if name not in ("recursive_filter", "blade_share")
+)
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 KNOWN = Finding(code="known", severity="warning", what="told by the geometry")
 SIX = np.array([2.3e-3] * 4 + [6e-3, 60e-6])

@@ -46,13 +46,13 @@ def image(sector):
 
 
 def _row(run, y, numbers, shape=None):
-    """One row over 1000 even wheel angles, wave by wave: four delays, the response's number, the row delay."""
+    """One row over 1000 even wheel angles, wave by wave: four delays, the numbers of response, memory and blade, row delay."""
     omega, light = run.angular_frequency_rad_per_s, run.rows.harmonics[y] if shape is None else shape
     n = light.size - 1
     edges = wheel_harmonics.open_harmonics(MODEL, n)
     waves = sum(
-        edge * wheel_harmonics.later(omega * (delay + numbers[6] * run.rows.row_px[y]), n_harmonics=n)
-        for edge, delay in zip(edges, numbers[:4], strict=True)
+        step * edge * wheel_harmonics.later(omega * (delay + numbers[7] * run.rows.row_px[y]), n_harmonics=n)
+        for edge, delay, step in zip(edges, numbers[:4], (1, 1, 1 - numbers[6], 1 - numbers[6]), strict=True)
     )
     order = np.arange(n + 1) * omega
     if isinstance(run.camera, PhotonCamera):
@@ -69,15 +69,15 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     """Oracle: central differences of each row's 1000 samples; gain and offset of the row taken out by least squares."""
     run, rolls = replace(run, camera=camera), camera.row_delay_s is not None
     response_s = camera.integration_time_s if isinstance(camera, PhotonCamera) else camera.time_constant_s
-    at = np.array([0.0, 0, 0, 0, response_s, 0.0, camera.row_delay_s or 0.0])
-    steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-9])
-    k = 7 if rolls else 6
+    at = np.array([0.0, 0, 0, 0, response_s, 0.0, 0.0, camera.row_delay_s or 0.0])
+    steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-5, 1e-9])
+    k = 8 if rolls else 7
     normal, pull = np.zeros((k, k)), np.zeros((k, 9))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
             (_row(run, y, at + step * unit) - _row(run, y, at - step * unit)) / (2 * step)
-            for step, unit in zip(steps[:k], np.eye(7)[:k], strict=True)
+            for step, unit in zip(steps[:k], np.eye(8)[:k], strict=True)
         ]
         columns += [_row(run, y, at, shape=change) for change in run.rows.changes[:, y]]
         own = np.stack([np.ones(1000), _row(run, y, at)], axis=1)

@@ -6,9 +6,10 @@ factors on the harmonics:
 
 .. math:: F_{ym} = \sum_i o_{im}\, K_{ym}\, R_m\, G_m\, e^{i m \omega (d_i + t_y)}
 
-with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`R` the response, :math:`G` the memory over
-that part of it that was undone in the data, :math:`t_y` the time by which the row is read after row 0, and one delay :math:`d_i`
-per wheel edge, because the cutout's edges need not stand where the ring's do.
+with :math:`o_i` the step that wheel edge i makes (by the share b less for the two edges of a second blade that is warmer),
+:math:`K_y` the row's light, :math:`R` the response, :math:`G` the memory over that part of it that was undone in the data,
+:math:`t_y` the time by which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges
+need not stand where the ring's do.
 """
 
 from collections.abc import Mapping
@@ -24,8 +25,11 @@ from irtiming.records.arrays import Array, ComplexArray
 EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
 """Delays of row 0 as the passing of each wheel edge gives them."""
 
+BLADE = "blade_share"
+"""By how much the blade between edges 2 and 3 is warmer than the other one, over the contrast between that and the opening."""
+
 Timing: TypeAlias = Mapping[str, float]
-"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; those of the readout, s."""
+"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; BLADE; those of the readout, s."""
 
 
 @final
@@ -67,8 +71,13 @@ class RowSum:
 
 
 def timing_names(camera: Camera) -> tuple[str, ...]:
-    """Names of the parameters of a row sum: four edge delays, the response's, the memory's, those of the readout."""
-    return (*EDGE_DELAYS, camera.response.PARAMETER, camera.memory.PARAMETER, *camera.readout.PARAMETERS)
+    """Names of the parameters of a row sum: four edge delays, the response's, the memory's, the blade's, those of the readout."""
+    return (*EDGE_DELAYS, camera.response.PARAMETER, camera.memory.PARAMETER, BLADE, *camera.readout.PARAMETERS)
+
+
+def unit(parameter: str, camera: Camera) -> str:
+    """Of a parameter of a row sum: a share has none, all others are times."""
+    return "1" if parameter in (camera.memory.PARAMETER, BLADE) else "s"
 
 
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
@@ -87,14 +96,23 @@ def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray
     kept, kept_slope = _memory(rows, timing)
     by_response = bare * slope * kept * turned
     by_memory = bare * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n) * kept_slope * turned
+    by_blade = -_even_edges(rows, timing)[2:].sum(axis=0) * response.transfer(
+        omega, timing[response.PARAMETER], n_harmonics=n
+    )
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
     return np.asarray(edges.sum(axis=0) * turned), np.concatenate(
-        [by_edge, by_response[None], by_memory[None], by_readout]
+        [by_edge, by_response[None], by_memory[None], (by_blade * kept * turned)[None], by_readout]
     )
 
 
 def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
     """Steps of the wheel's edges as row 0 is read, without response; shape (4, M + 1)."""
+    second = 1 - timing.get(BLADE, 0.0)
+    return _even_edges(rows, timing) * np.array([1.0, 1.0, second, second])[:, None]
+
+
+def _even_edges(rows: RowSum, timing: Timing) -> ComplexArray:
+    """The same were both blades alike."""
     delays = np.array([timing[name] for name in EDGE_DELAYS])
     return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, harmonics, linearised
+from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, RowSum, harmonics, linearised
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
 
@@ -13,7 +13,10 @@ TURN = 2 * np.pi
 OMEGA = 5 * TURN
 MODEL = wheel_model((0.0, 1.58, 3.15, 4.7), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-91)))
 KINDS = [(kind, mode) for kind in ("photon", "microbolometer") for mode in ("snapshot", "rolling")]
-OWN = {"photon": {"integration_time": 9e-3}, "microbolometer": {"time_constant": 6e-3}}
+OWN = {
+    "photon": {"integration_time": 9e-3, "pixel_memory": 0.0, BLADE: 0.0},
+    "microbolometer": {"time_constant": 6e-3, "recursive_filter": 0.0, BLADE: 0.0},
+}
 M = 30
 
 
@@ -26,7 +29,7 @@ def _rows(kind, mode):
         row_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
         row_px=np.array([4.0, 90.0, 311.0]),
         angular_frequency_rad_per_s=OMEGA,
-        step_rad=OMEGA * 0.033,
+        step_rad=0.622,
     )
 
 
@@ -36,16 +39,17 @@ def _timing(kind, mode, **change):
 
 
 @pytest.mark.parametrize(("kind", "mode"), KINDS)
-def test_names_are_those_of_response_memory_and_readout(kind, mode):
-    """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay; each a share of the frame before."""
+def test_names_are_those_of_response_and_readout(kind, mode):
+    """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay; frames remember, blades differ."""
     own = ("integration_time", "pixel_memory") if kind == "photon" else ("time_constant", "recursive_filter")
-    assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, *(("row_delay",) if mode == "rolling" else ()))
+    assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, BLADE, *(("row_delay",) if mode == "rolling" else ()))
 
 
 @pytest.mark.parametrize(("kind", "mode"), KINDS)
 def test_derivatives_are_those_of_differences(kind, mode):
     """Oracle: central differences in each parameter."""
-    rows, timing = _rows(kind, mode), _timing(kind, mode)
+    shares = {BLADE: 0.02, ("pixel_memory" if kind == "photon" else "recursive_filter"): 0.07}
+    rows, timing = _rows(kind, mode), _timing(kind, mode, **shares)
     whole, found = linearised(rows, timing)
     np.testing.assert_array_equal(whole, harmonics(rows, timing))
     assert found.shape == (len(rows.names), 3, M + 1)
@@ -54,6 +58,23 @@ def test_derivatives_are_those_of_differences(kind, mode):
         ahead, behind = (harmonics(rows, timing | {name: timing.get(name, 0.0) + sign * step}) for sign in (1, -1))
         numeric = (ahead - behind) / (2 * step)
         np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
+
+
+def test_a_warmer_second_blade_is_seen_between_its_edges():
+    """Oracle: by hand; a point sees 1 when open, 0 behind the first blade, the share behind the second one; up to a constant."""
+    angle = np.linspace(0, TURN, 721)[:-1]
+    sharp = RowSum(
+        camera=camera("photon", "snapshot"), open_harmonics=open_harmonics(MODEL, 400), row_harmonics=np.ones((1, 401), complex),
+        row_px=np.zeros(1), angular_frequency_rad_per_s=OMEGA, step_rad=0.622,
+    )  # fmt: skip
+    timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {"integration_time": 0.0, "pixel_memory": 0.0, BLADE: 0.1}
+    seen = at_angles(harmonics(sharp, timing)[0], angle)
+    phase = np.mod(MODEL.opening_coordinate_rad + angle, TURN)
+    edges = MODEL.cutout_edges_rad
+    expected = np.where((phase > edges[1]) & (phase < edges[2]) | (phase > edges[3]), 1.0, 0.0)
+    expected[(phase > edges[2]) & (phase < edges[3])] = 0.1
+    away = np.min([np.abs(np.mod(phase - edge + np.pi, TURN) - np.pi) for edge in edges], axis=0) > 0.1
+    np.testing.assert_allclose((seen - seen.mean())[away], (expected - expected.mean())[away], atol=0.02)
 
 
 def _scene(rows, k, timing):
