@@ -81,7 +81,9 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
     changes = {id(view): _changes(view, recordings, fits=fits, model=bare, rig=rig) for view in views}
     fits = tuple(
-        row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
+        row_fit.with_shape_effect(
+            fit, one, wheel=bare, light=view.light, changes=changes[id(view)][0], products=changes[id(view)][1]
+        )
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
     seen = tuple(
@@ -178,11 +180,12 @@ def _seen(
 
 def _changes(
     view: _View, recordings: Sequence[ReducedRecording], *, fits: Sequence[RowTimingFit], model: WheelModel, rig: Rig
-) -> ComplexArray:
-    """Derivatives of the light to the sector's numbers."""
+) -> tuple[ComplexArray, ComplexArray]:
+    """Derivatives of the light to the sector's numbers, and what errors of two of them do together."""
     members = _seen(recordings, view.members, fits=fits)
     varied = sector_fit.variations(members, model, rig=rig, timing=view.timing, found=view.sector)
-    return row_light.changes(view.light, varied)
+    crossed = sector_fit.products(members, model, rig=rig, timing=view.timing, found=view.sector)
+    return row_light.changes(view.light, varied), row_light.products(view.light, crossed, sector=view.sector)
 
 
 def _mean(timings: list[dict[str, float]]) -> Timing:

@@ -82,8 +82,9 @@ def fit(
 
 
 def with_shape_effect(
-    found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
-) -> RowTimingFit:
+    found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray,
+    products: ComplexArray | None = None,
+) -> RowTimingFit:  # fmt: skip
     """A fit that knows what its numbers owe to each number of the sector: one linear step.
 
     Parameters
@@ -92,11 +93,17 @@ def with_shape_effect(
         The fit and what it was made of.
     changes
         Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
+    products
+        What errors of two of them do to it together, shape (n_product, n_row, M + 1); see `row_light.products`.
     """
     with one_thread():
         task = _task(rows, wheel, light, undone=found.undone)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
-        return replace(found, shape_effect=_shape_effect(task, at, changes))
+        return replace(
+            found,
+            shape_effect=_shape_effect(task, at, changes),
+            product_effect=None if products is None else _shape_effect(task, at, products),
+        )
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:

@@ -50,6 +50,17 @@ class Variation:
     distance: float
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Product:
+    """`Variation` of the number ``second`` with the number ``first`` one standard uncertainty larger and smaller."""
+
+    larger: Variation
+    smaller: Variation
+    first: str
+    second: str
+
+
 def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight:
     """Light of the rows.
 
@@ -92,6 +103,31 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
         return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
 
     return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
+
+
+def products(light: RowLight, crossed: Sequence[Product], *, sector: SectorFit) -> ComplexArray:
+    """What errors of two numbers of the sector do to the light together, per standard uncertainty of their product.
+
+    Parameters
+    ----------
+    light
+        Of the rows.
+    crossed
+        From `sector_fit.products`.
+    sector
+        Tells the uncertainties; that of a product of two errors is from GUM 5.1.2, note.
+
+    Returns
+    -------
+    Shape (n_product, n_row, M + 1).
+    """
+    found = np.zeros((len(crossed), *light.harmonics.shape), complex)
+    for k, one in enumerate(crossed):
+        at = sector.names.index(one.first), sector.names.index(one.second)
+        u, other = sector.u(one.first), sector.u(one.second)
+        larger, smaller = changes(light, [one.larger, one.smaller])
+        found[k] = (larger - smaller) / (2 * u) * np.hypot(u * other, sector.covariance[at])
+    return found
 
 
 def shape_of(

@@ -23,7 +23,7 @@ from scipy.optimize import OptimizeResult, least_squares
 from irtiming.errors import EstimationError
 from irtiming.estimate import lens_knowledge, sector_image
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
 from irtiming.estimate.sector_image import NUMBERS, Look, SeenContrast, View
 from irtiming.physics import blurred_sector, lens
 from irtiming.physics.camera import camera
@@ -243,15 +243,44 @@ def variations(
     One for each number of the shape, in the order of its covariance.
     """
     images = _images(recordings, wheel, rig=rig, timing=timing, known=found)
-    numbers = _numbers(found)
-    varied = []
-    for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True):
-        ahead, behind = (
-            replace(found, **_light(images.contrast(moved), moved, view=images.view))
-            for moved in (numbers | {name: numbers[name] + way * step} for way in (1, -1))
-        )
-        varied.append(Variation(ahead=ahead, behind=behind, distance=2 * step))
-    return tuple(varied)
+    return tuple(
+        _varied(images, found, _numbers(found), name=name, step=step)
+        for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True)
+    )
+
+
+def products(
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, found: SectorFit
+) -> tuple[Product, ...]:
+    """Pairs of numbers of the shape that act by their product: a lens that is off its centre moves what it distorts.
+
+    Where both are near zero the derivatives say nothing of it. Parameters as for `fit`, which gave ``found``.
+
+    Returns
+    -------
+    One for each pair of which neither number is known; `Variation` of the second with the first one standard uncertainty larger
+    and smaller.
+    """
+    u = found.u("distortion") if "distortion" in found.names else 0.0
+    if u == 0:
+        return ()
+    images, numbers = _images(recordings, wheel, rig=rig, timing=timing, known=found), _numbers(found)
+    bent = [numbers | {"distortion": numbers["distortion"] + way * u} for way in (1, -1)]
+    made = []
+    for axis in ("lens_row_px", "lens_column_px"):
+        if axis in found.names and found.u(axis) > 0:
+            step = found.u(axis)
+            larger, smaller = (_varied(images, found, one, name=axis, step=step) for one in bent)
+            made.append(Product(larger=larger, smaller=smaller, first="distortion", second=axis))
+    return tuple(made)
+
+
+def _varied(images: _Images, found: SectorFit, numbers: Mapping[str, float], *, name: str, step: float) -> Variation:
+    ahead, behind = (
+        replace(found, **_light(images.contrast(moved), moved, view=images.view))
+        for moved in ({**numbers, name: numbers[name] + way * step} for way in (1, -1))
+    )
+    return Variation(ahead=ahead, behind=behind, distance=2 * step)
 
 
 def _images(

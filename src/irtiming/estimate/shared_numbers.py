@@ -200,7 +200,26 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
             errors.append(
                 SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=source, kind="A")
             )
+        errors += _image_products(g, fits, [own is sector for own in sectors])
     return errors
+
+
+def _image_products(g: int, fits: Sequence[RecordingFit], is_own: Sequence[bool]) -> list[SharedNumber]:
+    """What errors of two numbers of sector ``g`` do together: a lens that is off its centre moves what it distorts."""
+    by_fit = [
+        np.zeros((len(fit.estimate.names), 0)) if fit.product_effect is None or not own else fit.product_effect
+        for fit, own in zip(fits, is_own, strict=True)
+    ]
+    made = []
+    for m in range(max(effect.shape[1] for effect in by_fit)):
+        effects = [
+            dict(zip(fit.estimate.names, effect[:, m].tolist(), strict=True)) if effect.shape[1] > m else {}
+            for fit, effect in zip(fits, by_fit, strict=True)
+        ]
+        made.append(
+            SharedNumber(name=f"image {g} product {m}", unit="1", effects=effects, u=1.0, source=CAMERA, kind="A")
+        )
+    return made
 
 
 def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:

@@ -247,7 +247,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         sectors=rows.sectors,
         fits=rows.fits,
         exact=tuple(
-            _exact(_of_both_blades(fit), model, names=names).widened(float(scale) * fit.widening)
+            _exact(fit.holding(row_sum.BLADE), model, names=names).widened(float(scale) * fit.widening)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
         found=_by_file(found, recordings),
@@ -273,7 +273,7 @@ def of_row_fits(
     rig
         What else is known of the rig.
     """
-    whole, fits = fits, [_of_both_blades(fit) for fit in fits]
+    whole, fits = fits, [fit.holding(row_sum.BLADE) for fit in fits]
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
     own = _of_camera(fits, first, blackbodies=blackbodies)
@@ -310,16 +310,6 @@ def of_row_fits(
     return Combination(
         joint=found, joint_fit=record, result=replace(result, effective=effective), profiled=reported.profiled
     )
-
-
-def _of_both_blades(fit: RowTimingFit) -> RowTimingFit:
-    """The fit with its second blade, which is the recording's own, as it was found: what is left is common to all recordings."""
-    if row_sum.BLADE not in fit.estimate:
-        return fit
-    names = [name for name in fit.estimate.names if name != row_sum.BLADE]
-    at = [fit.estimate.names.index(name) for name in names]
-    held = {name: fit.timing[name] for name in (*fit.held, row_sum.BLADE)}
-    return replace(fit, estimate=fit.estimate.pick(*names), shape_effect=fit.shape_effect[at], held=held)
 
 
 def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:

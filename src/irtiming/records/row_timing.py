@@ -1,7 +1,7 @@
 """What the exact model of a rolling microbolometer camera is made of, and what its fit gives for one recording."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -182,6 +182,8 @@ class RowTimingFit:
     shape_names, shape_effect
         Numbers of the sector's shape; change of each fitted number per unit of each of them, shape (k, n_shape), in the order
         of ``estimate.names``.
+    product_effect
+        Shape (k, n_product); what errors of two numbers of the shape do together, per standard uncertainty of their product.
     row_px
         Shape (n_row,); rows that were fitted.
     wheel_angle_rad
@@ -222,11 +224,26 @@ class RowTimingFit:
     gain_dn: Array
     widening: float
     blackbody_temperature_k: float | None = None
+    product_effect: Array | None = None
 
     @property
     def timing(self) -> dict[str, float]:
         """All numbers of the model by name, fitted or held, s."""
         return dict(zip(self.estimate.names, map(float, self.estimate.values), strict=True)) | dict(self.held)
+
+    def holding(self, name: str) -> "RowTimingFit":
+        """The same with a number, such as one that is this recording's own, held where it was found."""
+        if name not in self.estimate:
+            return self
+        names = [other for other in self.estimate.names if other != name]
+        at = [self.estimate.names.index(other) for other in names]
+        return replace(
+            self,
+            estimate=self.estimate.pick(*names),
+            shape_effect=self.shape_effect[at],
+            product_effect=None if self.product_effect is None else self.product_effect[at],
+            held={**self.held, name: self.timing[name]},
+        )
 
     @property
     def edge_delay_s(self) -> Array:
