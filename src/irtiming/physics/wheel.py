@@ -25,10 +25,10 @@ over the integration window (eq. 1). So only the first and second integrals of t
 """
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
-from numba import vectorize
+from numba import njit, vectorize
 
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Array
@@ -108,11 +108,6 @@ def _open_arc(alpha: Array, edges: EdgeAngles) -> Array:
 def _open_arc_integral(alpha: Array, edges: EdgeAngles) -> Array:
     """Integral of the open arc over alpha, rad^2."""
     return alpha**2 / 2 + sum(s * _passages_twice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
-
-
-def _second_blade_arc(alpha: Array, edges: EdgeAngles) -> Array:
-    """Part of the arc from 0 to alpha that the blade between edges 2 and 3 covers, rad, up to a constant."""
-    return _passages(alpha, edges[2]) - _passages(alpha, edges[3])
 
 
 def _opening_ends(wheel_angle_rad: Array, model: WheelModel) -> tuple[Array, Array]:
@@ -224,19 +219,32 @@ def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> P
     to the angle by which edge i comes earlier, EDGE_SIGNS[i] times ``passed[i]``; to the sweep, with the window's middle kept,
     ``ends_rad`` less ``arc_rad`` over the sweep.
     """
-    end = coordinate_rad + sweep_rad
-    ends = _open_arc(coordinate_rad, edges) + _open_arc(end, edges)
-    arc = _open_arc_integral(end, edges) - _open_arc_integral(coordinate_rad, edges)
-    passed = [_passages(end, edge) - _passages(coordinate_rad, edge) for edge in edges]
-    blade_ends = _second_blade_arc(coordinate_rad, edges) + _second_blade_arc(end, edges)
-    twice = [_passages_twice(end, edge) - _passages_twice(coordinate_rad, edge) for edge in edges[2:]]
+    points = np.ascontiguousarray(coordinate_rad, dtype=float)
+    averages = _at_points(points.ravel(), np.array(edges), sweep_rad).reshape(8, *points.shape)
+    arc, ends, blade_arc, blade_ends, *passed = averages
     return PointAverage(
-        arc_rad=arc / sweep_rad,
-        ends_rad=ends / 2,
-        blade_arc_rad=(twice[0] - twice[1]) / sweep_rad,
-        blade_ends_rad=blade_ends / 2,
-        passed=np.stack(passed) / sweep_rad,
+        arc_rad=arc, ends_rad=ends, blade_arc_rad=blade_arc, blade_ends_rad=blade_ends, passed=np.array(passed)
     )
+
+
+@njit(cache=True, nogil=True)
+def _at_points(start: Array, edges: Array, sweep: float) -> Any:
+    """Open arc, its ends, arc of the second blade, its ends, and passages of the four edges, shape (8, n)."""
+    out = np.empty((8, start.size))
+    for k in range(start.size):
+        first, last = start[k], start[k] + sweep
+        arc, ends = (last**2 - first**2) / 2, first + last
+        blade_arc, blade_ends, sign = 0.0, 0.0, -1.0
+        for i in range(4):
+            before, after = _passages(first, edges[i]), _passages(last, edges[i])
+            twice = _passages_twice(last, edges[i]) - _passages_twice(first, edges[i])
+            arc, ends = arc + sign * twice, ends + sign * (before + after)
+            if i >= 2:
+                blade_arc, blade_ends = blade_arc - sign * twice, blade_ends - sign * (before + after)
+            out[4 + i, k] = (after - before) / sweep
+            sign = -sign
+        out[0, k], out[1, k], out[2, k], out[3, k] = arc / sweep, ends / 2, blade_arc / sweep, blade_ends / 2
+    return out
 
 
 def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
