@@ -112,6 +112,7 @@ def test_a_file_of_timestamps_gives_them_back(tmp_path, lost):
     )
     assert {field.name: ticks.tolist() for field, ticks in found.streams.items()} == {
         "camera_trigger": [1000 * k + 5 for k in range(40)],
+        "camera_trigger_delayed": [1000 * k + 105 for k in range(40)],
         "control_slot": [100 * k for k in range(40)],
         "application_slot": [500 * k for k in range(40)],
         "application_edges": [250 * k for k in range(40)],

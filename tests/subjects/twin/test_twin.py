@@ -104,7 +104,8 @@ def test_truth_is_flat_and_complete() -> None:
     assert isinstance(slots, list)
     assert slots[25] == pytest.approx(math.pi / 2)
     assert (truth["wheel_centre_row_px"], truth["wheel_centre_column_px"]) == (255.5, 319.5)
-    assert all(isinstance(value, str | float | list) for value in truth.values())
+    assert all(isinstance(value, str | float | bool | int | list) for value in truth.values())
+    assert all(isinstance(entry, float) for value in truth.values() if isinstance(value, list) for entry in value)
 
 
 def test_series_visits_every_delay_with_one_rig(short: Scene) -> None:
