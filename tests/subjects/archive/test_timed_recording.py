@@ -57,6 +57,25 @@ def test_a_recording_may_lack_its_timestamps(gone, hand_made, tmp_path):
     assert np.array_equal(reader.read(out).camera_trigger_ticks, _ticks().streams[layout.CAMERA_TRIGGER])
 
 
+BESIDE = (layout.CAMERA_TRIGGER_DELAYED, layout.CAMERA_INPUT)
+
+
+def test_delayed_triggers_and_what_the_camera_sent_back_are_never_of_the_old_clock(hand_made, tmp_path):
+    """Oracle: streams that the frames' file has vanish unless the timestamps bring their own, as for all ticks."""
+    source = hand_made(lambda file: [file.__setitem__(field.path, np.arange(20)) for field in BESIDE])
+    write_timed(source, tmp_path / "without.nxs", ticks=_ticks())
+    brought = {**_ticks().streams, **{field: np.arange(7) + CLOCK_HZ for field in BESIDE}}
+    write_timed(source, tmp_path / "with.nxs", ticks=CapturedTicks(clock_frequency_hz=CLOCK_HZ, streams=brought))
+    np.save(tmp_path / "frames.npy", np.zeros((20, 4, 5), dtype=np.uint16))
+    ticks = CapturedTicks(clock_frequency_hz=CLOCK_HZ, streams=brought)
+    write_timed(tmp_path / "frames.npy", tmp_path / "arrays.nxs", ticks=ticks, facts=FACTS)
+    without, *both = (reader.read(tmp_path / f"{name}.nxs") for name in ("without", "with", "arrays"))
+    assert (without.camera_trigger_delayed_ticks, without.camera_input_ticks) == (None, None)
+    for found in both:
+        assert found.camera_trigger_delayed_ticks.tolist() == brought[layout.CAMERA_TRIGGER_DELAYED].tolist()
+        assert found.camera_input_ticks.tolist() == brought[layout.CAMERA_INPUT].tolist()
+
+
 def test_periods_that_are_no_whole_ticks_of_the_new_clock_are_left_out(hand_made, tmp_path):
     """Oracle: by hand; 1 622 016 ticks of 49.152 MHz are 330 000.1 and so on of a clock of 10.000003 MHz."""
     ticks = _ticks()

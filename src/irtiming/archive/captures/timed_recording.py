@@ -27,7 +27,11 @@ from irtiming.records.recording import USUAL_READOUT, CameraType, NonuniformityR
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
 
-_REPLACED = (layout.CLOCK_FREQUENCY, layout.CAMERA_PERIOD, layout.WHEEL_PERIOD, layout.LOST_AFTER, *STREAMS)
+_REPLACED = (
+    layout.CLOCK_FREQUENCY, layout.CAMERA_PERIOD, layout.WHEEL_PERIOD, layout.LOST_AFTER, layout.CAMERA_TRIGGER_DELAYED,
+    layout.CAMERA_INPUT, *STREAMS,
+)  # fmt: skip
+"""What is in ticks: of the old clock it means nothing beside the new one."""
 _ARRAYS = ("frames", "low", "high", "frame_number")
 
 
@@ -176,6 +180,8 @@ def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
         control_slot_ticks=ticks.streams[layout.CONTROL_SLOT],
         application_slot_ticks=ticks.streams[layout.APPLICATION_SLOT],
         application_edge_ticks=ticks.streams.get(layout.APPLICATION_EDGES),
+        camera_trigger_delayed_ticks=ticks.streams.get(layout.CAMERA_TRIGGER_DELAYED),
+        camera_input_ticks=ticks.streams.get(layout.CAMERA_INPUT),
         spare_ticks=ticks.streams.get(layout.SPARE),
         lost_after_ticks=ticks.streams.get(layout.LOST_AFTER),
         rotation_speed_hz=facts.rotation_speed_hz,
