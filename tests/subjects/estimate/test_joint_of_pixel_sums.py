@@ -172,18 +172,30 @@ def _minuit(models, shared, found):
     return minimiser
 
 
-def test_minimum_and_errors_are_those_of_an_independent_minimiser(noisy):
-    """Oracle: iminuit's MIGRAD and HESSE on the deviance written out, numerical derivatives, all numbers free."""
+def test_minimum_is_that_of_an_independent_minimiser(noisy):
+    """Oracle: iminuit's MIGRAD on the deviance written out, numerical derivatives, all numbers free."""
     models, shared, found = noisy
     minimiser = _minuit(models, shared, found)
     minimiser.migrad()
-    minimiser.hesse()
     assert minimiser.fval <= found.found.at.deviance + 1e-6
     assert minimiser.fval == pytest.approx(found.found.at.deviance, abs=0.3)
-    values, errors = np.array(minimiser.values), np.array(minimiser.errors)
+    values = np.array(minimiser.values)
     sure = [k for k, one in enumerate(shared) if one.name not in SHAPE[1:]]  # the corners' shape is no parabola
     assert np.all(np.abs(values[sure]) < 0.1)
-    np.testing.assert_allclose(errors[[0, 1]], 1.0, rtol=0.1)  # the corners pull at the delay through the memory
+
+
+def test_errors_are_those_of_an_independent_minimiser(recordings, geometry):
+    """Oracle: iminuit's HESSE on the deviance written out, all numbers free.
+
+    The noise is stated, but the sums have none: a second derivative holds the drawn noise times the model's own curvature, which
+    in the few frames with corners is a tenth of it, and the information, its mean over all draws, does not.
+    """
+    models, shared, _ = _given(recordings((3.0, 8.0)), geometry, 2e-5)
+    found = joint.fit(models, shared)
+    minimiser = _minuit(models, shared, found)
+    minimiser.migrad()
+    minimiser.hesse()
+    np.testing.assert_allclose(np.array(minimiser.errors)[[0, 1]], 1.0, rtol=0.05)
     turned = np.array([[U_ANGLE * (one.name.startswith("mask")) + U_EDGE * (one.name == f"cutout edge {k}") for one in shared]
                        for k in range(4)])  # fmt: skip
     turned = turned * np.sqrt(np.diag(found.combined().covariance))

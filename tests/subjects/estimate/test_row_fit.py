@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import row_fit, row_light
-from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.inference.optimiser import minimise
 from irtiming.physics import blurred_sector
 from irtiming.physics.response.first_order_lag import HARMONICS
@@ -185,14 +185,15 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
     """Oracle: the fit with the light of a sector that is wrong by a little, number by number, both ways."""
     rows = _noisy(exact, _white(15.0), seed=3)
     numbers = np.array([getattr(camera.shape, name) for name in SHAPE_NUMBERS])
-    steps = [{"rad": 1e-4, "ion": 1e-3}.get(name[-3:], 4e-3) for name in SHAPE_NUMBERS]
-    wrong = [[_light_of(numbers + sign * step * (np.arange(len(steps)) == k), light, camera) for sign in (1, -1)]
-             for k, step in enumerate(steps)]  # fmt: skip
-    changes = np.array([(a.harmonics - b.harmonics) / (2 * step) for (a, b), step in zip(wrong, steps, strict=True)])
+    wrong = [[_light_of(numbers + sign * step * (np.arange(numbers.size) == k), light, camera) for sign in (1, -1)]
+             for k, step in enumerate(SHAPE_STEPS)]  # fmt: skip
+    changes = np.array(
+        [(a.harmonics - b.harmonics) / (2 * step) for (a, b), step in zip(wrong, SHAPE_STEPS, strict=True)]
+    )
     fit = row_fit.fit(rows, camera.model, light=light)
     fit = row_fit.with_shape_effect(fit, rows, wheel=camera.model, light=light, changes=changes)
     u = np.sqrt(np.diag(fit.estimate.covariance))
-    for k, step in enumerate(steps):
+    for k, step in enumerate(SHAPE_STEPS):
         moved = [_six(row_fit.fit(rows, camera.model, light=one, start=fit)) for one in wrong[k]]
         slope = (moved[0] - moved[1]) / (2 * step)
         np.testing.assert_allclose(

@@ -178,16 +178,19 @@ def test_correlated_residuals_say_so_much_less(recordings, geometry, widening):
 
 
 def test_noise_counts_its_degrees_of_freedom(recordings, geometry):
-    """Oracle: by hand; four delays, the opening, and five numbers of the recording's own are ten."""
+    """Oracle: by hand; four delays, opening and memory, and seven numbers of the recording's own are thirteen.
+
+    The seven are covered level and its drift, step, skew, plate, and blades before opening and border.
+    """
     (one,) = recordings((3.0,), noise=2e-5)
     fit = pixel_sums.fit(one, geometry.model)
-    assert fit.noise == pytest.approx(np.sqrt(fit.residual @ fit.residual / (fit.residual.size - 10)), rel=1e-9)
+    assert fit.noise == pytest.approx(np.sqrt(fit.residual @ fit.residual / (fit.residual.size - 13)), rel=1e-9)
     assert fit.noise == pytest.approx(2e-5, rel=0.15)
     alone = pixel_sums.pixel_sums(one, geometry.model)
     given = replace(alone, kept=fit.kept, noise=fit.noise * fit.step, radii=pixel_sum.Radii())
     numbers = dict(zip(fit.estimate.names, fit.estimate.values, strict=True))
     numbers |= {"integration_time": WINDOW, "lean_low": 0.0, "lean_high": 0.0}
-    jacobian = given.at(numbers).jacobian[:, :5]
+    jacobian = given.at(numbers).jacobian[:, :6]
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
     np.testing.assert_allclose(fit.estimate.covariance, white * fit.widening, rtol=1e-3)
