@@ -101,7 +101,9 @@ def draw(kind: Kind, seed: int) -> SimulatedRig:
     )
     rig = twin.draw(nominal(kind, seed), seed=seed, tolerances=tolerances)
     told = np.random.default_rng([seed, 6]).normal(rig.scene.optics.distortion, U_DISTORTION)
-    lens = CameraOptics(distortion=Measured(float(told), U_DISTORTION))
+    detector = rig.scene.detector
+    per_width = detector.columns**2 / (detector.rows**2 + detector.columns**2)  # rig.toml has it over half the width
+    lens = CameraOptics(distortion=Measured(float(told) * per_width, U_DISTORTION * per_width))
     return replace(rig, measured=replace(rig.measured, camera=lens))
 
 

@@ -48,7 +48,9 @@ def stated(rig: SimulatedRig, u: float | None, seed: int) -> Rig:
     if u is None:
         return rig.measured
     value = rig.scene.optics.distortion + u * float(np.random.default_rng([seed, 9]).standard_normal())
-    return replace(rig.measured, camera=CameraOptics(distortion=Measured(value, u)))
+    detector = rig.scene.detector
+    per_width = detector.columns**2 / (detector.rows**2 + detector.columns**2)  # rig.toml has it over half the width
+    return replace(rig.measured, camera=CameraOptics(distortion=Measured(value * per_width, u * per_width)))
 
 
 def truth(scene: Scene) -> dict[str, float]:

@@ -163,8 +163,8 @@ class _Camera(Part):
         None,  # beyond these limits one number does not describe a lens
         ge=-0.14,
         le=0.5,
-        description="k in r_d = r_u (1 + k r_u^2), in half diagonals of the image",
-        json_schema_extra={"hint": ": k in r_d = r_u (1 + k r_u^2), in half diagonals of the image"},
+        description="k in r_d = r_u (1 + k r_u^2), in half widths of the image",
+        json_schema_extra={"hint": ": k in r_d = r_u (1 + k r_u^2), in half widths of the image"},
     )
     distortion_u: Uncertainty = 0.0
     integration_time_u_us: Uncertainty | None = Field(
@@ -403,7 +403,7 @@ def _latency_lines(latency: Latency) -> list[str]:
 def _camera_lines(camera: CameraOptics) -> list[str]:
     u_s = camera.integration_time_u_s
     return [
-        *([] if camera.distortion == CameraOptics().distortion else _plain_lines("distortion", camera.distortion)),
+        *([] if camera.distortion is None else _plain_lines("distortion", camera.distortion)),
         *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / _SI['us'])}"]),
         *_lens_lines(camera),
     ]

@@ -12,6 +12,8 @@ from typing import final
 
 import numpy as np
 
+from irtiming.errors import GeometryError
+from irtiming.physics import lens
 from irtiming.records.arrays import Array
 from irtiming.records.rig import CameraOptics, LensCalibration, Measured
 from irtiming.records.row_timing import LensTerms
@@ -19,6 +21,7 @@ from irtiming.records.row_timing import LensTerms
 LENS_NUMBERS = ("distortion", "log_focal_length", "lens_row_px", "lens_column_px")
 """Numbers of the sector's shape of which something is known beforehand."""
 
+_USUAL_DISTORTION = Measured(0.0, 0.05)  # few lenses exceed twice that, over half a diagonal
 _TILT_U_RAD = math.radians(1.2)
 _CENTRE_U = 0.02  # of the image's width
 _FOCAL_LENGTH, _FOCAL_LENGTH_U = math.log(5.0), math.log(2.5)  # half diagonals
@@ -74,7 +77,7 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
             known=known | {"distortion": _in_half_diagonals(calibration, unit)}, terms=_terms(calibration, unit)
         )
     known = {
-        "distortion": camera.distortion,
+        "distortion": _as_stated(camera, image=image),
         "log_focal_length": Measured(_FOCAL_LENGTH, _FOCAL_LENGTH_U),
         "lens_row_px": Measured(0.0, _CENTRE_U * image[1]),
         "lens_column_px": Measured(0.0, _CENTRE_U * image[1]),
@@ -96,6 +99,21 @@ def _placed(
         for name, size, one in zip(("lens_column_px", "lens_row_px"), (image[1], image[0]), centre_px, strict=True):
             found[name] = Measured(one.value - (size - 1) / 2, one.standard_uncertainty)
     return found
+
+
+def _as_stated(camera: CameraOptics, *, image: tuple[int, ...]) -> Measured:
+    """Distortion over half a diagonal, of that over half the image's width as rig.toml has it; or what lenses have."""
+    if camera.distortion is None:
+        return _USUAL_DISTORTION
+    scale = (math.hypot(*image) / image[1]) ** 2
+    k = Measured(camera.distortion.value * scale, camera.distortion.standard_uncertainty * scale)
+    if not lens.LOWEST <= k.value <= lens.HIGHEST:
+        lowest, highest = lens.LOWEST / scale, lens.HIGHEST / scale
+        raise GeometryError(
+            f"[camera] distortion = {camera.distortion.value:g} is not that of a lens that shows all of an image of "
+            f"{image[0]} x {image[1]} pixels; it must be from {lowest:.3f} to {highest:.3f}: k1 over half the image's width"
+        )
+    return k
 
 
 def _in_half_diagonals(calibration: LensCalibration, unit: float) -> Measured:

@@ -103,7 +103,7 @@ class LensCalibration:
 @final
 @dataclass(frozen=True, kw_only=True)
 class CameraOptics:
-    """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half diagonals of the image.
+    """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half widths of the image.
 
     Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
     ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where nobody knows
@@ -111,7 +111,7 @@ class CameraOptics:
     holds all of these, and then stands alone.
     """
 
-    distortion: Measured = Measured(0.0, 0.05)
+    distortion: Measured | None = None
     integration_time_u_s: float | None = None
     lens_centre_px: tuple[Measured, Measured] | None = None
     focal_length_px: Measured | None = None

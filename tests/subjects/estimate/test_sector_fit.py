@@ -146,11 +146,17 @@ def test_a_slit_is_no_sector(brute_bolometer, brute_rows, rig_with):
         sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, rig=rig_with(), timing=AT_ONCE)
 
 
+def _over_half_width(k, camera):
+    """Distortion over half a diagonal, as rig.toml states it: over half the image's width."""
+    scale = camera.columns**2 / (camera.rows**2 + camera.columns**2)
+    return Measured(k.value * scale, k.standard_uncertainty * scale)
+
+
 @pytest.mark.parametrize("known", [None, Measured(-0.08, 0.01)])
 def test_the_lens_is_told_by_an_axle_far_from_the_middle(brute_bolometer, lag, brute_rows, rig_with, known):
     """Oracle: the lens through which the light was placed; all numbers within four uncertainties, whatever rig.toml says."""
     bent = brute_bolometer(offset=(0.35, -0.25), distortion=-0.08)
-    rig = rig_with() if known is None else rig_with(distortion=known)
+    rig = rig_with() if known is None else rig_with(distortion=_over_half_width(known, bent))
     found = _twice(brute_rows(bent, noise_dn=6.0, seed=3), bent, lag, rig=rig)
     assert np.all(np.abs(_pulls(found, bent)) < 4)
     assert np.sqrt(found.covariance[9, 9]) < 0.01
@@ -161,7 +167,7 @@ def test_a_lens_that_the_image_does_not_tell_is_as_rig_toml_states(brute_bolomet
     """Oracle: an axle and mask in the middle of the image, round which a lens changes radii alone; the prior stays."""
     round_it = brute_bolometer(rows=65, columns=65, axle=(32.0, 32.0))
     rows = brute_rows(round_it, noise_dn=6.0, seed=3)
-    stated = Measured(-0.03, 0.02)
+    stated = _over_half_width(Measured(-0.03, 0.02), round_it)
     found = _twice(rows, round_it, lag, rig=rig_with(distortion=stated))
     assert found.shape.distortion == pytest.approx(-0.03, abs=0.01)
     u = np.sqrt(np.diag(found.covariance))

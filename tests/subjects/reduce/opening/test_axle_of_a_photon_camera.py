@@ -97,7 +97,9 @@ def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, disto
 
 def test_a_lens_that_rig_toml_states_is_taken(reduced, paper_camera):
     """Oracle: the number stated, with an uncertainty far below what the frames tell."""
-    view = reduced(paper_camera(distortion=-0.05), lens=Measured(-0.05, 1e-4)).axle
+    view = reduced(
+        paper_camera(distortion=-0.05), lens=Measured(-0.05 * 0.64, 1e-4 * 0.64)
+    ).axle  # 4 : 3, over half the width
     assert view.distortion == pytest.approx(-0.05, abs=2e-4)
     assert view.u_distortion == pytest.approx(1e-4, rel=0.1)
     assert view.row_px == pytest.approx(48.0, abs=0.05)
