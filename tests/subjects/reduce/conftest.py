@@ -199,7 +199,7 @@ def recorded() -> Callable[..., Recording]:
 
 @dataclass(frozen=True, kw_only=True)
 class PaperCamera:
-    """Mask and wheel as an image: the opening is rendered once with 8 x 8 points a pixel, frames by the angle of each."""
+    """Mask and wheel as an image: the opening is rendered once with sub x sub points a pixel, frames by the angle of each."""
 
     rows: int = 60
     columns: int = 80
@@ -219,6 +219,7 @@ class PaperCamera:
     delay_s: float = 4e-4
     integration_s: float = 250e-6
     sub: int = 8
+    n_angles: int = 1440
     distortion: float = 0.0
 
     def beside_axle(self, row, column):
@@ -248,11 +249,11 @@ class PaperCamera:
         through = (radius > self.radii[0]) & (radius < self.radii[1]) & (np.abs(beside) < self.opening_rad / 2)
         return row, column, through
 
-    def light_by_angle(self, n_angles=1440):
+    def light_by_angle(self):
         """Blurred light of each pixel by wheel coordinate at theta = 0: shape (angle, row, column), sums to the opening."""
         from scipy import ndimage
 
-        row, column, through = self.points()
+        (row, column, through), n_angles = self.points(), self.n_angles
         phi = np.arctan2(*self.beside_axle(row, column))
         alpha = self.gate_rad - (phi if self.clockwise else np.pi - phi)
         pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns

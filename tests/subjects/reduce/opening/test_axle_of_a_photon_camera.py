@@ -55,11 +55,17 @@ def _true_offset(camera):
     ("axle", "clockwise", "blur"),
     [((48.0, 40.3), True, 0.5), ((48.0, 40.3), False, 1.0), ((47.37, 39.81), True, 1.0), ((47.37, 39.81), False, 0.5)],
 )
-def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, axle, clockwise, blur):
-    """Oracle: the axle about which the wheel was rendered, turning either way."""
-    view = reduced(paper_camera(axle=axle, clockwise=clockwise, blur_px=blur)).axle
-    assert view.row_px == pytest.approx(axle[0], abs=0.05)
-    assert view.column_px == pytest.approx(axle[1], abs=0.05)
+@pytest.mark.parametrize("lens", [Measured(0.0, 1e-4), None])
+def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, axle, clockwise, blur, lens):
+    """Oracle: the axle about which the wheel was rendered, turning either way.
+
+    Behind a lens of which nobody knows how much it distorts, the axle is found within its uncertainty, which then is larger.
+    """
+    camera = paper_camera(axle=axle, clockwise=clockwise, blur_px=blur)
+    view = (reduced(camera) if lens is None else reduced(camera, lens=lens)).axle
+    within = 0.05 if lens is not None else 3 * view.u_centre_px
+    assert view.row_px == pytest.approx(axle[0], abs=within)
+    assert view.column_px == pytest.approx(axle[1], abs=within)
     assert view.bisector_rad == pytest.approx(np.radians(-90), abs=2e-3)
     assert view.mean_angle_rad - view.bisector_rad == pytest.approx(0, abs=1.5e-3)
     assert 0 < view.u_centre_px < 0.05
@@ -82,10 +88,14 @@ def test_mask_beside_the_axle(reduced, paper_camera, mask_centre, roll_deg):
 @pytest.mark.parametrize("clockwise", [True, False])
 @pytest.mark.parametrize("distortion", [-0.1, 0.1])
 def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, distortion, clockwise):
-    """Oracle: the lens, axle and mask that were rendered; the axle a quarter of the image beside its middle."""
+    """Oracle: the lens, axle and mask that were rendered; the axle a quarter of the image beside its middle.
+
+    Rendered finely: points an eighth of a pixel and a quarter of a degree apart look like a tilt by a degree, and move the axle.
+    """
     camera = paper_camera(
-        axle=(48.0, 34.6), distortion=distortion, bisector_rad=float(np.radians(-87)), clockwise=clockwise
-    )
+        axle=(48.0, 34.6), distortion=distortion, bisector_rad=float(np.radians(-87)), clockwise=clockwise,
+        sub=24, n_angles=5760,
+    )  # fmt: skip
     view = reduced(camera).axle
     assert view.distortion == pytest.approx(distortion, abs=0.01)
     assert abs(view.distortion - distortion) < 4 * view.u_distortion < 0.1
