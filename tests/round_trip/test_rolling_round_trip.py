@@ -46,6 +46,7 @@ SCENES = {
     ),
 }
 NAMES = ("trigger_delay", "time_constant", "row_delay")
+MEMORY = "recursive_filter"
 
 
 BLURRED = replace(
@@ -54,7 +55,8 @@ BLURRED = replace(
 
 
 def _truth(timing):
-    return np.array([timing.trigger_delay_s, timing.time_constant_s, timing.row_delay_s])
+    """Of NAMES in their order, s, and last the share of the frame before: the twin's camera keeps none."""
+    return np.array([timing.trigger_delay_s, timing.time_constant_s, timing.row_delay_s, 0.0])
 
 
 def _fit(rig, *recordings):
@@ -68,10 +70,10 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     rig = twin.draw(SCENES[name], seed=41)
     found = _fit(rig, twin.simulate(rig.scene, seed=7))
     estimate = found.found.result.estimate
-    assert estimate.names == NAMES
+    assert estimate.names == (*NAMES, MEMORY)
     off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
     assert np.all(off < 3.5), off
-    assert np.all(estimate.standard_uncertainties < [50e-6, 30e-6, 0.8e-6])
+    assert np.all(estimate.standard_uncertainties < [50e-6, 30e-6, 0.8e-6, 0.01])
     axle = found.recordings[0].axle
     assert axle.row_px == pytest.approx(rig.scene.optics.wheel_centre_row_px, abs=0.05)
     assert axle.column_px == pytest.approx(rig.scene.optics.wheel_centre_column_px, abs=0.05)
@@ -85,8 +87,8 @@ def test_blur_that_is_not_round_and_glare_do_no_harm():
     rig = twin.draw(BLURRED, seed=41)
     found = _fit(rig, twin.simulate(rig.scene, seed=7))
     estimate, (sector, *_) = found.found.result.estimate, found.sectors
-    for name, true_s in zip(NAMES, _truth(rig.scene.timing), strict=True):
-        assert abs(estimate.value(name) - true_s) < 3.5 * estimate.u(name)
+    for name, true in zip((*NAMES, MEMORY), _truth(rig.scene.timing), strict=True):
+        assert abs(estimate.value(name) - true) < 3.5 * estimate.u(name)
     assert estimate.u("time_constant") < 30e-6
     assert sector.shape.blur_of_axes_px == pytest.approx((0.55, 0.95), abs=0.06)
     assert 0.015 < sector.shape.glare < 0.035
@@ -141,11 +143,12 @@ def test_the_example_recording_gives_its_truth(shared_recordings):
     rows = recipes.reduce(recording, rig, choices=Choices())
     found = timing.estimate([rows], rig)
     estimate = found.found.result.estimate
-    assert estimate.names == NAMES
-    off = estimate.values - np.array([truth[f"{name}_s"] for name in NAMES])
+    assert estimate.names == (*NAMES, MEMORY)
+    off = estimate.values - np.array([*(truth[f"{name}_s"] for name in NAMES), 0.0])
     assert abs(off[0]) < 3 * estimate.standard_uncertainties[0]
     assert abs(off[1]) < 10e-6
     assert abs(off[2]) < 0.3e-6
+    assert abs(off[3]) < 3.5 * estimate.standard_uncertainties[3]
     assert estimate.standard_uncertainties[0] < 60e-6
     axle = found.recordings[0].axle
     assert (axle.row_px, axle.column_px) == pytest.approx(truth["wheel_centre_row_column_px"], abs=0.05)

@@ -7,7 +7,7 @@ n log(mean square residual), counted from what the best periodic curve would lea
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -82,13 +82,29 @@ def solve(
     fixed, n_coarse = dict(held or {}), 0
     if start is None:
         coarse, few = [part.lowest(_COARSE) for part in data], model.lowest(_COARSE)
-        began = {**_search(coarse, few, signs=signs, held=fixed), **fixed}
-        near, _ = _minimum(coarse, few, start=began, held=fixed)
-        begin, n_coarse = near.values, near.n_steps
+        near = _nearest(coarse, few, signs=signs, held=fixed)
+        began, begin, n_coarse = near.start, near.values, near.n_steps
     else:
         began = begin = {**start, **fixed}
     found, at = _minimum(data, model, start=begin, held=fixed)
     return Solution(minimum=found, began=began, n_steps=n_coarse + found.n_steps, gain=at.gain, variance=at.variance)
+
+
+def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...], held: Timing) -> Minimum:
+    """The lowest minimum that a search from some share of the frame before leads to, with a share below one.
+
+    A recursive filter of k and one of 1 / k leave each harmonic equally strong, and without bounds k becomes a delay of one
+    frame: a search that passes k = 1 ends there, with as good a fit and a wrong delay.
+    """
+    memory = model.camera.memory
+    shares = [held[memory.PARAMETER]] if memory.PARAMETER in held else memory.LOOKED_AT
+    starts = [{**_search(data, model, signs=signs, held={**held, memory.PARAMETER: share}), **held} for share in shares]
+    found = [_minimum(data, model, start=start, held=held)[0] for start in starts]
+    possible = [one for one in found if abs(one.values[memory.PARAMETER]) < 1]
+    if not possible:
+        raise EstimationError("the row sums fit only if each frame holds more of the one before than of its own light")
+    lowest = min(possible, key=lambda one: round(one.at.deviance, 3))  # of equal ones that from the least share
+    return replace(lowest, n_steps=sum(one.n_steps for one in found))
 
 
 def uncertainty(data: Sequence[HarmonicData], model: RowSum, *, timing: Timing, name: str) -> float:
@@ -166,7 +182,7 @@ def _project(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> _Pr
 
 
 def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...], held: Timing) -> Timing:
-    """Start values: for each of some responses and memories the delay and row delay by the phases of the rows' second harmonic.
+    """Start values: for each of some responses the delay and row delay by the phases of the rows' second harmonic; memory held.
 
     The wheel looks the same after half a turn, so the middle row is taken to be read at most a fifth of that before the trigger
     and four fifths after it.
@@ -174,7 +190,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
     every = slice(None, None, max(1, model.row_px.size // _SEARCHED_ROWS))
     model, data = model.some_rows(every), [part.some_rows(every) for part in data]
     omega, response = model.angular_frequency_rad_per_s, model.camera.response.PARAMETER
-    memory = model.camera.memory
+    memory = model.camera.memory.PARAMETER
     part = max(data, key=lambda one: one.n_frames)
     most = (part.gram.shape[0] - 1) // 2
     amplitude = np.linalg.solve(part.gram[1:, 1:] + 1e-9 * np.trace(part.gram) * np.eye(2 * most), part.moment[:, 1:].T)
@@ -184,10 +200,8 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
             "the row sums do not change with the wheel; check the recording and its region of interest"
         )
     tried = [held[response]] if response in held else (2 / omega * _RESPONSE_TURNS).tolist()
-    shares = [held[memory.PARAMETER]] if memory.PARAMETER in held else memory.LOOKED_AT
     trials = [
-        _by_phases(seen, model, sign=sign, held={response: value, memory.PARAMETER: share})
-        for share in shares
+        _by_phases(seen, model, sign=sign, held={response: value, memory: held[memory]})
         for value in tried
         for sign in signs  # the other one is half a period of the second harmonic later
     ]
