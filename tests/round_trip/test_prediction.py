@@ -12,10 +12,9 @@ from irtiming.twin import rig as twin
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 
-
 _PLAN_KNOWS_LESS = pytest.mark.xfail(
-    reason="the plan knows neither the memory of pixels in pixel sums nor tilt, lens and blur in the image, which the fit has among "
-    "its numbers: stated over predicted uncertainty is 5.6 (photon, trigger delay) and 1.67 (microbolometer, row delay)",
+    reason="the plan knows neither the memory of pixels in pixel sums nor tilt, lens and blur in the image, which the fit has "
+    "among its numbers: stated over predicted uncertainty is 5.6 (photon, trigger delay) and 1.67 (microbolometer, row delay)",
 )
 
 
