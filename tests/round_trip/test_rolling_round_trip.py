@@ -73,7 +73,9 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     assert estimate.names == (*NAMES, MEMORY)
     off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
     assert np.all(off < 3.5), off
-    lag = rig.scene.timing.time_constant_s / BASE.timing.time_constant_s  # a slower camera shows less of the filter in it
+    lag = (
+        rig.scene.timing.time_constant_s / BASE.timing.time_constant_s
+    )  # a slower camera shows less of the filter in it
     assert np.all(estimate.standard_uncertainties < np.array([50e-6, 30e-6 * lag**2, 0.8e-6, 0.01]))
     axle = found.recordings[0].axle
     assert axle.row_px == pytest.approx(rig.scene.optics.wheel_centre_row_px, abs=0.05)

@@ -226,8 +226,14 @@ KINDS = {
         camera("photon", "rolling"),
         {"integration_time": 9e-3, "pixel_memory": 0.01, "blade_share": 0.01, "row_delay": 60e-6},
     ),
-    "snapshot window": (camera("photon", "snapshot"), {"integration_time": 12e-3, "pixel_memory": 0.01, "blade_share": 0.01}),
-    "snapshot lag": (camera("microbolometer", "snapshot"), {"time_constant": 6e-3, "recursive_filter": 0.06, "blade_share": 0.01}),
+    "snapshot window": (
+        camera("photon", "snapshot"),
+        {"integration_time": 12e-3, "pixel_memory": 0.01, "blade_share": 0.01},
+    ),
+    "snapshot lag": (
+        camera("microbolometer", "snapshot"),
+        {"time_constant": 6e-3, "recursive_filter": 0.06, "blade_share": 0.01},
+    ),
 }
 
 
