@@ -13,19 +13,20 @@ Where the image says nothing of lens and tilt they hardly matter; then what rig.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import lens_knowledge, sector_image
+from irtiming.estimate import contrast_look, lens_knowledge, sector_image
+from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
-from irtiming.estimate.sector_image import NUMBERS, Look, SeenContrast, View
-from irtiming.physics import blurred_sector, lens
+from irtiming.estimate.sector_image import NUMBERS, SeenContrast, Sharp, View
+from irtiming.estimate.sector_search import Misfit, searched
+from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
@@ -34,58 +35,20 @@ from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
-_SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
-_MOST_ELLIPTIC = 0.6
-_LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
-_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
 _FIRST_SCATTER = 0.02
-_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 8
 _OTHER_SIGN = 0.3  # of the prior uncertainty of a distortion: with which either sign is tried
-_FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
 _N_PRIORS = 5 + N_KNOWN
 _U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
 _CLUSTER_PX = 3.0
-_INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
 _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
 _ODD = 10  # times the standard deviation
 _BLUR_SHAPE = (
     0.2  # of the blur's width: where the light of a pixel on the border may lie beside the middle that a Gaussian gives
 )
-_SCALES = dict.fromkeys(NUMBERS, 1.0) | {
-    "bisector_rad": 0.05,
-    "opening_angle_rad": 0.05,
-    "blur_px": 0.5,
-    "blur_ellipticity": 0.2,
-    "glare": 0.02,
-    "glare_px": 3.0,
-    "distortion": 0.02,
-    "keystone_row": 2e-3,
-    "keystone_column": 2e-3,
-    "log_focal_length": 0.5,
-    "lens_row_px": 3.0,
-    "lens_column_px": 3.0,
-    "row_delay_s": 1e-5,
-    "turn_rad": 0.02,
-    "ring_inner_px": 2.0,
-    "ring_outer_px": 2.0,
-    "plate_reflection": 0.3,
-}
-_LIMITS = {
-    "inner_radius_px": (0.0, np.inf),
-    "ring_inner_px": (0.0, np.inf),
-    "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
-    "blur_ellipticity": (-_MOST_ELLIPTIC, _MOST_ELLIPTIC),
-    "glare": (_LEAST_GLARE, _MOST_GLARE),
-    "glare_px": (_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX),
-    "distortion": (lens.LOWEST, lens.HIGHEST),
-    "keystone_row": (-0.3, 0.3),
-    "keystone_column": (-0.3, 0.3),
-    "plate_reflection": (0.0, 1.0),
-}
 _SLIGHT = (
     "distortion",
     "keystone_row",
@@ -109,10 +72,13 @@ class _Images:
     def contrast(self, numbers: Mapping[str, float]) -> SeenContrast:
         return sector_image.contrast(self.seen, numbers, view=self.view, u_dn=self.u_dn)
 
-    def misfit(self, numbers: Mapping[str, float]) -> list[Array]:
+    def sharp(self, numbers: Mapping[str, float]) -> list[Sharp]:
+        return [sector_image.sharp(look, numbers, view=self.view) for look in self.seen]
+
+    def misfit(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Array]:
         return [
-            sector_image.fitted(look, numbers, view=self.view, u_dn=u).misfit
-            for look, u in zip(self.seen, self.u_dn, strict=True)
+            sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known).misfit
+            for look, u, known in zip(self.seen, self.u_dn, sharp, strict=True)
         ]
 
 
@@ -146,11 +112,11 @@ def fit(
     held = (*known.held, *(() if is_rolling else ("row_delay_s",)), *(_SLIGHT if start is None else ()))
     free = [name for name in NUMBERS if name not in held]
 
-    def misfit(at: Array) -> Array:
-        numbers = begin | dict(zip(free, at, strict=True))
-        return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers)])
+    def residuals(numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
+        return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers, sharp)])
 
-    found = _searched(misfit, [begin | one for one in _signs(known, start)], free=free, is_first=start is None)
+    misfit = Misfit(residuals=residuals, sharp=images.sharp)
+    found = searched(misfit, [begin | one for one in _signs(known, start)], free=free, is_first=start is None)
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
     _check(numbers, recordings[0])
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
@@ -171,30 +137,6 @@ def _signs(known: LensKnowledge, start: SectorFit | None) -> list[dict[str, floa
     if start is None or start.n_rounds > 1 or distortion.standard_uncertainty == 0:
         return [{}]
     return [{"distortion": distortion.value + sign * _OTHER_SIGN * distortion.standard_uncertainty} for sign in (-1, 1)]
-
-
-def _searched(
-    misfit: Callable[[Array], Array], starts: list[dict[str, float]], *, free: list[str], is_first: bool
-) -> OptimizeResult:
-    """Best of the searches: from several starts a short one each, and a whole one from where the best of them ended."""
-    inward = np.array([_INWARD * _SCALES[name] for name in free])
-    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-
-    def search(start: Array, evaluations: int) -> OptimizeResult:
-        return least_squares(
-            misfit,
-            np.clip(start, low + inward, high - inward),
-            x_scale=[_SCALES[name] for name in free],
-            bounds=(low, high),
-            max_nfev=evaluations,
-            ftol=_FIRST_GAIN if is_first else _GAIN,
-        )
-
-    begin = [np.array([one[name] for name in free]) for one in starts]
-    if len(begin) == 1:
-        return search(begin[0], _MOST_EVALUATIONS)
-    best = min((search(one, _FEW_EVALUATIONS) for one in begin), key=lambda found: float(found.cost))
-    return best if best.status > 0 else search(best.x, _MOST_EVALUATIONS)
 
 
 def _chi_square(images: _Images, residual: Array) -> float:
@@ -287,7 +229,7 @@ def _images(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, known: SectorFit | None
 ) -> _Images:
     first = recordings[0]
-    seen = sector_image.looks(recordings, wheel, timing=timing)
+    seen = contrast_look.looks(recordings, wheel, timing=timing)
     good = np.asarray(np.all([one.contrast_image.good for one in recordings], axis=0))
     view = View(
         roi=first.contrast_image.roi,

@@ -6,7 +6,7 @@ are solved for at each step: the contrast of the opening; that of the mask plate
 it need not be as warm as the wheel; and a smooth field over the ring, since the solid wheel reflects the camera unevenly.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -15,26 +15,18 @@ import numpy as np
 from scipy import ndimage
 from scipy.special import ndtr
 
+from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
-from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics import blurred_sector
 from irtiming.physics.blurred_sector import LightPoints
-from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
 from irtiming.physics.smooth_field import SmoothField
-from irtiming.physics.wheel import TURN
-from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
-from irtiming.records.reduced import ReducedRecording
 from irtiming.records.row_timing import LensTerms, SectorShape
-from irtiming.records.wheel_geometry import WheelModel
 
 NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_outer_px", "plate_reflection")
 """Names of all numbers that are searched for."""
 
-_TABLE = 8192
-_HARMONICS = 256  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _CENTRE_STEPS = 9
-_HERMITE = np.sqrt(3.0)  # place of the outer two of the three nodes of a Gauss-Hermite quadrature, of weight 1/6
 _FIRST_BLUR_PX = 0.7
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
@@ -86,34 +78,6 @@ class View:
     def columns(self) -> Array:
         """Image columns of the region, as a row."""
         return np.arange(self.roi[2], self.roi[3], dtype=float)[None, :]
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Look:
-    """Contrast images of one wheel speed, added up.
-
-    ``table`` (8192,) is the projection of a point of light over its polar angle from the bisector, made with the weights of
-    the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
-    ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
-    another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
-    far as known.
-    """
-
-    projection: ComplexArray
-    u_dn: float
-    table: ComplexArray
-    omega: float
-    full_dn: float
-    own_phase: bool = False
-    turn_rad: float = 0.0
-
-    def values(self, angle_rad: Array) -> ComplexArray:
-        """The table at any angle, by linear interpolation; same shape."""
-        place = np.mod(angle_rad, TURN) * (_TABLE / TURN)
-        below = place.astype(np.int64)
-        part = place - below
-        return (1 - part) * self.table[below % _TABLE] + part * self.table[(below + 1) % _TABLE]
 
 
 @final
@@ -170,40 +134,22 @@ class SeenContrast:
         return (1 - self.plate) * self.light + self.over_ring
 
 
-def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:
-    """Contrast images added up by wheel speed; ``timing``, as known so far, matters only where frames are missing."""
-    found = list[Look]()
-    for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
-        group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
-        projection = np.sum([one.contrast_image.projection_dn for one in group], axis=0)
-        found.append(
-            Look(
-                projection=projection,
-                u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
-                table=_point_table(group, wheel, timing),
-                omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
-                full_dn=float(np.quantile(np.abs(projection), 0.9)),
-                own_phase=bool(found),
-            )
-        )
-    return found
+APART = ("glare", "glare_px", "ring_inner_px", "ring_outer_px", "plate_reflection")
+"""Numbers that leave the sharp image as it is."""
 
 
-def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: Timing) -> ComplexArray:
-    """Projection of a point of light at each polar angle from the bisector, with the weights of the recordings."""
-    order, delay_s = np.arange(_HARMONICS + 1), np.array([timing[name] for name in EDGE_DELAYS])
-    spectrum = np.zeros(_TABLE, complex)
-    for one in recordings:
-        omega, response = one.track.angular_frequency_rad_per_s, camera(one.camera_type, one.readout_mode).response
-        by_edge = wheel_harmonics.open_harmonics(wheel, _HARMONICS) * wheel_harmonics.later(
-            omega * delay_s, n_harmonics=_HARMONICS
-        )
-        point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
-        angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
-        waves = np.exp(1j * np.multiply.outer(order, angle))
-        np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
-        np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast_image.frame_weight) / 2)
-    return np.fft.ifft(spectrum) * _TABLE
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sharp:
+    """What the sector shows with a contrast of 1 and no glare, as if read at once, and what a point in each pixel's place does.
+
+    ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region.
+    """
+
+    sector: ComplexArray
+    read: ComplexArray
+    point: ComplexArray
+    radius: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -219,13 +165,15 @@ class _Parts:
     size: Array
 
 
-def fitted(look: Look, numbers: Mapping[str, float], *, view: View, u_dn: ComplexArray) -> Fitted:
+def fitted(
+    look: Look, numbers: Mapping[str, float], *, view: View, u_dn: ComplexArray, known: Sharp | None = None
+) -> Fitted:
     """Model for these numbers; what is linear is solved for by weighted least squares over the good pixels.
 
     ``u_dn``, shape (row, column) of the region, holds the standard uncertainties of each pixel along its phase, real, and
-    across, imaginary.
+    across, imaginary; ``known`` the `sharp` image, made with numbers that differ only where they are `APART`.
     """
-    parts = _parts(look, numbers, view)
+    parts = _parts(look, numbers, view, known=known)
     lit, beside = parts.lit, parts.ring - parts.lit
     cover = parts.ring - numbers["plate_reflection"] * beside.real
     along: Array = view.good / np.square(u_dn.real)
@@ -263,31 +211,38 @@ def fitted(look: Look, numbers: Mapping[str, float], *, view: View, u_dn: Comple
     )
 
 
-def _parts(look: Look, numbers: Mapping[str, float], view: View) -> _Parts:
+def sharp(look: Look, numbers: Mapping[str, float], *, view: View) -> Sharp:
+    """The sector without glare, and what a point in the place of each pixel shows."""
     shape, turn = view.shape(numbers), numbers["turn_rad"] + look.turn_rad
     row_turn = look.omega * numbers["row_delay_s"]
 
     def seen(points: LightPoints) -> ComplexArray:
         """What each point of light shows, as if read in the row in which it is seen."""
-        value = look.values(points.angle_rad - turn - row_turn * points.row_px)
+        value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
         return np.asarray(value * np.exp(-2j * row_turn * points.row_px))
 
     read = np.exp(2j * row_turn * view.rows)
-    border = _smeared(shape, seen, view, near_border=True) * read
+    border = _smeared(shape, seen, view, near_border=True)
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     smear = blurred_sector.angular_reach(shape, roi=view.roi)
     middle = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
-    at, aside = middle - turn - row_turn * view.rows, _HERMITE * smear
-    point = (look.values(at - aside) + 4 * look.values(at) + look.values(at + aside)) / 6
-    sector = np.where(blurred_sector.well_inside(shape, roi=view.roi), point, border)
+    point = look.smeared(middle - turn - row_turn * view.rows, width_rad=smear)
+    inside = blurred_sector.well_inside(shape, roi=view.roi)
+    return Sharp(sector=np.where(inside, point / read, border), read=read, point=point, radius=radius)
+
+
+def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp | None = None) -> _Parts:
+    shape, made = view.shape(numbers), known or sharp(look, numbers, view=view)
+    sector = made.sector
     if shape.glare != 0:
-        sector = (1 - shape.glare) * sector + shape.glare * read * _glare(shape, seen, view)
-    size = np.abs(point)
-    back = point.conj() / size
+        sector = (1 - shape.glare) * sector + shape.glare * blurred_sector.spread(sector, glare_px=shape.glare_px)
+    sector = sector * made.read
+    size = np.abs(made.point)
+    back = made.point.conj() / size
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
     return _Parts(
         lit=sector * back,
-        ring=_ring(shape, numbers, radius=radius, view=view) * size,
+        ring=_ring(shape, numbers, radius=made.radius, view=view) * size,
         seen=look.projection * back * np.exp(-1j * own),
         size=size,
     )
@@ -299,12 +254,6 @@ def _smeared(
     """Image of the sector with that brightness, without glare; perhaps only of what lies near its border."""
     points = (blurred_sector.border_points if near_border else blurred_sector.light_points)(shape)
     return blurred_sector.image(points, value(points), blur_px=shape.blur_of_axes_px, roi=view.roi)
-
-
-def _glare(shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View) -> ComplexArray:
-    """The same of the glare alone, per unit of its share."""
-    points = blurred_sector.glare_points(shape)
-    return blurred_sector.glare_image(points, value(points), glare_px=shape.glare_px, roi=view.roi)
 
 
 def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
@@ -324,26 +273,26 @@ def _unevenness(field: Array, ring: Array) -> float:
 
 def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, view: View) -> Array:
     """Share of the ring that the cutouts sweep in each pixel at these radii, shape (roi rows, roi columns)."""
+    blur_px = blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
 
-    def smeared(blur_px: Array | float) -> Array:
-        width = np.hypot(blur_px, np.sqrt(1 / 12))
+    def smeared(width_px: float) -> Array:
+        width = np.hypot(blur_px, np.hypot(width_px, np.sqrt(1 / 12)))
         inner, outer = (
             ndtr(side / width) for side in (radius - numbers["ring_inner_px"], numbers["ring_outer_px"] - radius)
         )
         return np.asarray(inner * outer)
 
-    ring = smeared(blurred_sector.blur_across_px(shape, roi=view.roi, along=True))
+    ring = smeared(0.0)
     return ring if shape.glare == 0 else (1 - shape.glare) * ring + shape.glare * smeared(shape.glare_px)
 
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
-    light = sharp = _smeared(shape, _ones, view).real
-    moment = _smeared(shape, _angles, view).real
+    both = without = _smeared(shape, lambda points: 1 + 1j * points.angle_rad, view)
     if shape.glare != 0:
-        light = (1 - shape.glare) * sharp + shape.glare * _glare(shape, _ones, view).real
-        moment = (1 - shape.glare) * moment + shape.glare * _glare(shape, _angles, view).real
+        both = (1 - shape.glare) * without + shape.glare * blurred_sector.spread(without, glare_px=shape.glare_px)
+    light, moment = both.real, both.imag
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     centre = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
     models = [fitted(look, numbers, view=view, u_dn=u) for look, u in zip(seen, u_dn, strict=True)]
@@ -354,7 +303,7 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
     return SeenContrast(
         light=np.asarray(light),
-        sharp=np.asarray(sharp),
+        sharp=np.asarray(without.real),
         ring=_ring(shape, numbers, radius=radius, view=view),
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
@@ -364,14 +313,6 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         light_angle_rad=np.asarray(np.where(light > 1e-3, moment / np.maximum(light, 1e-3), centre), dtype=float),
         centre_angle_rad=centre,
     )
-
-
-def _ones(points: LightPoints) -> ComplexArray:
-    return np.ones(points.row_px.size, complex)
-
-
-def _angles(points: LightPoints) -> ComplexArray:
-    return points.angle_rad.astype(complex)
 
 
 def _stood_in(value: Array, view: View) -> Array:

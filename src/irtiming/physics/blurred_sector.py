@@ -13,6 +13,7 @@ opening angle          gamma, between the two radial edges
 distortion             of the lens (`physics.lens`), tilt and lens centre (`physics.projection`); offset, radii and angles
                        are those of the wheel's plane
 blur                   standard deviations of the Gaussian that smears light over rows and over columns, px
+glare                  share of the blurred light that a further, round Gaussian spreads
 =====================  =======================================================================================
 
 Blur moves light, it does not lose any: the light that leaves the opening in one row is seen by its neighbours. And it mixes
@@ -49,13 +50,15 @@ _LOOKS = 9  # along either arc for the largest magnification
 class LightPoints:
     """Nodes and weights of a quadrature over the sector.
 
-    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2).
+    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2). ``gap_rad`` is the
+    widest between neighbours of one radius.
     """
 
     row_px: Array
     column_px: Array
     angle_rad: Array
     area_px2: Array
+    gap_rad: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,6 +68,7 @@ class _Nodes:
     down: Array
     across: Array
     area: Array
+    gap_rad: float
 
 
 def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
@@ -76,14 +80,20 @@ def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
     nodes = _nodes(shape)
     near = _depth_px(shape, nodes.down, nodes.across) < 2 * (_REACH * max(shape.blur_of_axes_px) + 1)
-    return _in_image(shape, _Nodes(down=nodes.down[near], across=nodes.across[near], area=nodes.area[near]))
+    few = replace(nodes, down=nodes.down[near], across=nodes.across[near], area=nodes.area[near])
+    return _in_image(shape, few)
 
 
 def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
     """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
-    return _in_image(
-        shape, _nodes(replace(shape, blur_px=shape.glare_px, blur_ellipticity=0.0), n_harmonics=n_harmonics)
-    )
+    narrower = min(_widths_with_glare(shape))
+    return _in_image(shape, _nodes(replace(shape, blur_px=narrower, blur_ellipticity=0.0), n_harmonics=n_harmonics))
+
+
+def _widths_with_glare(shape: SectorShape) -> tuple[float, float]:
+    """Standard deviations over rows and over columns of the light that goes astray: blur and glare together."""
+    rows, columns = shape.blur_of_axes_px
+    return math.hypot(rows, shape.glare_px), math.hypot(columns, shape.glare_px)
 
 
 def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
@@ -100,6 +110,7 @@ def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
         down=shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
         across=shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel(),
         area=np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
+        gap_rad=math.pi * half_angle / around.size,  # in the middle, where Gauss-Legendre nodes are widest apart
     )
 
 
@@ -122,6 +133,7 @@ def _in_image(shape: SectorShape, nodes: _Nodes) -> LightPoints:
         column_px=column,
         angle_rad=np.mod(angle + np.pi, 2 * np.pi) - np.pi,
         area_px2=nodes.area * larger,
+        gap_rad=nodes.gap_rad,
     )
 
 
@@ -297,14 +309,19 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     return np.asarray(found[np.argsort(ascending)])
 
 
-def glare_image(
-    points: LightPoints, value: ComplexArray, *, glare_px: float, roi: tuple[int, int, int, int]
-) -> ComplexArray:
-    """Like `image`, of shape (roi rows, roi columns); as products of matrices, since few points reach most of the region."""
-    over_rows, over_columns = _shares(points.row_px, roi[:2], glare_px), _shares(points.column_px, roi[2:], glare_px)
-    light = value * points.area_px2
-    real, imaginary = (over_rows.T @ (part[:, None] * over_columns) for part in (light.real, light.imag))
-    return np.asarray(real + 1j * imaginary)
+def spread(sharp: ComplexArray, *, glare_px: float) -> ComplexArray:
+    """An image that a further Gaussian of that standard deviation, px, spreads; same shape (row, column).
+
+    Sums over pixels in place of integrals: the light of a pixel is even enough for a Gaussian of 1 px or more.
+    """
+    down, across = (_gaussian(n, glare_px) for n in sharp.shape)
+    return np.asarray(down @ sharp.real @ across + 1j * (down @ sharp.imag @ across))
+
+
+def _gaussian(n: int, width: float) -> Array:
+    """What each of so many pixels has of the light of each, shape (n, n)."""
+    apart = np.arange(n)[:, None] - np.arange(n)
+    return np.asarray(np.exp(-0.5 * (apart / width) ** 2) / (math.sqrt(2 * np.pi) * width))
 
 
 def glare_harmonics(
@@ -315,8 +332,9 @@ def glare_harmonics(
     ``summed``, of shape (roi rows, roi columns), are the pixels of which each row's sum is made; what falls beside them is lost.
     """
     points = glare_points(shape, n_harmonics=n_harmonics)
-    into_row = _shares(points.row_px, roi[:2], shape.glare_px)
-    into_sum = into_row * (_shares(points.column_px, roi[2:], shape.glare_px) @ summed.T.astype(float))
+    over_rows, over_columns = _widths_with_glare(shape)
+    into_row = _shares(points.row_px, roi[:2], over_rows)
+    into_sum = into_row * (_shares(points.column_px, roi[2:], over_columns) @ summed.T.astype(float))
     waves = np.exp(-1j * np.multiply.outer(points.angle_rad, np.arange(n_harmonics + 1)))
     return np.asarray(into_sum.T @ (waves * points.area_px2[:, None]))
 

@@ -107,8 +107,9 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
     def light(of):
         points, over_rows = blurred_sector.light_points(of), of.blur_px * (1 - of.blur_ellipticity)
         sharp = blurred_sector.row_harmonics(points, found.row_px, blur_px=over_rows, n_harmonics=20)
+        wide_px = float(np.hypot(over_rows, of.glare_px))
         wide = blurred_sector.row_harmonics(
-            blurred_sector.light_points(replace(of, blur_px=1.0)), found.row_px, blur_px=of.glare_px, n_harmonics=20
+            blurred_sector.light_points(replace(of, blur_px=1.0)), found.row_px, blur_px=wide_px, n_harmonics=20
         )
         return (1 - of.glare) * sharp + of.glare * wide
 

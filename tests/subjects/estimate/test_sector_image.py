@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.estimate import sector_image
+from irtiming.estimate import contrast_look, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import NUMBERS, View
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -66,7 +66,7 @@ def _along(rows, look):
 
 def test_table_is_the_projection_of_a_point_of_light(camera, rows, lag):
     """Oracle: a point that is covered, uncovered and lags in the time domain, summed with the weights of the recording."""
-    (look,) = sector_image.looks([rows], camera.model, timing=lag)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks)
     for angle in (-0.6, 0.0, 0.31, 2.0):
         seen = camera.seen(theta + camera.gate_rad - camera.centre_rad - angle)
@@ -74,11 +74,27 @@ def test_table_is_the_projection_of_a_point_of_light(camera, rows, lag):
     np.testing.assert_allclose(look.values(np.array([0.3])), look.values(np.array([0.3 - TURN])))
 
 
+@pytest.mark.parametrize("width_rad", [1e-4, 3e-3, 0.02, 0.2])
+def test_even_light_shows_the_tables_mean_over_its_angles(rows, camera, lag, width_rad):
+    """Oracle: a dense sum over the normal distribution; of a few frames, whose table is rough."""
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
+    spectrum = np.fft.fft(look.table)
+    spectrum[:65] += 200 * np.random.default_rng(2).normal(size=65)
+    rough = replace(look, table=np.fft.ifft(spectrum))
+    assert np.std(np.abs(rough.table)) > 0.1 * np.mean(np.abs(look.table))
+    off = np.linspace(-6, 6, 6001)
+    weight = np.exp(-0.5 * off**2) / np.sum(np.exp(-0.5 * off**2))
+    angle = np.array([0.1, 0.7, 5.0])
+    expected = rough.values(angle[:, None] + width_rad * off) @ weight
+    found = rough.smeared(angle, width_rad=np.full(3, width_rad))
+    np.testing.assert_allclose(found, expected, atol=5e-4 * np.abs(look.table).max())
+
+
 def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, brute_bolometer):
     """Oracle: sums over the recordings of a speed; uncertainties add up in squares; another speed is another image."""
     fast = brute_rows(replace(camera, rate_hz=5.0))
-    slow, quick = sector_image.looks([rows, fast, rows], camera.model, timing=lag)
-    (one,) = sector_image.looks([rows], camera.model, timing=lag)
+    slow, quick = contrast_look.looks([rows, fast, rows], camera.model, timing=lag)
+    (one,) = contrast_look.looks([rows], camera.model, timing=lag)
     assert (slow.omega, quick.omega) == (pytest.approx(3 * TURN), pytest.approx(5 * TURN))
     np.testing.assert_allclose(slow.projection, 2 * rows.contrast.projection_dn)
     np.testing.assert_allclose(slow.table, 2 * one.table, atol=1e-12)
@@ -88,7 +104,7 @@ def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, bru
 
 def test_the_true_numbers_explain_the_image(camera, rows, lag):
     """Oracle: the frames; contrast -600 DN, no plate, an even field, and nothing left over beyond a few thousandths."""
-    (look,) = sector_image.looks([rows], camera.model, timing=lag)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     found = sector_image.fitted(look, _numbers(camera), view=_view(rows, field_prior=1e-3), u_dn=_along(rows, look))
     assert found.full_dn == pytest.approx(-600, rel=1e-3)
     assert abs(found.plate) < 1e-3
@@ -102,7 +118,7 @@ def test_uneven_wheel_is_a_field_about_the_mean_contrast(camera, brute_rows, lag
     """Oracle: pixels that respond by up to 10 % more about a place beside the opening; their mean is the contrast's affair."""
     gain = 1 + 0.1 * np.exp(-0.5 * ((np.arange(36)[:, None] - 25.0) ** 2 + (np.arange(64) - 22.0) ** 2) / 15.0**2)
     rows = brute_rows(camera, gain=gain)
-    (look,) = sector_image.looks([rows], camera.model, timing=lag)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     light = camera.light[1].sum(axis=0)
     view = _view(rows, good=light > 1e-3)  # beside it nothing is mirrored here
     found = sector_image.fitted(look, _numbers(camera), view=view, u_dn=_along(rows, look))
@@ -126,7 +142,7 @@ def test_uneven_wheel_is_a_field_about_the_mean_contrast(camera, brute_rows, lag
 )
 def test_any_other_number_explains_it_worse(camera, rows, lag, number, step):
     """Oracle: the frames; a thousandth of a pixel's worth in either direction adds to the misfit."""
-    (look,) = sector_image.looks([rows], camera.model, timing=lag)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     view, along = _view(rows, field_prior=1e-3), np.full((36, 64), 0.05 + 0.05j)
     misfits = []
     for by in (-1, 0, 1):
@@ -144,7 +160,7 @@ def test_contrast_is_the_light_in_each_pixel(camera, brute_rows, lag):
     rows = brute_rows(camera, gain=gain)
     good = rows.contrast.good.copy()
     good[15, 31] = False
-    looks = sector_image.looks([rows], camera.model, timing=lag)
+    looks = contrast_look.looks([rows], camera.model, timing=lag)
     along = [_along(rows, look) for look in looks]
     found = sector_image.contrast(looks, _numbers(camera), view=_view(rows, good=good, field_prior=1e-3), u_dn=along)
     light = camera.light[1].sum(axis=0)
@@ -165,7 +181,7 @@ def test_contrast_is_the_light_in_each_pixel(camera, brute_rows, lag):
 def test_first_guess_is_near(camera, brute_rows, mirror):
     """Oracle: the camera's sector, to a pixel and three degrees; before any lag is known, from a mirrored image too."""
     rows = brute_rows(camera, noise_dn=5.0, mirror=mirror)
-    (look,) = sector_image.looks([rows], camera.model, timing=camera.timing | {"time_constant": 1e-4})
+    (look,) = contrast_look.looks([rows], camera.model, timing=camera.timing | {"time_constant": 1e-4})
     guess = sector_image.first_guess(look, _view(rows, mirrored=mirror))
     column = 63 - camera.axle[1] if mirror else camera.axle[1]
     assert guess["axle_row_px"] == pytest.approx(camera.axle[0], abs=1.0)

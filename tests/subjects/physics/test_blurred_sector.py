@@ -13,13 +13,13 @@ from irtiming.physics.blurred_sector import (
     border_points,
     even_angle_rad,
     glare_harmonics,
-    glare_image,
     glare_points,
     image,
     light_points,
     pixel_places,
     pixel_smear,
     row_harmonics,
+    spread,
     well_inside,
 )
 from irtiming.records.row_timing import SectorShape
@@ -126,7 +126,8 @@ ELLIPTIC = replace(SHAPE, blur_px=0.75, blur_ellipticity=0.3, glare=0.03, glare_
 def _spread(shape, value):
     """Image of the counted sub-pixels, and of the glare alone, each spread along rows and columns by the normal distribution."""
     row, column, _, _ = _counted(shape)
-    widths = [(0.7 * shape.blur_px, 1.3 * shape.blur_px), (shape.glare_px, shape.glare_px)]
+    blurs = (0.7 * shape.blur_px, 1.3 * shape.blur_px)
+    widths = [blurs, tuple(float(np.hypot(blur, shape.glare_px)) for blur in blurs)]
     return [_into(np.arange(*ROI[:2]), row, a).T @ value @ _into(np.arange(*ROI[2:]), column, b) for a, b in widths]
 
 
@@ -141,11 +142,9 @@ def test_blur_that_is_not_round_and_glare_are_those_of_the_counted_sub_pixels(mi
     found = image(near, np.exp(-2j * near.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
     np.testing.assert_allclose(found, narrow, atol=0.012)
     assert np.abs(found - narrow).mean() < 6e-4
-    for found in (
-        image(far, np.exp(-2j * far.angle_rad), blur_px=shape.glare_px, roi=ROI),
-        glare_image(far, np.exp(-2j * far.angle_rad), glare_px=shape.glare_px, roi=ROI),
-    ):
-        np.testing.assert_allclose(found, wide, atol=1e-3)
+    np.testing.assert_allclose(spread(found, glare_px=shape.glare_px), wide, atol=1e-3)
+    widths = tuple(float(np.hypot(blur, shape.glare_px)) for blur in shape.blur_of_axes_px)
+    np.testing.assert_allclose(image(far, np.exp(-2j * far.angle_rad), blur_px=widths, roi=ROI), wide, atol=1e-3)
     border = border_points(shape)
     near_border = image(border, np.exp(-2j * border.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
     inside = well_inside(shape, roi=ROI)

@@ -61,7 +61,7 @@ def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, axle
 
     Behind a lens of which nobody knows how much it distorts, the axle is found within its uncertainty, which then is larger.
     """
-    camera = paper_camera(axle=axle, clockwise=clockwise, blur_px=blur)
+    camera = paper_camera(axle=axle, clockwise=clockwise, blur_px=blur, sub=16, n_angles=2880)
     view = (reduced(camera) if lens is None else reduced(camera, lens=lens)).axle
     within = 0.05 if lens is not None else 3 * view.u_centre_px
     assert view.row_px == pytest.approx(axle[0], abs=within)

@@ -1,0 +1,132 @@
+"""Contrast images of one wheel speed, and what a point of light anywhere on the wheel would show in them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from irtiming.physics import wheel_harmonics
+from irtiming.physics.camera import camera
+from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
+from irtiming.physics.wheel import TURN
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelModel
+
+_TABLE = 16384
+_HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
+_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
+_SHORTEST_WAVE, _ORDER = (
+    2.0,
+    8,
+)  # gaps of a quadrature that it resolves: a little more than two; how sharply what is shorter ends
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Look:
+    """Contrast images of one wheel speed, added up.
+
+    ``table`` (16384,) is the projection of a point of light over its polar angle from the bisector, made with the weights of
+    the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
+    ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
+    another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
+    far as known.
+    """
+
+    projection: ComplexArray
+    u_dn: float
+    table: ComplexArray
+    omega: float
+    full_dn: float
+    own_phase: bool = False
+    turn_rad: float = 0.0
+
+    def at_nodes(self, angle_rad: Array, *, gap_rad: float) -> ComplexArray:
+        """The same for a quadrature whose nodes are that far apart: without waves that it would take for longer ones.
+
+        A blur leaves next to nothing of such waves, since the nodes are as close as it asks.
+        """
+        highest = TURN / (_SHORTEST_WAVE * gap_rad)
+        kept = np.exp(-((self._order / highest) ** _ORDER))
+        return replace(self, table=np.fft.ifft(self._spectrum * kept)).values(angle_rad)
+
+    def values(self, angle_rad: Array) -> ComplexArray:
+        """The table at any angle, by linear interpolation; same shape."""
+        below, part = self._place(angle_rad)
+        return (1 - part) * self.table[below] + part * self.table[(below + 1) % _TABLE]
+
+    def smeared(self, angle_rad: Array, *, width_rad: Array) -> ComplexArray:
+        """Mean of the table over a Gaussian about any angle, with its standard deviation; all of one shape.
+
+        Frames are few, so that the table is rough: a handful of its values would not tell its mean.
+        """
+        below, part = self._place(angle_rad)
+        step = np.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
+        place = np.clip(np.log(width_rad / _NARROWEST_RAD) / step, 0, _N_WIDTHS - 1.001)
+        narrower = place.astype(np.int64)
+        first, second = (
+            (1 - part) * self._smooth[narrower + k, below] + part * self._smooth[narrower + k, (below + 1) % _TABLE]
+            for k in (0, 1)
+        )
+        return np.asarray(first + (place - narrower) * (second - first))
+
+    def _place(self, angle_rad: Array) -> tuple[Ticks, Array]:
+        """Entry of the table below each angle, and how far on it is to the next."""
+        place = np.mod(angle_rad, TURN) * (_TABLE / TURN)
+        below = place.astype(np.int64)
+        return below % _TABLE, place - below
+
+    @cached_property
+    def _smooth(self) -> ComplexArray:
+        """The table smoothed by Gaussians from the narrowest to the widest, shape (70, 16384)."""
+        widths = np.geomspace(_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS)[:, None]
+        return np.asarray(np.fft.ifft(self._spectrum * np.exp(-0.5 * (self._order * widths) ** 2)))
+
+    @cached_property
+    def _spectrum(self) -> ComplexArray:
+        return np.asarray(np.fft.fft(self.table))
+
+    @property
+    def _order(self) -> Array:
+        """Of each entry of the spectrum."""
+        return np.asarray(np.fft.fftfreq(_TABLE, 1 / _TABLE), dtype=float)
+
+
+def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:
+    """Contrast images added up by wheel speed; ``timing``, as known so far, matters only where frames are missing."""
+    found = list[Look]()
+    for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
+        group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
+        projection = np.sum([one.contrast_image.projection_dn for one in group], axis=0)
+        found.append(
+            Look(
+                projection=projection,
+                u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
+                table=_point_table(group, wheel, timing),
+                omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
+                full_dn=float(np.quantile(np.abs(projection), 0.9)),
+                own_phase=bool(found),
+            )
+        )
+    return found
+
+
+def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: Timing) -> ComplexArray:
+    """Projection of a point of light at each polar angle from the bisector, with the weights of the recordings."""
+    order, delay_s = np.arange(_HARMONICS + 1), np.array([timing[name] for name in EDGE_DELAYS])
+    spectrum = np.zeros(_TABLE, complex)
+    for one in recordings:
+        omega, response = one.track.angular_frequency_rad_per_s, camera(one.camera_type, one.readout_mode).response
+        by_edge = wheel_harmonics.open_harmonics(wheel, _HARMONICS) * wheel_harmonics.later(
+            omega * delay_s, n_harmonics=_HARMONICS
+        )
+        point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
+        angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
+        waves = np.exp(1j * np.multiply.outer(order, angle))
+        np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
+        np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast_image.frame_weight) / 2)
+    return np.fft.ifft(spectrum) * _TABLE

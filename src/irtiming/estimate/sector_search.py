@@ -1,0 +1,134 @@
+"""The search for the numbers of the contrast image: bounded least squares, with slopes that spare what a number leaves alone."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias, final
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+
+from irtiming.estimate.sector_image import APART, NUMBERS, Sharp
+from irtiming.physics import lens
+from irtiming.records.arrays import Array
+
+Numbers: TypeAlias = Mapping[str, float]
+
+_SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
+_MOST_ELLIPTIC = 0.6
+_LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
+_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
+_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 5
+_FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
+_INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
+_STEP = 1e-4  # of a number's scale: over which a slope is taken
+_SCALES = dict.fromkeys(NUMBERS, 1.0) | {
+    "bisector_rad": 0.05,
+    "opening_angle_rad": 0.05,
+    "blur_px": 0.5,
+    "blur_ellipticity": 0.2,
+    "glare": 0.02,
+    "glare_px": 3.0,
+    "distortion": 0.02,
+    "keystone_row": 2e-3,
+    "keystone_column": 2e-3,
+    "log_focal_length": 0.5,
+    "lens_row_px": 3.0,
+    "lens_column_px": 3.0,
+    "row_delay_s": 1e-5,
+    "turn_rad": 0.02,
+    "ring_inner_px": 2.0,
+    "ring_outer_px": 2.0,
+    "plate_reflection": 0.3,
+}
+_LIMITS = {
+    "inner_radius_px": (0.0, np.inf),
+    "ring_inner_px": (0.0, np.inf),
+    "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
+    "blur_ellipticity": (-_MOST_ELLIPTIC, _MOST_ELLIPTIC),
+    "glare": (_LEAST_GLARE, _MOST_GLARE),
+    "glare_px": (_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX),
+    "distortion": (lens.LOWEST, lens.HIGHEST),
+    "keystone_row": (-0.3, 0.3),
+    "keystone_column": (-0.3, 0.3),
+    "plate_reflection": (0.0, 1.0),
+}
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Misfit:
+    """What is to be made small: residuals at some numbers, shape (m,), perhaps from the sharp images that belong to them."""
+
+    residuals: Callable[[Numbers, Sequence[Sharp]], Array]
+    sharp: Callable[[Numbers], Sequence[Sharp]]
+
+
+def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], is_first: bool) -> OptimizeResult:
+    """Best of the searches: from several starts a short one each, and a whole one from where the best of them ended.
+
+    Parameters
+    ----------
+    misfit
+        Of all numbers.
+    starts
+        Where to begin; what is not ``free`` stays there.
+    free
+        Names of the numbers that are searched for, in the order of the result's.
+    is_first
+        That the result is but a start for another search.
+    """
+    if len(starts) == 1:
+        return _search(misfit, starts[0], free=free, is_first=is_first, evaluations=_MOST_EVALUATIONS)
+    tries = [_search(misfit, one, free=free, is_first=is_first, evaluations=_FEW_EVALUATIONS) for one in starts]
+    best = min(tries, key=lambda found: float(found.cost))
+    if best.status > 0:
+        return best
+    again = {**starts[0], **dict(zip(free, map(float, best.x), strict=True))}
+    return _search(misfit, again, free=free, is_first=is_first, evaluations=_MOST_EVALUATIONS)
+
+
+def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], is_first: bool, evaluations: int) -> OptimizeResult:
+    scale = np.array([_SCALES[name] for name in free])
+    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
+    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high)
+    return least_squares(
+        course.residuals,
+        np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale),
+        jac=course.slopes,
+        x_scale=scale,
+        bounds=(low, high),
+        max_nfev=evaluations,
+        ftol=_FIRST_GAIN if is_first else _GAIN,
+    )
+
+
+@dataclass(kw_only=True, eq=False)
+class _Course:
+    """Residuals and their slopes along a search; those of the last place are kept, for slopes are asked for where it stands."""
+
+    misfit: Misfit
+    start: Numbers
+    free: Sequence[str]
+    step: Array
+    high: Array
+
+    def residuals(self, at: Array) -> Array:
+        self.at, numbers = at.copy(), self._numbers(at)
+        self.known = self.misfit.sharp(numbers)
+        self.here = self.misfit.residuals(numbers, self.known)
+        return self.here
+
+    def slopes(self, at: Array) -> Array:
+        """By differences, shape (m, n_free)."""
+        if not np.array_equal(at, self.at):
+            self.residuals(at)
+        columns = []
+        for k, name in enumerate(self.free):
+            step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
+            moved = {**self._numbers(at), name: float(at[k] + step)}
+            known = self.known if name in APART else self.misfit.sharp(moved)
+            columns.append((self.misfit.residuals(moved, known) - self.here) / step)
+        return np.stack(columns, axis=1)
+
+    def _numbers(self, at: Array) -> dict[str, float]:
+        return {**self.start, **dict(zip(self.free, map(float, at), strict=True))}
