@@ -78,6 +78,7 @@ def _with_its_number(part: _P, companion: str, key: str) -> _P:
 _Two = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _COMPANIONS = (
     ("distortion_u", "distortion"),
+    ("frame_memory_u", "frame_memory"),
     ("focal_length_u_px", "focal_length_px"),
     ("lens_centre_u_px", "lens_centre_px"),
     ("camera_matrix_u", "camera_matrix"),
@@ -172,6 +173,14 @@ class _Camera(Part):
         description="standard uncertainty of the count_time that recordings state",
         json_schema_extra={"limit": NOT_NEGATIVE},
     )
+    frame_memory: float | None = Field(
+        None,
+        gt=-1,
+        lt=1,
+        description="share of the frame before that each frame holds, by a noise filter in the camera or the detector itself",
+        json_schema_extra={"hint": ": the share of the frame before that each frame holds; 0 where no filter is on"},
+    )
+    frame_memory_u: Uncertainty = 0.0
     focal_length_px: float | None = Field(
         None, gt=0, le=1e6, description="focal length of the lens over the pixel pitch"
     )
@@ -218,8 +227,10 @@ class _Camera(Part):
     def record(self) -> CameraOptics:
         """The same in SI units."""
         u_us, centre, u_centre = self.integration_time_u_us, self.lens_centre_px, self.lens_centre_u_px
+        memory = self.frame_memory
         optics = CameraOptics(
             integration_time_u_s=None if u_us is None else u_us * _SI["us"],
+            frame_memory=None if memory is None else Measured(memory, self.frame_memory_u),
             focal_length_px=None
             if self.focal_length_px is None
             else Measured(self.focal_length_px, self.focal_length_u_px),
@@ -405,6 +416,7 @@ def _camera_lines(camera: CameraOptics) -> list[str]:
     return [
         *([] if camera.distortion is None else _plain_lines("distortion", camera.distortion)),
         *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / _SI['us'])}"]),
+        *([] if camera.frame_memory is None else _plain_lines("frame_memory", camera.frame_memory)),
         *_lens_lines(camera),
     ]
 

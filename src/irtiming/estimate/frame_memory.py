@@ -4,14 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from irtiming.estimate.measurands import MEMORIES
+from irtiming.estimate.shared_numbers import MEMORIES
 from irtiming.inference.correlated_noise import ljung_box_p_value
-from irtiming.records.estimate import Estimate
+from irtiming.records.estimate import Estimate, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.result import LEAST_WHITENESS
+from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
 
 _SEEN = 3.0  # standard uncertainties from which a share is told from none
+_CONTRADICTS = 4.0  # standard uncertainties between statement and frames
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
 
 
@@ -34,6 +36,35 @@ def of_result(estimate: Estimate) -> tuple[Finding, ...]:
         elif share < -_IMPOSSIBLE * u:
             found.append(_impossible(name, told))
     return tuple(found)
+
+
+def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Finding, ...]:
+    """Where the frames contradict the share that rig.toml states.
+
+    Parameters
+    ----------
+    fits
+        One per recording, each with what its own frames tell.
+    stated
+        The share of the frame before; None where rig.toml does not state it.
+    """
+    told = [(fit.estimate, name) for fit in fits for name in MEMORIES if name in fit.estimate]
+    if stated is None or not told:
+        return ()
+    weights = np.array([estimate.u(name) ** -2 for estimate, name in told])
+    share = float(np.average([estimate.value(name) for estimate, name in told], weights=weights))
+    u = float(np.hypot(weights.sum() ** -0.5, stated.standard_uncertainty))
+    if abs(share - stated.value) < _CONTRADICTS * u:
+        return ()
+    return (
+        Finding(
+            code="frame-memory-contradicted",
+            severity="doubt",
+            what=f"frames hold {100 * share:.3g} % of the frame before, rig.toml states frame_memory = {stated.value:g}: "
+            f"{abs(share - stated.value) / u:.1f} standard uncertainties apart, and the result is that of the statement",
+            cure="take frame_memory out of rig.toml, then the frames alone tell it; or state its uncertainty",
+        ),
+    )
 
 
 def _seen(name: str, told: str) -> Finding:

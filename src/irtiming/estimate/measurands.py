@@ -12,8 +12,9 @@ from typing import final
 import numpy as np
 
 from irtiming.estimate.joint import Joint, Measurand
-from irtiming.estimate.shared_numbers import DELAY
+from irtiming.estimate.shared_numbers import DELAY, MEMORIES
 from irtiming.inference.information import prior
+from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import inverse
 from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
@@ -21,13 +22,9 @@ from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution
 
 WINDOW, LAG, ROW_DELAY = "integration_time", "time_constant", "row_delay"
-MEMORIES = ("recursive_filter", "pixel_memory")
-"""Shares of the frame before, by name: of a camera that lags, and of one with a window."""
-
 MEMORY = "share of the frame before in each frame"
 """Source of a budget: what not knowing that share adds."""
 
-_TOLD = 1e-7  # standard uncertainty of a share that counts as known: thousands of times less than frames tell
 _FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
 _SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter is not told from none
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -311,7 +308,7 @@ def _with_known_memory(joint: Joint) -> Joint:
     What they add to a variance then is the difference: the square of what one unit of the share does, times its variance.
     """
     free = [one.name for one in joint.shared if one.name in MEMORIES and one.u is None]
-    told = tuple(prior(name, _TOLD, source=MEMORY, kind="A", gap=0.0) for name in free)
+    told = tuple(prior(name, EXACT_SHARE, source=MEMORY, kind="A", gap=0.0) for name in free)
     return replace(joint, priors=(*joint.priors, *told)) if free else joint
 
 

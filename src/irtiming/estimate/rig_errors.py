@@ -41,6 +41,8 @@ class RigErrors:
         Relative error of the clock, which the recordings' times already know, and its standard uncertainty.
     u_window_s
         Of the integration time that the recordings state; None where nobody knows it.
+    frame_memory
+        Share of the frame before in each frame; None where the frames alone tell it.
     findings
         What rig.toml leaves out, or states without an uncertainty.
     not_held
@@ -50,6 +52,7 @@ class RigErrors:
     shared: tuple[SharedNumber, ...] = ()
     clock: Measured = _EXACT
     u_window_s: float | None = None
+    frame_memory: Measured | None = None
     findings: tuple[Finding, ...] = ()
     not_held: tuple[str, ...] = ()
 
@@ -80,6 +83,7 @@ def of(
         shared=tuple(shared),
         clock=clock,
         u_window_s=rig.camera.integration_time_u_s,
+        frame_memory=rig.camera.frame_memory,
         findings=(
             *_of_latency(rig.latency, missing),
             *_of_registers([one.track for one in recordings], rig.latency),

@@ -11,8 +11,11 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import NOISE, EvaluationType
+from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
+from irtiming.physics.response import in_camera_filter, pixel_memory
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
+from irtiming.records.rig import Measured
 from irtiming.records.row_timing import SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
@@ -28,6 +31,9 @@ EDGES, RESIDUALS, IMAGE, CAMERA = (
     "tilt of the camera, and its lens",
 )
 """Sources of a budget beside those that rig.toml names."""
+
+MEMORIES = (in_camera_filter.PARAMETER, pixel_memory.PARAMETER)
+"""Shares of the frame before, by a filter of the camera or in its pixels."""
 
 
 CORNERS_SOURCE = "straightness of the mask's edges"
@@ -105,6 +111,29 @@ def same(
         name=name, unit=unit, start=start, effects=[{name: 1.0}] * len(fits), known=start, u=u,
         may_be_mirrored=name.startswith("lean"),
     )  # fmt: skip
+
+
+def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> list[SharedNumber]:
+    """The camera's numbers with what its owner knows of the share of the frame before.
+
+    Parameters
+    ----------
+    own
+        Of the camera, a share of the frame before perhaps among them.
+    stated
+        That share; None leaves it to the frames.
+    """
+    if stated is None:
+        return list(own)
+    u = max(stated.standard_uncertainty, EXACT_SHARE)
+    return [
+        replace(
+            one, known=stated.value, u=u, source=MEMORY_SOURCE, kind="B", measured=(stated.standard_uncertainty, "1")
+        )
+        if one.name in MEMORIES
+        else one
+        for one in own
+    ]
 
 
 def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float) -> list[SharedNumber]:

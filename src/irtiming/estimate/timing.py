@@ -154,6 +154,7 @@ def of_pixel_fits(
     groups, u_edge = scatter.alike(fits, [range(len(fits))]), scatter.edge_uncertainty(fits, geometry)
     middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     errors = [*shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge), *rig.shared]
+    own = shared_numbers.with_stated_memory(own, rig.frame_memory)
     plain = joint.fit(models, [shared_numbers.delay(fits, start=middle_s), *own, *errors])
     parts = shared_residual.split(joint.traces(plain)) or shared_residual.all_own(len(fits))
     found = own_noise.weighed(plain, fits, groups=groups, parts=parts)
@@ -165,7 +166,7 @@ def of_pixel_fits(
         n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
     )  # fmt: skip
     findings = (
-        *geometry.findings, *frame_memory.of_result(reported.estimate),
+        *geometry.findings, *frame_memory.of_result(reported.estimate), *frame_memory.of_stated(fits, rig.frame_memory),
         *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
         *doubts.of_joint(record), *rig.findings,
@@ -276,7 +277,7 @@ def of_row_fits(
     whole, fits = fits, [fit.holding(row_sum.BLADE) for fit in fits]
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
-    own = _of_camera(fits, first, blackbodies=blackbodies)
+    own = shared_numbers.with_stated_memory(_of_camera(fits, first, blackbodies=blackbodies), rig.frame_memory)
     shared = [
         shared_numbers.delay(fits, start=float(np.mean(first.edge_delay_s))),
         *own,
@@ -303,6 +304,7 @@ def of_row_fits(
     findings = (
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
+        *frame_memory.of_stated(fits, rig.frame_memory),
         *doubts.of_row_fits(whole, sectors[0]), *image_doubts.of_image(sectors[0]), *scatter.birge_findings(fits, groups),
         *doubts.of_mixture(effective), *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
@@ -339,7 +341,7 @@ def _of_camera(
     names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
     several = len(blackbodies) > 1 and LAG in names
     found = [
-        shared_numbers.same(name, fits, start=first.timing[name], unit="1" if name in measurands.MEMORIES else "s")
+        shared_numbers.same(name, fits, start=first.timing[name], unit="1" if name in shared_numbers.MEMORIES else "s")
         for name in names
         if name != LAG or not several
     ]
@@ -356,7 +358,7 @@ def _of_camera(
 def _record(
     found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
-    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, *measurands.MEMORIES)]
+    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, *shared_numbers.MEMORIES)]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
     every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(

@@ -39,7 +39,8 @@ class AssumedRig:
     """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say.
 
     ``beside`` is what latencies and clock add to parameters, ``u_clock`` the standard uncertainty of the clock's relative error,
-    ``u_window_s`` that of the integration time; None where nobody knows it.
+    ``u_window_s`` that of the integration time, ``u_frame_memory`` that of the share of the frame before; None where nobody knows
+    it.
     """
 
     model: WheelModel
@@ -48,6 +49,7 @@ class AssumedRig:
     beside: Beside = field(default_factory=dict)
     u_clock: float = 0.0
     u_window_s: float | None = None
+    u_frame_memory: float | None = None
 
 
 def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
@@ -108,4 +110,5 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         beside=of_rig(owner, camera),
         u_clock=clock_u(owner),
         u_window_s=owner.camera.integration_time_u_s,
+        u_frame_memory=None if owner.camera.frame_memory is None else owner.camera.frame_memory.standard_uncertainty,
     )

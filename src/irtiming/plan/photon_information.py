@@ -22,6 +22,7 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import without_own
+from irtiming.physics.response import pixel_memory
 from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction, skewed_fraction
 from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
@@ -48,11 +49,13 @@ class Structure:
 
 SHARED_SHAPE = Structure(
     own=("covered", "step", "drift"),
-    shared=("trigger_delay", "integration_time", "opening_angle", "skew", "plate"),
+    shared=("trigger_delay", "integration_time", "opening_angle", "skew", "plate", pixel_memory.PARAMETER),
 )
 """All runs share the opening and the integration time, and none is known; each has its own level, step and drift."""
 
-KNOWN_WINDOW = Structure(own=SHARED_SHAPE.own, shared=("trigger_delay", "opening_angle", "skew", "plate"))
+KNOWN_WINDOW = Structure(
+    own=SHARED_SHAPE.own, shared=("trigger_delay", "opening_angle", "skew", "plate", pixel_memory.PARAMETER)
+)
 """The same, but the integration time is known exactly."""
 
 OWN_SHAPE = Structure(own=("covered", "step", "drift", "opening_angle", "skew", "plate"), shared=("trigger_delay",))
@@ -64,12 +67,13 @@ OWN_SHAPE = Structure(own=("covered", "step", "drift", "opening_angle", "skew", 
 class Sampling:
     """When a run looks at the wheel: its angle at the start of integration (n,), rad, and the time (n,), -1/2 .. 1/2.
 
-    ``weight`` is what each sample counts: 1 for a frame.
+    ``step_rad`` is by how much the wheel turns from frame to frame; ``weight`` is what each sample counts: 1 for a frame.
     """
 
     wheel_angle_rad: Array
     time: Array
     angular_frequency_rad_per_s: float
+    step_rad: float
     weight: float = 1.0
 
 
@@ -154,6 +158,7 @@ def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> 
         "opening_angle": (ends - fraction) / gamma,
         "skew": skewed_fraction(angle, model, sweep_rad=sweep),
         "plate": exposed_fraction(angle, wider, sweep_rad=sweep) - fraction,
+        pixel_memory.PARAMETER: exposed_fraction(angle - sampling.step_rad, model, sweep_rad=sweep) - fraction,
         "covered": np.ones_like(angle),
         "step": fraction,
         "drift": sampling.time,

@@ -56,8 +56,13 @@ class Setting:
 
     def _with_rig(self, told: Told) -> Told:
         """The same with what rig.toml knows beside angles."""
-        u_window_s, name = self.rig.u_window_s, "integration_time"
-        known = () if not u_window_s or name not in told.names else (prior(name, u_window_s, source=WINDOW_SOURCE),)
+        memory = physics_camera.camera(self.camera.camera_type, self.camera.readout_mode).memory.PARAMETER
+        u_memory = None if self.rig.u_frame_memory is None else max(self.rig.u_frame_memory, physics_camera.EXACT_SHARE)
+        stated = (
+            ("integration_time", self.rig.u_window_s, WINDOW_SOURCE),
+            (memory, u_memory, physics_camera.MEMORY_SOURCE),
+        )
+        known = tuple(prior(name, u, source=source) for name, u, source in stated if u and name in told.names)
         return replace(told, beside=self.rig.beside, stated=known)
 
 
@@ -119,6 +124,7 @@ def nominal_sampling(scheme: TriggerScheme, clock_frequency_hz: int) -> Sampling
         wheel_angle_rad=TURN / n * sample,
         time=np.tile((np.arange(n) + 0.5) / n - 0.5, _PHASES),
         angular_frequency_rad_per_s=TURN * clock_frequency_hz / scheme.turn_period_ticks,
+        step_rad=TURN * scheme.camera_period_ticks / scheme.turn_period_ticks,
         weight=1 / _PHASES,
     )
 

@@ -107,12 +107,14 @@ class CameraOptics:
 
     Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
     ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where nobody knows
-    it. ``lens_centre_px``, column and row, and ``focal_length_px`` are None where rig.toml does not state them. A ``calibration``
-    holds all of these, and then stands alone.
+    it. ``frame_memory`` is the share of the frame before that each frame holds, by a noise filter or the detector; None where
+    the frames alone tell it. ``lens_centre_px``, column and row, and ``focal_length_px`` are None where rig.toml does not state
+    them. A ``calibration`` holds what is known of the lens, and then stands alone.
     """
 
     distortion: Measured | None = None
     integration_time_u_s: float | None = None
+    frame_memory: Measured | None = None
     lens_centre_px: tuple[Measured, Measured] | None = None
     focal_length_px: Measured | None = None
     calibration: LensCalibration | None = None

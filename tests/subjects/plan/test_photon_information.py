@@ -19,7 +19,8 @@ EXACT = AngleErrors(common=(), edge_rad=0.0)
 ANGLES = AngleErrors(common=(("mask", 5e-4), ("gates", 2e-4)), edge_rad=1e-4)
 STEPS = {
     "trigger_delay": 1e-8, "integration_time": 1e-8, "opening_angle": 1e-6, "skew": 1e-3, "plate": 1e-3,
-    "covered": 1e-3, "step": 1e-3, "drift": 1e-3, "edge_0": 1e-6, "edge_1": 1e-6, "edge_2": 1e-6, "edge_3": 1e-6,
+    "pixel_memory": 1e-3, "covered": 1e-3, "step": 1e-3, "drift": 1e-3,
+    "edge_0": 1e-6, "edge_1": 1e-6, "edge_2": 1e-6, "edge_3": 1e-6,
 }  # fmt: skip
 
 
@@ -28,6 +29,7 @@ def _sampling(wheel_hz=12.0, n=1000, per_frame=99):
         wheel_angle_rad=TURN / n * (np.arange(n) * per_frame % n + 0.3),
         time=(np.arange(n) + 0.5) / n - 0.5,
         angular_frequency_rad_per_s=TURN * wheel_hz,
+        step_rad=TURN * per_frame / n,
     )
 
 
@@ -43,6 +45,7 @@ def _frame_sums(sampling, noise, *, off):
     plate = exposed_fraction(angle, wider, sweep_rad=omega * window) - fraction
     light = fraction + off.get("skew", 0.0) * skewed_fraction(angle, model, sweep_rad=omega * window)
     light += off.get("plate", 0.0) * plate + off.get("drift", 0.0) * sampling.time
+    light += off.get("pixel_memory", 0.0) * (np.roll(fraction, 1) - fraction)  # of the frame before
     return off.get("covered", 0.0) + (1 + off.get("step", 0.0)) * light
 
 
@@ -116,7 +119,8 @@ def test_noise_falls_with_the_root_of_the_runs_and_grows_with_that_of_a_frame():
 def test_without_a_window_the_slopes_alone_tell_the_delay():
     """Oracle: by hand; 4 gamma of a turn lie on slopes of omega / gamma, all other shapes are even to them."""
     sharp = replace(NOISE, integration_time_s=0.0, jitter_s=0.0)
-    told = photon_information.one_run(_sampling(3.0), sharp, model=MODEL, angles=EXACT, structure=KNOWN_WINDOW)
+    plain = replace(KNOWN_WINDOW, shared=tuple(name for name in KNOWN_WINDOW.shared if name != "pixel_memory"))
+    told = photon_information.one_run(_sampling(3.0), sharp, model=MODEL, angles=EXACT, structure=plain)
     by_hand = NOISE.share * GAMMA / (TURN * 3.0) / np.sqrt(1000 * 4 * GAMMA / TURN)
     assert _trigger_delay(told) == pytest.approx(by_hand, rel=0.02)
 

@@ -1,0 +1,51 @@
+"""What rig.toml says of the share of the frame before, against what the frames do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import frame_memory, shared_numbers
+from irtiming.records.estimate import Estimate
+from irtiming.records.rig import Measured
+
+
+@dataclass
+class _Fit:
+    estimate: Estimate
+
+
+def _fit(name, share, u):
+    return _Fit(Estimate(names=(name,), units=("1",), values=np.array([share]), covariance=np.array([[u**2]])))
+
+
+@pytest.mark.parametrize("name", ["recursive_filter", "pixel_memory"])
+@pytest.mark.parametrize(
+    ("stated", "contradicts"),
+    [(Measured(0.0, 1e-3), False), (Measured(0.0, 1e-4), True), (Measured(0.004, 1e-4), False)],
+)
+def test_frames_that_contradict_the_statement_put_the_result_in_doubt(name, stated, contradicts):
+    """Oracle: by hand; two recordings of 0.4 %, u = 0.03 %, know it to 0.021 %: 3.9 u from 0 with u = 0.1 %, 17 u with 0.01 %."""
+    found = frame_memory.of_stated([_fit(name, 0.004, 3e-4)] * 2, stated)
+    assert [one.code for one in found] == (["frame-memory-contradicted"] if contradicts else [])
+    assert all(one.severity == "doubt" for one in found)
+
+
+def test_nothing_stated_or_nothing_free_is_no_contradiction():
+    """Oracle: by hand."""
+    assert frame_memory.of_stated([_fit("pixel_memory", 0.5, 1e-3)], None) == ()
+    assert frame_memory.of_stated([_fit("time_constant", 0.5, 1e-3)], Measured(0.0)) == ()
+
+
+@pytest.mark.parametrize(("u", "counted"), [(2e-4, 2e-4), (0.0, 1e-7)])
+def test_a_stated_share_is_a_prior_of_the_number_that_has_it(u, counted):
+    """Oracle: by hand; every other number stays, and a share stated without uncertainty is as good as exact."""
+    own = [
+        shared_numbers.same("pixel_memory", [None], start=0.01, unit="1"),
+        shared_numbers.same("opening_angle", [None], start=1.3),
+    ]
+    memory, other = shared_numbers.with_stated_memory(own, Measured(0.002, u))
+    assert (memory.known, memory.u, memory.start, memory.kind) == (0.002, counted, 0.01, "B")
+    assert memory.measured == (u, "1")
+    assert other is own[1]
+    assert shared_numbers.with_stated_memory(own, None) == own
