@@ -19,10 +19,10 @@ from irtiming.records.wheel_geometry import WheelModel
 _TABLE = 16384
 _HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
-_SHORTEST_WAVE, _ORDER = (
-    2.0,
-    8,
-)  # gaps of a quadrature that it resolves: a little more than two; how sharply what is shorter ends
+_ORDERS = np.fft.fftfreq(_TABLE, 1 / _TABLE)  # of each entry of the table's spectrum
+_SHORTEST_WAVE = 2.0  # in gaps of a quadrature: what it resolves
+_SHARPNESS = 8  # with which what is shorter ends
+_POWERS = _ORDERS**_SHARPNESS
 
 
 @final
@@ -51,7 +51,7 @@ class Look:
         A blur leaves next to nothing of such waves, since the nodes are as close as it asks.
         """
         highest = TURN / (_SHORTEST_WAVE * gap_rad)
-        kept = np.exp(-((self._order / highest) ** _ORDER))
+        kept = np.exp(_POWERS / -(highest**_SHARPNESS))
         return replace(self, table=np.fft.ifft(self._spectrum * kept)).values(angle_rad)
 
     def values(self, angle_rad: Array) -> ComplexArray:
@@ -84,16 +84,11 @@ class Look:
     def _smooth(self) -> ComplexArray:
         """The table smoothed by Gaussians from the narrowest to the widest, shape (70, 16384)."""
         widths = np.geomspace(_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS)[:, None]
-        return np.asarray(np.fft.ifft(self._spectrum * np.exp(-0.5 * (self._order * widths) ** 2)))
+        return np.asarray(np.fft.ifft(self._spectrum * np.exp(-0.5 * (_ORDERS * widths) ** 2)))
 
     @cached_property
     def _spectrum(self) -> ComplexArray:
         return np.asarray(np.fft.fft(self.table))
-
-    @property
-    def _order(self) -> Array:
-        """Of each entry of the spectrum."""
-        return np.asarray(np.fft.fftfreq(_TABLE, 1 / _TABLE), dtype=float)
 
 
 def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:

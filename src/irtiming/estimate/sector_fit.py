@@ -116,7 +116,12 @@ def fit(
         return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers, sharp)])
 
     misfit = Misfit(residuals=residuals, sharp=images.sharp)
-    found = searched(misfit, [begin | one for one in _signs(known, start)], free=free, is_first=start is None)
+    found = searched(
+        misfit,
+        [begin | one for one in _signs(known, start)],
+        free=free,
+        n_before=0 if start is None else start.n_rounds,
+    )
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
     _check(numbers, recordings[0])
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))

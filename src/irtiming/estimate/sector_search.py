@@ -17,9 +17,10 @@ _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _MOST_ELLIPTIC = 0.6
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
-_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 5
-_FIRST_GAIN, _GAIN = 1e-2, 1e-5  # of the sum of squares, below which a search ends: the first image is but a start
+_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 8
+_GAINS = (1e-2, 1e-4, 1e-5)  # of the sum of squares, below which a search ends: the first rounds are but a start
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
+_BY_CHANCE = 2.0  # standard uncertainties
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "bisector_rad": 0.05,
@@ -63,8 +64,8 @@ class Misfit:
     sharp: Callable[[Numbers], Sequence[Sharp]]
 
 
-def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], is_first: bool) -> OptimizeResult:
-    """Best of the searches: from several starts a short one each, and a whole one from where the best of them ended.
+def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], n_before: int) -> OptimizeResult:
+    """Best of the searches: a whole one from the first start, and from others where the numbers that they change were told.
 
     Parameters
     ----------
@@ -74,20 +75,29 @@ def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], 
         Where to begin; what is not ``free`` stays there.
     free
         Names of the numbers that are searched for, in the order of the result's.
-    is_first
-        That the result is but a start for another search.
+    n_before
+        Number of searches before: the result of the first two is but a start for another.
     """
-    if len(starts) == 1:
-        return _search(misfit, starts[0], free=free, is_first=is_first, evaluations=_MOST_EVALUATIONS)
-    tries = [_search(misfit, one, free=free, is_first=is_first, evaluations=_FEW_EVALUATIONS) for one in starts]
-    best = min(tries, key=lambda found: float(found.cost))
-    if best.status > 0:
-        return best
-    again = {**starts[0], **dict(zip(free, map(float, best.x), strict=True))}
-    return _search(misfit, again, free=free, is_first=is_first, evaluations=_MOST_EVALUATIONS)
+    best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS)
+    for start in starts[1:]:
+        if not _is_told(best, [free.index(name) for name in free if start[name] != starts[0][name]]):
+            continue
+        other = _search(misfit, start, free=free, n_before=n_before, evaluations=_FEW_EVALUATIONS)
+        if other.cost < best.cost:
+            best = other if other.status > 0 else _search(
+                misfit, {**start, **dict(zip(free, map(float, other.x), strict=True))},
+                free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS,
+            )  # fmt: skip
+    return best
 
 
-def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], is_first: bool, evaluations: int) -> OptimizeResult:
+def _is_told(found: OptimizeResult, at: Sequence[int]) -> bool:
+    """Whether any of these numbers is further from zero than it would be by chance: else both its signs end in one place."""
+    covariance = np.linalg.pinv(found.jac.T @ found.jac)
+    return any(abs(found.x[k]) > _BY_CHANCE * np.sqrt(covariance[k, k]) for k in at)
+
+
+def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, evaluations: int) -> OptimizeResult:
     scale = np.array([_SCALES[name] for name in free])
     low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
     course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high)
@@ -98,7 +108,7 @@ def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], is_first: bo
         x_scale=scale,
         bounds=(low, high),
         max_nfev=evaluations,
-        ftol=_FIRST_GAIN if is_first else _GAIN,
+        ftol=_GAINS[min(n_before, len(_GAINS) - 1)],
     )
 
 
