@@ -11,7 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from irtiming.errors import PlanError
-from irtiming.physics.camera import camera
+from irtiming.inference.information import Information, prior
+from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE, camera
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import clock_u, of_budget
@@ -48,10 +49,19 @@ def predict(analysis: Analysis) -> Prediction | None:
     sums = [fit for fit in fits if isinstance(fit, EdgeDelayFit)]
     if sums:
         structure = SHARED_SHAPE if recordings[0].integration_time_s is None else KNOWN_WINDOW
-        found = photon(recordings, sums, model=model, angles=angles, structure=structure)
+        found = photon(recordings, sums, model=model, angles=angles, structure=structure, stated=_stated(analysis))
     else:
         found = row_sums(analysis, angles)
     return None if found is None else _with_rig(found, analysis)
+
+
+def _stated(analysis: Analysis) -> tuple[Information, ...]:
+    """What rig.toml knows of the camera's own numbers."""
+    memory = analysis.rig.camera.frame_memory
+    if memory is None:
+        return ()
+    name = camera(analysis.camera_type, analysis.readout_mode).memory.PARAMETER
+    return (prior(name, max(memory.standard_uncertainty, EXACT_SHARE), source=MEMORY_SOURCE),)
 
 
 def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
@@ -74,6 +84,7 @@ def photon(
     model: WheelModel,
     angles: AngleErrors,
     structure: Structure,
+    stated: Sequence[Information] = (),
 ) -> Prediction | None:
     """Prediction for the recordings of a photon camera; None where they tell too little for one.
 
@@ -87,6 +98,8 @@ def photon(
         Sizes of the angle errors.
     structure
         What each recording has for itself in the estimation, and what all share.
+    stated
+        What is known of parameters beforehand.
     """
     groups: _Groups = {}
     for recording, fit in zip(recordings, fits, strict=True):
@@ -95,7 +108,7 @@ def photon(
             _sampling(recording, fit), _noise(recording, fit), model=model, angles=angles, structure=structure
         )
         groups.setdefault(key, []).append(told)
-    every = information.total([one for members in groups.values() for one in members])
+    every = replace(information.total([one for members in groups.values() for one in members]), stated=tuple(stated))
     half = {"integration_time": 0.5} if "integration_time" in structure.shared else {}
     weights = {"trigger_delay": {"trigger_delay": 1.0}, "exposure_midpoint_delay": {"trigger_delay": 1.0, **half}}
     if any(recording.integration_time_s is None for recording in recordings):
@@ -154,7 +167,7 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
     if analysis.camera_type == "photon":
         weights |= _window(analysis, weights)
     try:
-        found = information.uncertainties(information.total(told), weights)
+        found = information.uncertainties(replace(information.total(told), stated=_stated(analysis)), weights)
     except (PlanError, np.linalg.LinAlgError):
         return None
     return Prediction(

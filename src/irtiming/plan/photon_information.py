@@ -1,7 +1,7 @@
 r"""What one run of a photon camera can tell: derivatives of the pixel sum, each a closed form (Schatz 2023, eq. 1, figure 4b).
 
-A frame's sum over the opening is  f = covered + step (F + skew S + plate P + drift t)  with the exposed fraction F(theta) of
-`physics.wheel`, averaged over the integration. Its parameters:
+A frame's sum over the opening is  f = covered + step (F + skew S + plate P + blades B + beside B' + drift t)  with the shapes of
+`physics.light.pixel_sum`, averaged over the integration. Its parameters:
 
 ===================  =======================================================================================
 name                 derivative, at step = 1
@@ -10,6 +10,8 @@ trigger_delay        omega dF/dtheta: a later exposure sees the wheel further on
 integration_time     omega (F_0(end of the window) - F) / sweep, F_0 without window: the start is held
 opening_angle        (share of the two radial edges that is open - F) / gamma
 skew, plate          S and P: light that is brighter towards one end; a mask plate that shows around the opening
+blades, beside       B and B': blades that are not equally warm, before the opening and before its border
+pixel_memory         F(theta - turn of the wheel from frame to frame) - F: a share of the frame before
 covered, step        1 and F
 drift                time, from -1/2 to 1/2
 an angle error       u dF/dtheta, common or by the edge that is off
@@ -22,8 +24,9 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import without_own
+from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
-from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction, skewed_fraction
+from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction
 from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
@@ -48,17 +51,17 @@ class Structure:
 
 
 SHARED_SHAPE = Structure(
-    own=("covered", "step", "drift"),
-    shared=("trigger_delay", "integration_time", "opening_angle", "skew", "plate", pixel_memory.PARAMETER),
+    own=("covered", "step", "drift", "skew", "plate", "blades", "beside"),
+    shared=("trigger_delay", "integration_time", "opening_angle", pixel_memory.PARAMETER),
 )
-"""All runs share the opening and the integration time, and none is known; each has its own level, step and drift."""
+"""All runs share opening, integration time and memory, and none is known; each has its own levels, step and drift."""
 
 KNOWN_WINDOW = Structure(
-    own=SHARED_SHAPE.own, shared=("trigger_delay", "opening_angle", "skew", "plate", pixel_memory.PARAMETER)
+    own=SHARED_SHAPE.own, shared=tuple(name for name in SHARED_SHAPE.shared if name != "integration_time")
 )
 """The same, but the integration time is known exactly."""
 
-OWN_SHAPE = Structure(own=("covered", "step", "drift", "opening_angle", "skew", "plate"), shared=("trigger_delay",))
+OWN_SHAPE = Structure(own=(*SHARED_SHAPE.own, "opening_angle"), shared=("trigger_delay", pixel_memory.PARAMETER))
 """Each run has an opening of its own, and the integration time is known."""
 
 
@@ -147,17 +150,22 @@ def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> 
     """Derivative of a frame's sum to each parameter at step 1, by name; shapes (n,), per second, per rad or per 1."""
     angle, gamma, omega = sampling.wheel_angle_rad, model.opening_angle_rad, sampling.angular_frequency_rad_per_s
     sweep = _sweep(sampling, noise)
-    fraction = exposed_fraction(angle, model, sweep_rad=sweep)
+    passing = Passing(
+        wheel=model, middle_rad=angle + sweep / 2, edges_early_rad=np.zeros(4), opening_angle_rad=gamma, swept_rad=sweep,
+        border_rad=noise.border_rad,
+    )  # fmt: skip
+    made, fraction = shapes(passing), exposed_fraction(angle, model, sweep_rad=sweep)
     moving = _by_edge(angle, model, sweep_rad=sweep).sum(axis=0)
     ends = (_edge_open(angle, model, sweep_rad=sweep, side=1) + _edge_open(angle, model, sweep_rad=sweep, side=-1)) / 2
-    wider = replace(model, opening_angle_rad=gamma + 2 * noise.border_rad)
     at_end = omega * moving / 2 if sweep == 0 else omega * (exposed_fraction(angle + sweep, model) - fraction) / sweep
     return {
         "trigger_delay": omega * moving,
         "integration_time": at_end,
         "opening_angle": (ends - fraction) / gamma,
-        "skew": skewed_fraction(angle, model, sweep_rad=sweep),
-        "plate": exposed_fraction(angle, wider, sweep_rad=sweep) - fraction,
+        "skew": made.skew,
+        "plate": made.plate,
+        "blades": made.blades,
+        "beside": made.beside,
         pixel_memory.PARAMETER: exposed_fraction(angle - sampling.step_rad, model, sweep_rad=sweep) - fraction,
         "covered": np.ones_like(angle),
         "step": fraction,
