@@ -1,5 +1,6 @@
 """Ticks, seconds and text: the one place where numbers get or lose their unit."""
 
+import math
 import re
 
 from irtiming.errors import UnitError
@@ -27,7 +28,10 @@ def seconds(text: str) -> float:
         raise UnitError(f"'{text}' is not a time; write a number and s, ms, us, ns, min or h, such as '250 us'")
     if not match[2] and float(match[1]) != 0:
         raise UnitError(f"'{text}' has no unit; write s, ms, us, ns, min or h behind it, such as '{match[1]} ms'")
-    return float(match[1]) * _FACTORS[match[2]]
+    found = float(match[1]) * _FACTORS[match[2]]
+    if not math.isfinite(found):
+        raise UnitError(f"'{text}' is longer than any time that a number can hold; check it")
+    return found
 
 
 def kelvin(text: str) -> float:

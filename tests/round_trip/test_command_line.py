@@ -64,7 +64,11 @@ def test_the_published_method_is_the_result_when_asked_for(simulated, tmp_path):
         ("absent", "does not exist"),
         ("twice", "are the same recording"),
         ("typo", "did you mean 'half_separation_mm'"),
-        ("roi", "must be 4 numbers"),
+        ("--roi=1,2,3", "must be 4 finite numbers"),
+        ("--roi=nan,1,2,3", "must be 4 finite numbers"),
+        ("--roi=1e400,1,2,3", "must be 4 finite numbers"),
+        ("--roi=0.5,10,2,30", "must be four whole numbers"),
+        ("--threshold-dn=nan", "--threshold-dn is nan, must be a finite number"),
         ("nowhere", "there is no folder"),
     ],
 )
@@ -83,8 +87,8 @@ def test_unusable_input_ends_in_one_line_and_exit_2(simulated, tmp_path, what, s
     elif what == "typo":
         rig = tmp_path / "rig.toml"
         rig.write_text((simulated / "rig.toml").read_text().replace("half_separation_mm", "half_seperation_mm"))
-    elif what == "roi":
-        options = ["--roi", "1,2,3"]
+    elif what.startswith("--"):
+        options = [what]
     else:
         options = ["--json", tmp_path / "no" / "folder.json"]
     done = _irtiming("analyse", *files, "--rig", rig, *options)

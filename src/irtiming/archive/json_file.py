@@ -53,6 +53,8 @@ def plain(value: Any) -> Any:
 def write_atomically(text: str, path: str | Path) -> None:
     """Write text as UTF-8 under a temporary name and rename it when it is complete.
 
+    What is no file of its own, such as /dev/stdout or a pipe, is written to as it stands.
+
     Raises
     ------
     ArchiveError
@@ -62,11 +64,21 @@ def write_atomically(text: str, path: str | Path) -> None:
     part = target.with_name(f"{target.name}.{os.getpid()}.part")
     if target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
+    if target.exists() and not target.is_file():
+        return _write_into(text, target)
     try:
         part.write_text(text, encoding="utf-8", newline="\n")
         part.replace(target)
     except OSError as error:
         part.unlink(missing_ok=True)
+        raise unwritable(target, error) from error
+
+
+def _write_into(text: str, target: Path) -> None:
+    try:
+        with target.open("w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except OSError as error:
         raise unwritable(target, error) from error
 
 

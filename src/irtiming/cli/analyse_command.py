@@ -1,5 +1,6 @@
 """``irtiming analyse``: recordings in, table, result JSON and report page out."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -94,11 +95,16 @@ def _numbers(text: str, n: int, option: str) -> list[float]:
         values = [float(part) for part in parts]
     except ValueError:
         values = []
-    if len(values) != n:
-        raise UnitError(f"{option} is '{text}', must be {n} numbers with commas between them")
+    if len(values) != n or not all(map(math.isfinite, values)):
+        raise UnitError(f"{option} is '{text:.80}', must be {n} finite numbers with commas between them")
     return values
 
 
 def _region(text: str) -> tuple[int, int, int, int]:
-    a, b, c, d = (int(value) for value in _numbers(text, 4, "--roi"))
+    numbers = _numbers(text, 4, "--roi")
+    if not all(value.is_integer() for value in numbers):
+        raise UnitError(
+            f"--roi is '{text:.80}', must be four whole numbers: first row, end row, first column, end column"
+        )
+    a, b, c, d = map(int, numbers)
     return a, b, c, d

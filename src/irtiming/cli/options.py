@@ -3,6 +3,7 @@
 Options that several commands have stand here too.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import wraps
@@ -11,7 +12,7 @@ from typing import Annotated, Any, ParamSpec, TypeVar
 
 import typer
 
-from irtiming.errors import IrTimingError
+from irtiming.errors import IrTimingError, UnitError
 from irtiming.records.choices import ReferenceEdge
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import kelvin, seconds
@@ -72,6 +73,8 @@ def filled(record: type[_Record], given: Mapping[str, Any], **more: Any) -> _Rec
 def _read(field: str, value: Any) -> Any:
     if isinstance(value, list):
         return tuple(_read(field, one) for one in value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise UnitError(f"{_option(field)} is {value}, must be a finite number")
     unit = field.removeprefix(_bare(field))
     return _UNITS[unit](value) if unit and isinstance(value, str) else value
 

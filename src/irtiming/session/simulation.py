@@ -21,6 +21,8 @@ from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
 from irtiming.units import readable_time
 
 _STEEPEST_DRIFT = 1000.0  # DN per second
+_LONGEST_DELAY_S = 60.0
+_FURTHEST_M = 10e-3
 _TIMES_S = {
     "trigger_delay_s": 0.0,
     "integration_time_s": 1e-6,
@@ -116,6 +118,16 @@ class SimulationOrder:
     laboratory: bool = False
 
     def __post_init__(self) -> None:
+        for delay_s in self.delay_s:
+            if not abs(delay_s) <= _LONGEST_DELAY_S:
+                raise PlanError(
+                    f"a delay of '{readable_time(delay_s)}' was asked for; it must lie within +-{_LONGEST_DELAY_S:g} s"
+                )
+        if not abs(aside := self.mask_offset_m or 0.0) <= _FURTHEST_M:
+            raise PlanError(
+                f"a mask offset of {1e3 * aside:g} mm was asked for; it must lie within +-{1e3 * _FURTHEST_M:g} mm: the mask "
+                "itself is no larger"
+            )
         if self.lost_frames >= self.frames:
             raise PlanError(
                 f"{self.lost_frames} lost frames of {self.frames} were asked for; at least one must be left"

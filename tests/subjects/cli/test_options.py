@@ -63,3 +63,10 @@ def test_a_complaint_names_the_options():
     with pytest.raises(PlanError) as refused:
         command(0)
     assert str(refused.value) == "--rows with --delay, --body and --drift-dn-per-s"
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_a_number_that_is_none_is_refused(number):
+    """Oracle: by hand; the option is named."""
+    with pytest.raises(UnitError, match="--drift-dn-per-s is (nan|inf), must be a finite number"):
+        filled(Record, {"drift_dn_per_s": number})
