@@ -24,6 +24,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.estimate import opening_in_image
 from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
 from irtiming.inference.optimiser import Linearised
@@ -42,15 +43,16 @@ from irtiming.records.wheel_geometry import WheelModel
 MEMORY = pixel_memory.PARAMETER
 """Share s of the frame before that each frame holds."""
 
-SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", MEMORY)
-"""Local numbers beside the edges' delays: rad, s, rad, rad, 1."""
+GLARE = "glare"
+"""Share of the light that goes astray, out of the summed pixels where it comes from the opening's ends."""
+
+SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", GLARE, MEMORY)
+"""Local numbers beside the edges' delays: rad, s, rad, rad, 1, 1."""
 
 CORNERS = "corner_variance"
 """Local number that may stand beside them: what else rounds the corners, rad^2."""
 
 _BORDER_RAD = 0.1  # where the axle was not found in the image
-_UNSEEN_LEAN_RAD = 0.01
-_EXTENT = (0.02, 0.98)  # of the pixels' radii
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
 _LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
@@ -80,6 +82,7 @@ class PixelSums:
     noise: float = 1.0
     radii: Radii = field(default_factory=Radii)
     region: SummedRegion | None = None
+    lost: SummedRegion | None = None
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -129,6 +132,8 @@ class PixelSums:
             border_rad=self.border_rad,
             radii=self.radii,
             region=self.region,
+            glare=numbers.get(GLARE, 0.0),
+            lost=self.lost,
             corner_variance_rad2=numbers.get(CORNERS, 0.0),
         )
 
@@ -193,10 +198,10 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
     """
     low, high = (float(v) for v in np.quantile(reduced.pixel_sums.pixel_sum, [0.03, 0.97]))
     ticks, border = reduced.trigger_ticks, _BORDER_RAD
-    distance, radii = _radii_px(reduced), Radii()
+    distance, radii = opening_in_image.radii_px(reduced), Radii()
     if distance is not None:
         border = float(np.clip(reduced.opening.border_px / distance.mean(), 1e-2, 0.3))
-        radii = pixel_sum.radii(*_extent_px(reduced, distance))
+        radii = pixel_sum.radii(*opening_in_image.extent_px(reduced, distance))
     return PixelSums(
         reduced=reduced,
         wheel=wheel,
@@ -205,33 +210,9 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         unit_dn=low - high if reduced.opening.blackbody_is_colder else high - low,
         border_rad=border,
         radii=radii,
-        region=_region(reduced),
+        region=opening_in_image.region(reduced),
+        lost=opening_in_image.lost(reduced),
     )
-
-
-def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple[Array, float]:
-    """Angles by which the ends of the opening lean, low and high wheel coordinate, as the image shows them; and their u, rad.
-
-    Zero, with a wide uncertainty, where the image does not tell.
-
-    Parameters
-    ----------
-    reduced
-        Its axle view.
-    turns_clockwise
-        As the camera sees the wheel: wheel coordinates grow against polar angles then.
-
-    Returns
-    -------
-    Shape (2,), and the standard uncertainty of either.
-    """
-    radii, axle = _radii_px(reduced), reduced.axle
-    if radii is None or axle is None or axle.edge_miss_px is None:
-        return np.zeros(2), _UNSEEN_LEAN_RAD
-    inner, outer = _extent_px(reduced, radii)
-    miss = np.array(axle.edge_miss_px)
-    leans = -miss[::-1] if turns_clockwise else miss
-    return 2 * leans / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
 
 
 def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
@@ -294,7 +275,9 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
 
 
 def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
-    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, 0.0)
+    axle = given.reduced.axle
+    glare = 0.0 if axle is None else axle.glare
+    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, glare, 0.0)
     return dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True))
 
 
@@ -421,27 +404,3 @@ def _u_blades(given: PixelSums, made: Shapes) -> float:
         - np.delete(columns, 4, axis=1) @ np.linalg.lstsq(np.delete(columns, 4, axis=1), columns[:, 4], rcond=1e-12)[0]
     )
     return float(1 / np.linalg.norm(rest))
-
-
-def _region(reduced: ReducedRecording) -> SummedRegion | None:
-    """What the summed pixels see beside the opening, as the image shows it."""
-    axle = reduced.axle
-    if axle is None or not axle.plate_share:
-        return None
-    return SummedRegion(ends_rad=np.array(axle.plate_ends_rad), share=np.array(axle.plate_share))
-
-
-def _extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:
-    """Inner and outer radius of the opening: of the sector in the image, else nearly those of its pixels."""
-    if reduced.axle is not None and reduced.axle.radii_px is not None:
-        return reduced.axle.radii_px
-    inner, outer = np.quantile(distance, _EXTENT)
-    return float(inner), float(outer)
-
-
-def _radii_px(reduced: ReducedRecording) -> Array | None:
-    """Distance of the opening's pixels from the axle, shape (n,); None where the axle was not found."""
-    if reduced.axle is None:
-        return None
-    rows, columns = np.nonzero(reduced.opening.mask)
-    return np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px)

@@ -1,4 +1,7 @@
-"""Over the wheel's angle, where the light comes from that summed pixels see beside the opening's: mask plate, uneven wheel."""
+"""Over the wheel's angle, what summed pixels see beside the opening's light, and what of that goes astray.
+
+Beside it there are the mask plate and an uneven wheel; glare carries light from the opening's ends out of the summed pixels.
+"""
 
 import numpy as np
 from scipy.special import ndtr
@@ -12,6 +15,7 @@ _STEP_RAD = float(np.radians(1.5))
 _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
+_N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
 _LEAST = 1e-4  # of the contrast: less is not told from none
 
 
@@ -41,6 +45,28 @@ def spread(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array,
     ends = _ends(sector.shape.opening_angle_rad, float(np.max(np.abs(place) + _REACH * sigma)))
     share = np.diff([sector.ring[lit] @ ndtr((end - place) / sigma) for end in ends])
     return ends, share / np.sum(np.abs(share))
+
+
+def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, Array]:
+    """Ends (k + 1,), rad, and what part of the opening's light each part (k,) loses from the summed pixels, were all of it glare.
+
+    Parameters
+    ----------
+    sector
+        Fitted to the contrast image; its glare's width counts.
+    summed, shift_rad
+        As for `spread`.
+    """
+    row0, row1, column0, column1 = sector.roi
+    shape = sector.shape
+    points = blurred_sector.glare_points(shape, n_harmonics=_FINE_GLARE)
+    kept = blurred_sector.glare_kept(shape, points, summed[row0:row1, column0:column1], roi=sector.roi).sum(axis=1)
+    gone = points.area_px2 * (1 - kept) / points.area_px2.sum()
+    half = shape.opening_angle_rad / 2
+    ends = np.linspace(-half, half, _N_LOST + 1)
+    place = shift_rad - points.angle_rad
+    inside = np.array([gone @ ndtr((end - place) / points.gap_rad) for end in ends[1:-1]])
+    return ends, np.diff(inside, prepend=0.0, append=gone.sum())
 
 
 def _ends(opening_angle_rad: float, farthest_rad: float) -> Array:

@@ -26,6 +26,9 @@ _ROUNDS = 3  # the second knows what the first left over, and looks for the lens
 _NOT_SKEW = (
     0.03  # of the turn that uneven light brings: what it does to a slope beyond the skew of `physics.light.pixel_sum`
 )
+_GLARE_SHAPE = (
+    0.3  # of the glare: by how much an exponential that the image takes for its Gaussian carries more or less away
+)
 
 
 def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> tuple[ReducedRecording, ...]:
@@ -102,6 +105,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
     ])  # fmt: skip
     shift, low, high, uneven = seen(numbers)
     ends, share = plate_light.spread(sector, summed, shift_rad=float(shift))
+    lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", slopes, sector.covariance, slopes))
     return AxleView(
         row_px=shape.axle_row_px,
@@ -119,6 +123,10 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         radii_px=(shape.inner_radius_px, shape.outer_radius_px),
         plate_ends_rad=tuple(ends.tolist()),
         plate_share=tuple(share.tolist()),
+        glare=shape.glare,
+        u_glare=float(np.hypot(sector.u("glare"), _GLARE_SHAPE * shape.glare)),
+        lost_ends_rad=tuple(lost_ends.tolist()),
+        lost_share=tuple(lost.tolist()),
     )
 
 

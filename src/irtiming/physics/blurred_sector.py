@@ -332,11 +332,16 @@ def glare_harmonics(
     ``summed``, of shape (roi rows, roi columns), are the pixels of which each row's sum is made; what falls beside them is lost.
     """
     points = glare_points(shape, n_harmonics=n_harmonics)
-    over_rows, over_columns = _widths_with_glare(shape)
-    into_row = _shares(points.row_px, roi[:2], over_rows)
-    into_sum = into_row * (_shares(points.column_px, roi[2:], over_columns) @ summed.T.astype(float))
+    into_sum = glare_kept(shape, points, summed, roi=roi)
     waves = np.exp(-1j * np.multiply.outer(points.angle_rad, np.arange(n_harmonics + 1)))
     return np.asarray(into_sum.T @ (waves * points.area_px2[:, None]))
+
+
+def glare_kept(shape: SectorShape, points: LightPoints, summed: Mask, *, roi: tuple[int, int, int, int]) -> Array:
+    """Part of the glare of each point of light that falls into summed pixels, by their row: shape (n, roi rows)."""
+    over_rows, over_columns = _widths_with_glare(shape)
+    into_row = _shares(points.row_px, roi[:2], over_rows)
+    return np.asarray(into_row * (_shares(points.column_px, roi[2:], over_columns) @ summed.T.astype(float)))
 
 
 def _shares(place: Array, ends: tuple[int, int], blur: float) -> Array:

@@ -97,7 +97,9 @@ class AxleView:
     lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane. ``blur_px`` is the blur's standard
     deviation, ``radii_px`` the opening's inner and outer radius; None where they were not looked at. ``plate_share`` (k,) is how
     much of what mask plate and uneven wheel add to the summed pixels comes from between two of ``plate_ends_rad`` (k + 1,),
-    angles from ``mean_angle_rad`` as wheel coordinates grow; empty where they add nothing.
+    angles from ``mean_angle_rad`` as wheel coordinates grow; empty where they add nothing. ``glare`` is the share of the light
+    that goes astray, with ``u_glare``, and ``lost_share`` (k,) the part of the opening's light that it takes out of the summed
+    pixels from between two of ``lost_ends_rad`` (k + 1,), were all light astray; empty where it was not looked at.
     """
 
     row_px: float
@@ -115,6 +117,10 @@ class AxleView:
     radii_px: tuple[float, float] | None = None
     plate_ends_rad: tuple[float, ...] = ()
     plate_share: tuple[float, ...] = ()
+    glare: float = 0.0
+    u_glare: float = 0.0
+    lost_ends_rad: tuple[float, ...] = ()
+    lost_share: tuple[float, ...] = ()
 
 
 @final

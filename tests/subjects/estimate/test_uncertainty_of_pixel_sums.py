@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from irtiming.estimate import joint, pixel_sums, shared_numbers, timing
+from irtiming.estimate import joint, opening_in_image, pixel_sums, shared_numbers, timing
 from irtiming.estimate.joint import Measurand
 from irtiming.estimate.shared_numbers import DELAY
 from irtiming.estimate.timing import Timing
@@ -137,6 +137,7 @@ def test_pulls_of_two_speeds_are_standard(noisy, recordings):
         "lean_low": LEANS[0],
         "lean_high": LEANS[1],
         "integration_time": WINDOW,
+        "glare": 0.0,
         shared_numbers.CORNERS_SOURCE: 0.0,
     }
     for _ in range(120):
@@ -204,14 +205,14 @@ def test_leans_in_the_image_by_hand(recordings, clockwise, expected):
     """
     (one,) = recordings((3.0,))
     seen = replace(one, axle=replace(one.axle, edge_miss_px=(3.0, -4.0), u_edge_miss_px=0.5))
-    leans, u = pixel_sums.leans_in_image(seen, turns_clockwise=clockwise)
+    leans, u = opening_in_image.leans_in_image(seen, turns_clockwise=clockwise)
     rows, columns = np.nonzero(one.opening.mask)
     inner, outer = np.quantile(np.hypot(rows - 40, columns - 40), [0.02, 0.98])
     middle = (inner + outer) / 2
     assert leans == pytest.approx(np.array(expected) / middle)
     assert u == pytest.approx(0.5 / middle)
     for unseen in (replace(seen, axle=None), replace(seen, axle=replace(seen.axle, edge_miss_px=None))):
-        leans, u = pixel_sums.leans_in_image(unseen, turns_clockwise=clockwise)
+        leans, u = opening_in_image.leans_in_image(unseen, turns_clockwise=clockwise)
         assert (leans.tolist(), u) == ([0.0, 0.0], 0.01)
 
 

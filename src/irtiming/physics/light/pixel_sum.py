@@ -9,6 +9,9 @@ nor blackbody: an opening that is wider by the summed border. B is half the shar
 half of what the first does: the two are not equally warm. B' is the same for the summed border alone: the wheel turns before the
 mask plate too. Blur moves light but keeps its sum, so it has no place here.
 
+Glare reaches farther than the pixels that are summed: from the opening's ends it takes more light out of the sum than from its
+middle. With R what the open part loses, were all light astray, and r what the whole opening does, F is less by g (R - r F).
+
 The window rounds the corners of F over the angle that the wheel sweeps. A radial edge of the mask that misses the axle rounds its
 corners too, over an angle that does not depend on the wheel's speed: at the radius r it stands ``lean`` (r_0 / r - mean) beside
 its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
@@ -82,6 +85,8 @@ class Passing:
         Of the opening.
     region
         That is summed; None takes ``border_rad`` for its border.
+    glare, lost
+        Share of the light that goes astray, and where the opening loses it to pixels that are not summed; None: nowhere.
     corner_variance_rad2
         By how much more than the window something rounds the corners by an angle, as the variance of that angle.
     """
@@ -96,6 +101,8 @@ class Passing:
     border_rad: float = 0.1
     radii: Radii = field(default_factory=Radii)
     region: SummedRegion | None = None
+    glare: float = 0.0
+    lost: SummedRegion | None = None
     corner_variance_rad2: float = 0.0
 
     @property
@@ -146,6 +153,7 @@ def shapes(passing: Passing) -> Shapes:
     wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
     rings = _rings(passing, wheel)
     fraction = _fraction(rings, wheel)
+    fraction = fraction - passing.glare * _lost(passing, wheel, fraction)
     even = _even(passing)
     inner, outer = (_blades(_rings(even, one), one) for one in (wheel, _wide(passing, wheel)))
     return Shapes(
@@ -189,19 +197,20 @@ def slopes(
     -------
     By ``edge_0`` .. ``edge_3`` (per rad by which the edge comes earlier; their sum is the derivative to the wheel angle),
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
-    ``corner_variance`` (per rad^2).
+    ``glare`` (per unit), ``corner_variance`` (per rad^2).
     """
     wheel = passing.actual
     rings = _rings(passing, wheel)
-    out = _fraction_slopes(rings, passing, wheel)
-    out += blades * (_second_blade_slopes(rings, passing, wheel) + out / 2)
+    plain, astray = _fraction_slopes(rings, passing, wheel), _lost(passing, wheel, _fraction(rings, wheel))
+    out = plain - passing.glare * _lost_slopes(passing, wheel, plain)
+    out += blades * (_second_blade_slopes(rings, passing, wheel) + plain / 2)
     even = _even(passing)
     out[:6] += plate * _plate_slopes(even, wheel) + skew * _skew_slopes(passing, wheel)
     out[:6] += beside * (_blades_slopes(even, _wide(passing, wheel)) - _blades_slopes(even, wheel))
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    return dict(zip(names, out, strict=True)) | {"corner_variance": corners}
+    return dict(zip(names, out, strict=True)) | {"corner_variance": corners, "glare": -astray}
 
 
 def _even(passing: Passing) -> Passing:
@@ -250,6 +259,24 @@ def _plate_slopes(even: Passing, wheel: WheelModel) -> Array:
         return seen - region.total * narrow
     wide = _wide(even, wheel)
     return _fraction_slopes(_rings(even, wide), even, wide)[:6] - narrow
+
+
+def _lost(passing: Passing, wheel: WheelModel, fraction: Array) -> Array:
+    """R - r F: what glare takes from the sum, beyond its part of what it takes from an open one."""
+    if passing.lost is None:
+        return np.zeros_like(fraction)
+    gone = summed_region.exposed(passing.lost, _region_ends(passing, wheel, passing.lost))
+    return gone - passing.lost.total * fraction
+
+
+def _lost_slopes(passing: Passing, wheel: WheelModel, of_fraction: Array) -> Array:
+    """Derivatives of it, as those of F, which are given; the lost light stays where it is when the opening's ends move."""
+    out = np.zeros_like(of_fraction)
+    if passing.lost is not None:
+        ends = _region_ends(passing, wheel, passing.lost)
+        out -= passing.lost.total * of_fraction
+        out[:6] += summed_region.slopes(passing.lost, ends, sweep_rad=passing.sweep_rad)
+    return out
 
 
 def _wide(passing: Passing, wheel: WheelModel) -> WheelModel:

@@ -7,6 +7,7 @@ import pytest
 
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Radii
+from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.wheel import skewed_fraction, wheel_model
 
 TURN = 2 * np.pi
@@ -83,6 +84,26 @@ def test_plate_and_skew_are_a_wider_and_an_uneven_opening():
     assert np.ptp(found.plate) > 0.05
 
 
+LOST = SummedRegion(
+    ends_rad=np.linspace(-GAMMA / 2, GAMMA / 2, 7), share=np.array([0.06, 0.03, 0.02, 0.02, 0.04, 0.05])
+)
+
+
+def test_glare_takes_the_light_of_the_ends_out_of_the_sum():
+    """Oracle: 24 000 rays along the opening at 10 instants, each with what its part of it keeps; an open sum counts as 1."""
+    glare, passing = 0.03, _passing(lean_low_rad=0.0, lean_high_rad=0.0, middle_rad=ANGLES[:30])
+    edges = np.array(EDGES) - passing.edges_early_rad
+    place = GAMMA * ((np.arange(24000) + 0.5) / 24000 - 0.5)
+    kept = 1 - glare * np.repeat(LOST.share * 6, 4000)
+    instants = passing.swept_rad * ((np.arange(10) + 0.5) / 10 - 0.5)
+    alpha = np.mod((WHEEL.opening_coordinate_rad + passing.middle_rad)[:, None, None] + instants[:, None] + place, TURN)
+    opened = ((alpha >= edges[1]) & (alpha < edges[2])) | ((alpha >= edges[3]) & (alpha < edges[0] + TURN))
+    expected = opened.mean(axis=1) @ kept / kept.sum()
+    found = pixel_sum.shapes(replace(passing, glare=glare, lost=LOST)).fraction
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+    assert np.max(np.abs(found - pixel_sum.shapes(passing).fraction)) > 5e-4
+
+
 def _sum(passing, skew, plate, blades=0.0):
     return _sum_of(pixel_sum.shapes(passing), skew, plate, blades)
 
@@ -97,16 +118,27 @@ def _sum_of(made, skew, plate, blades):
 )
 @pytest.mark.parametrize(
     "name",
-    ["edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high", "corner_variance"],
+    [
+        "edge_0",
+        "edge_1",
+        "edge_2",
+        "edge_3",
+        "opening_angle",
+        "swept",
+        "lean_low",
+        "lean_high",
+        "corner_variance",
+        "glare",
+    ],
 )
 def test_derivatives_are_those_of_differences(name, skew, plate, blades):
     """Oracle: central differences; a skew of five thousandths moves those to the edges by less."""
-    passing, step = _passing(), 1e-6
+    passing, step = _passing(glare=0.03, lost=LOST), 1e-6
     if name.startswith("edge"):
         unit = np.eye(4)[int(name[-1])]
         moved = [replace(passing, edges_early_rad=passing.edges_early_rad + sign * step * unit) for sign in (1, -1)]
     else:
-        field = f"{name}_rad2" if name == "corner_variance" else f"{name}_rad"
+        field = {"corner_variance": "corner_variance_rad2", "glare": "glare"}.get(name, f"{name}_rad")
         step = 1e-9 if name == "corner_variance" else step
         moved = [replace(passing, **{field: getattr(passing, field) + sign * step}) for sign in (1, -1)]
     numeric = (_sum(moved[0], skew, plate, blades) - _sum(moved[1], skew, plate, blades)) / (2 * step)

@@ -1,0 +1,73 @@
+"""What the image says of the opening whose sum is fitted: extent, ends, what shows beside it and what of it goes astray."""
+
+import numpy as np
+
+from irtiming.physics.light.summed_region import SummedRegion
+from irtiming.records.arrays import Array
+from irtiming.records.reduced import ReducedRecording
+
+_UNSEEN_LEAN_RAD = 0.01
+_EXTENT = (0.02, 0.98)  # of the pixels' radii
+
+
+def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple[Array, float]:
+    """Angles by which the ends of the opening lean, low and high wheel coordinate, as the image shows them; and their u, rad.
+
+    Zero, with a wide uncertainty, where the image does not tell.
+
+    Parameters
+    ----------
+    reduced
+        Its axle view.
+    turns_clockwise
+        As the camera sees the wheel: wheel coordinates grow against polar angles then.
+
+    Returns
+    -------
+    Shape (2,), and the standard uncertainty of either.
+    """
+    radii, axle = radii_px(reduced), reduced.axle
+    if radii is None or axle is None or axle.edge_miss_px is None:
+        return np.zeros(2), _UNSEEN_LEAN_RAD
+    inner, outer = extent_px(reduced, radii)
+    miss = np.array(axle.edge_miss_px)
+    leans = -miss[::-1] if turns_clockwise else miss
+    return 2 * leans / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
+
+
+def region(reduced: ReducedRecording) -> SummedRegion | None:
+    """What the summed pixels see beside the opening, as the image shows it; None where it shows nothing."""
+    axle = reduced.axle
+    if axle is None or not axle.plate_share:
+        return None
+    return SummedRegion(ends_rad=np.array(axle.plate_ends_rad), share=np.array(axle.plate_share))
+
+
+def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:
+    """Inner and outer radius of the opening: of the sector in the image, else nearly those of its pixels."""
+    if reduced.axle is not None and reduced.axle.radii_px is not None:
+        return reduced.axle.radii_px
+    inner, outer = np.quantile(distance, _EXTENT)
+    return float(inner), float(outer)
+
+
+def radii_px(reduced: ReducedRecording) -> Array | None:
+    """Distance of the opening's pixels from the axle, shape (n,); None where the axle was not found."""
+    if reduced.axle is None:
+        return None
+    rows, columns = np.nonzero(reduced.opening.mask)
+    return np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px)
+
+
+def lost(reduced: ReducedRecording) -> SummedRegion | None:
+    """What part of the opening's light leaves the summed pixels, were all of it glare; None where the image was not looked at."""
+    axle = reduced.axle
+    if axle is None or not axle.lost_share:
+        return None
+    return SummedRegion(ends_rad=np.array(axle.lost_ends_rad), share=np.array(axle.lost_share))
+
+
+def glare(reduced: ReducedRecording) -> tuple[float, float]:
+    """Share of the light that goes astray, and its standard uncertainty; 0, exactly, where the image was not looked at."""
+    axle = reduced.axle
+    return (0.0, 0.0) if axle is None else (axle.glare, axle.u_glare)
