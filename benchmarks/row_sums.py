@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from irtiming.archive import reader, rig_file
+from irtiming.archive import reader, rig_file, rig_writer
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
@@ -75,7 +75,7 @@ def simulate(folder: Path, frames: int) -> None:
     scene = replace(scene, trigger=replace(scene.trigger, n_triggers=frames), correction=SelfCorrection(events=events))
     drawn = twin.draw(scene, seed=1)
     writer.write(twin.simulate(drawn.scene, seed=1), folder / "bolo.nxs", overwrite=True)
-    rig_file.write_rig(drawn.measured, folder / "rig.toml")
+    rig_writer.write_rig(drawn.measured, folder / "rig.toml")
 
 
 def peak_bytes() -> int:

@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irtiming.archive import reader, writer
-from irtiming.archive.rig_file import write_rig
+from irtiming.archive.rig_writer import write_rig
 from irtiming.measurement import analyse
 from irtiming.twin import rig as twin
 from irtiming.twin.defects import Defects, with_defects

@@ -1,4 +1,4 @@
-"""rig.toml: what a person measured on the rig, checked and brought to SI units, and written back."""
+"""rig.toml: what a person measured on the rig, checked and brought to SI units."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,6 @@ from typing import Annotated, TypeVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from irtiming.archive.json_file import write_atomically
 from irtiming.archive.typed_file import NOT_NEGATIVE, Number, Part, Uncertainty, read_toml
 from irtiming.archive.typed_misfit import FileKind, OutOfRange
 from irtiming.errors import GeometryError
@@ -24,13 +23,15 @@ from irtiming.records.rig import (
     Wheel,
 )
 
-_SI = {"mm": 1e-3, "deg": math.pi / 180, "us": 1e-6}
+SI = {"mm": 1e-3, "deg": math.pi / 180, "us": 1e-6}
+"""By what a number in each unit of the file is multiplied."""
+
 _FROM_IDEAL_DEG = 10.0
 _SMALLEST_HALF_SEPARATION_MM = 1.0
 _LARGEST_OFFSET_MM = 20.0
 _LONGEST_LATENCY_US = 10_000.0
 _LARGEST_CLOCK_ERROR = 0.01  # no oscillator is as far off
-_LATENCIES = ("application_gate", "control_gate", "trigger")
+LATENCIES = ("application_gate", "control_gate", "trigger")
 _HALF_TURN_TOLERANCE_RAD = 1e-3
 _P = TypeVar("_P", bound=Part)
 _KIND = FileKind(
@@ -46,7 +47,7 @@ def _edges(angles: list[float]) -> list[float]:
         ideal = index * math.pi / 2
         if index == 0 and angle != 0:
             cure = "alpha_0 is 0 by definition; subtract it from all four"
-        elif abs(angle - ideal) > _FROM_IDEAL_DEG * _SI["deg"]:
+        elif abs(angle - ideal) > _FROM_IDEAL_DEG * SI["deg"]:
             cure = f"it must be within {_FROM_IDEAL_DEG:g} deg of {ideal:.4f} rad, in ascending order"
         elif index == 2 and angle < math.pi - _HALF_TURN_TOLERANCE_RAD:
             cure = "it must be at least pi: edge 0 is the one before the longer half turn"
@@ -148,7 +149,7 @@ class _Beams(Part):
             height_difference_m=_measured(self, "height_difference", unit="mm"),
             whole_slots_between=self.whole_slots_between,
             lateral_offset_m=_measured(self, "lateral_offset", unit="mm") if is_stated else None,
-            height_m=None if self.height_mm is None else self.height_mm * _SI["mm"],
+            height_m=None if self.height_mm is None else self.height_mm * SI["mm"],
         )
 
 
@@ -229,7 +230,7 @@ class _Camera(Part):
         u_us, centre, u_centre = self.integration_time_u_us, self.lens_centre_px, self.lens_centre_u_px
         memory = self.frame_memory
         optics = CameraOptics(
-            integration_time_u_s=None if u_us is None else u_us * _SI["us"],
+            integration_time_u_s=None if u_us is None else u_us * SI["us"],
             frame_memory=None if memory is None else Measured(memory, self.frame_memory_u),
             focal_length_px=None
             if self.focal_length_px is None
@@ -276,7 +277,7 @@ class _Latency(Part):
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Latency":
-        for name in _LATENCIES:
+        for name in LATENCIES:
             _with_its_number(self, f"{name}_u_us", f"{name}_us")
         return self
 
@@ -284,7 +285,7 @@ class _Latency(Part):
         """The same in SI units."""
         found = {
             f"{name}_s": _measured(self, name, unit="us")
-            for name in _LATENCIES
+            for name in LATENCIES
             if getattr(self, f"{name}_us") is not None
         }
         return Latency(**found)
@@ -318,7 +319,7 @@ class RigFile(Part):
             raise OutOfRange(f"[beams] whole_slots_between = {between}; it must be from 0 to {most}")
         edges = self.wheel.cutout_edges_rad or [index * math.pi / 2 for index in range(4)]
         sectors = [after - before for before, after in zip(edges, [*edges[1:], 2 * math.pi], strict=True)]
-        narrowest_deg, opening_deg = min(sectors) / _SI["deg"], self.mask.opening_angle_deg
+        narrowest_deg, opening_deg = min(sectors) / SI["deg"], self.mask.opening_angle_deg
         if opening_deg >= narrowest_deg:
             raise OutOfRange(
                 f"[mask] opening_angle_deg = {opening_deg:g} deg leaves no plateau: it must be narrower than the wheel's "
@@ -359,102 +360,6 @@ def read_rig(path: str | Path) -> Rig:
     )
 
 
-def write_rig(rig: Rig, path: str | Path) -> None:
-    """Write a rig as rig.toml, in millimetres and degrees; an existing file is replaced.
-
-    Raises
-    ------
-    ArchiveError
-        If the file cannot be written.
-    """
-    edges = rig.wheel.cutout_edges_rad
-    wheel = [f"control_slots = {rig.wheel.control_slots}", f'rotation = "{rig.wheel.rotation}"']
-    if edges is not None:
-        wheel.append(f"cutout_edges_rad = [{', '.join(_toml(edge.value) for edge in edges)}]")
-        if any(edge.standard_uncertainty for edge in edges):
-            numbers = ", ".join(_toml(edge.standard_uncertainty) for edge in edges)
-            wheel.append(f"cutout_edges_u_rad = [{numbers}]")
-    sections = [
-        ["[wheel]", *wheel],
-        ["[beams]", *_beam_lines(rig.light_gates)],
-        [
-            "[mask]",
-            *_lines("opening_angle", "deg", number=rig.mask_opening.opening_angle_rad),
-            *_lines("centre_angle", "deg", number=rig.mask_opening.centre_angle_rad),
-        ],
-        ["[latency]", *_latency_lines(rig.latency or Latency())],
-        ["[clock]", *([] if rig.clock is None else _plain_lines("relative_error", rig.clock.relative_error))],
-        ["[camera]", *_camera_lines(rig.camera)],
-    ]
-    sections = [lines for lines in sections if len(lines) > 1]
-    write_atomically("\n\n".join("\n".join(lines) for lines in sections) + "\n", path)
-
-
 def _measured(part: Part, name: str, *, unit: str) -> Measured:
     value, u = (getattr(part, f"{name}_{ending}") for ending in (unit, f"u_{unit}"))
-    return Measured(value * _SI[unit], u * _SI[unit])
-
-
-def _beam_lines(gates: LightGates) -> list[str]:
-    offset, height_m = gates.lateral_offset_m, gates.height_m
-    return [
-        *_lines("half_separation", "mm", number=gates.half_separation_m),
-        *_lines("height_difference", "mm", number=gates.height_difference_m),
-        f"whole_slots_between = {gates.whole_slots_between}",
-        *([] if offset is None else _lines("lateral_offset", "mm", number=offset)),
-        *([] if height_m is None else [f"height_mm = {_toml(height_m / _SI['mm'])}"]),
-    ]
-
-
-def _latency_lines(latency: Latency) -> list[str]:
-    stated = {name: getattr(latency, f"{name}_s") for name in _LATENCIES}
-    return [line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)]
-
-
-def _camera_lines(camera: CameraOptics) -> list[str]:
-    u_s = camera.integration_time_u_s
-    return [
-        *([] if camera.distortion is None else _plain_lines("distortion", camera.distortion)),
-        *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / _SI['us'])}"]),
-        *([] if camera.frame_memory is None else _plain_lines("frame_memory", camera.frame_memory)),
-        *_lens_lines(camera),
-    ]
-
-
-def _lens_lines(camera: CameraOptics) -> list[str]:
-    focal, centre, calibration = camera.focal_length_px, camera.lens_centre_px, camera.calibration
-    lines = [] if focal is None else _stated("focal_length", focal.value, focal.standard_uncertainty)
-    if centre is not None:
-        lines += _stated("lens_centre", [one.value for one in centre], centre[0].standard_uncertainty)
-    if calibration is not None:
-        matrix = (*calibration.focal_length_px, *calibration.centre_px)
-        k1, *others = calibration.coefficients
-        lines += [
-            f"camera_matrix = {_toml([one.value for one in matrix])}",
-            f"camera_matrix_u = {_toml([one.standard_uncertainty for one in matrix])}",
-            f"distortion_coefficients = {_toml([k1.value, *others])}",
-            f"distortion_coefficients_u = {_toml(k1.standard_uncertainty)}",
-        ]
-    return lines
-
-
-def _stated(name: str, value: float | list[float], u: float) -> list[str]:
-    return [f"{name}_px = {_toml(value)}", *([f"{name}_u_px = {_toml(u)}"] if u else [])]
-
-
-def _plain_lines(name: str, number: Measured) -> list[str]:
-    u = number.standard_uncertainty
-    return [f"{name} = {_toml(number.value)}", *([f"{name}_u = {_toml(u)}"] if u else [])]
-
-
-def _lines(name: str, unit: str, *, number: Measured) -> list[str]:
-    lines = [f"{name}_{unit} = {_toml(number.value / _SI[unit])}"]
-    if number.standard_uncertainty:
-        lines.append(f"{name}_u_{unit} = {_toml(number.standard_uncertainty / _SI[unit])}")
-    return lines
-
-
-def _toml(number: float | list[float]) -> str:
-    if isinstance(number, list):
-        return f"[{', '.join(map(_toml, number))}]"
-    return repr(float(f"{number:.15g}"))
+    return Measured(value * SI[unit], u * SI[unit])

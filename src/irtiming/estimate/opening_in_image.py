@@ -44,7 +44,7 @@ def region(reduced: ReducedRecording) -> SummedRegion | None:
 
 
 def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:
-    """Inner and outer radius of the opening: of the sector in the image, else nearly those of its pixels."""
+    """Inner and outer radius of the opening: of the sector in the image, else nearly those of its pixels, ``distance`` (n,)."""
     if reduced.axle is not None and reduced.axle.radii_px is not None:
         return reduced.axle.radii_px
     inner, outer = np.quantile(distance, _EXTENT)

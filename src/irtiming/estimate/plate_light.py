@@ -60,7 +60,9 @@ def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, A
     row0, row1, column0, column1 = sector.roi
     shape = sector.shape
     points = blurred_sector.glare_points(shape, n_harmonics=_FINE_GLARE)
-    kept = blurred_sector.glare_kept(shape, points, summed[row0:row1, column0:column1], roi=sector.roi).sum(axis=1)
+    kept = blurred_sector.glare_kept(points, summed[row0:row1, column0:column1], shape=shape, roi=sector.roi).sum(
+        axis=1
+    )
     gone = points.area_px2 * (1 - kept) / points.area_px2.sum()
     half = shape.opening_angle_rad / 2
     ends = np.linspace(-half, half, _N_LOST + 1)

@@ -14,8 +14,8 @@ from irtiming.estimate import (
     image_doubts,
     joint,
     measurands,
-    opening_in_image,
     own_noise,
+    pixel_numbers,
     pixel_sums,
     reference_noise,
     relative_delays,
@@ -49,9 +49,6 @@ from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
-_LEAST_U_GLARE = 1e-5  # standard uncertainty of a share
-_UNKNOWN_WINDOW_S = 0.1  # standard uncertainty of a window that no frame tells anything of
-_LEAST_U_LEAN_RAD = 1e-5
 _NOTHING_MORE = RigErrors()
 
 
@@ -113,7 +110,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
     own = [
-        *opening_and_window(recordings, fits, geometry=geometry),
+        *pixel_numbers.opening_and_window(recordings, fits, geometry=geometry),
         *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
     ]
     errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
@@ -200,43 +197,6 @@ def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) ->
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
     return LocalModel(names=(*EDGE_DELAYS, *SHAPE, CORNERS), at=given.at, trace=given.trace)
-
-
-def opening_and_window(
-    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, geometry: WheelGeometry
-) -> list[SharedNumber]:
-    """Opening, window and leans that all recordings share, beginning at rig.toml, one sample, and the images.
-
-    Parameters
-    ----------
-    recordings, fits
-        In the same order.
-    geometry
-        The wheel as drawn.
-    """
-    clockwise = geometry.rotation == "clockwise"
-    seen = [opening_in_image.leans_in_image(one, turns_clockwise=clockwise) for one in recordings]
-    leans = np.mean([lean for lean, _ in seen], axis=0)
-    u_lean = max(_LEAST_U_LEAN_RAD, float(np.mean([u for _, u in seen])))
-    sample_s = min(
-        TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
-    )
-    glare, u_glare = np.mean([opening_in_image.glare(one) for one in recordings], axis=0).tolist()
-    memory = float(np.mean([fit.estimate.value(pixel_sums.MEMORY) for fit in fits]))
-    return [
-        shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
-        shared_numbers.same(WINDOW, fits, start=sample_s, u=_UNKNOWN_WINDOW_S),
-        *(
-            shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
-            for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
-        ),
-        replace(
-            shared_numbers.same(pixel_sums.GLARE, fits, unit="1", start=glare, u=max(u_glare, _LEAST_U_GLARE)),
-            source=shared_numbers.IMAGE,
-        ),
-        shared_numbers.uneven_edges(fits),
-        shared_numbers.same(pixel_sums.MEMORY, fits, unit="1", start=memory),
-    ]
 
 
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:

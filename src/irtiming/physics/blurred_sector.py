@@ -332,12 +332,12 @@ def glare_harmonics(
     ``summed``, of shape (roi rows, roi columns), are the pixels of which each row's sum is made; what falls beside them is lost.
     """
     points = glare_points(shape, n_harmonics=n_harmonics)
-    into_sum = glare_kept(shape, points, summed, roi=roi)
+    into_sum = glare_kept(points, summed, shape=shape, roi=roi)
     waves = np.exp(-1j * np.multiply.outer(points.angle_rad, np.arange(n_harmonics + 1)))
     return np.asarray(into_sum.T @ (waves * points.area_px2[:, None]))
 
 
-def glare_kept(shape: SectorShape, points: LightPoints, summed: Mask, *, roi: tuple[int, int, int, int]) -> Array:
+def glare_kept(points: LightPoints, summed: Mask, *, shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
     """Part of the glare of each point of light that falls into summed pixels, by their row: shape (n, roi rows)."""
     over_rows, over_columns = _widths_with_glare(shape)
     into_row = _shares(points.row_px, roi[:2], over_rows)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, final
 
-from irtiming.archive import reader, rig_file, writer
+from irtiming.archive import reader, rig_writer, writer
 from irtiming.archive.json_file import make_folder
 from irtiming.measurement import ALL_EXTRAS, Progress, analyse
 from irtiming.records.analysis import Analysis
@@ -64,7 +64,7 @@ def demonstrate(order: DemoOrder, *, progress: Progress | None = None) -> Demons
     analysis = analyse(_recordings(rig.scene, order), rig.measured, progress=progress, extras=ALL_EXTRAS)
     suffix = _SUFFIX[order.camera]
     page = order.folder / f"report{suffix}.html"
-    rig_file.write_rig(rig.measured, order.folder / f"rig{suffix}.toml")
+    rig_writer.write_rig(rig.measured, order.folder / f"rig{suffix}.toml")
     result = write(analysis, result=order.folder / f"result{suffix}.json", report=page)
     true = {name: value for name, value in twin.truth(rig.scene).items() if isinstance(value, float)}
     return Demonstration(

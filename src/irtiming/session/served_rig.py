@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import final
 
-from irtiming.archive import rig_file
+from irtiming.archive import rig_writer
 from irtiming.archive.json_file import make_folder, write_atomically, write_json
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin.cameras import camera_scene
@@ -60,7 +60,7 @@ def served(order: ServedOrder) -> Iterator[ServedRig]:
 
 def _write(found: ServedRig, rig: SimulatedRig, folder: Path) -> None:
     make_folder(folder)
-    rig_file.write_rig(rig.measured, folder / "rig.toml")
+    rig_writer.write_rig(rig.measured, folder / "rig.toml")
     write_json(truth(rig.scene), folder / "truth.json")
     write_atomically(_plan(found, rig), folder / "plan.toml")
 

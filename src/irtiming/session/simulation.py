@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
-from irtiming.archive import rig_file, writer
+from irtiming.archive import rig_writer, writer
 from irtiming.archive.json_file import make_folder, write_json
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
@@ -165,7 +165,7 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
     make_folder(order.folder)
     known = truth(rig.scene)
     measured, true = order.folder / "rig.toml", order.folder / "truth.json"
-    rig_file.write_rig(rig.measured, measured)
+    rig_writer.write_rig(rig.measured, measured)
     write_json(known, true)
     recordings = list[Path]()
     for recording in _recordings(scenes, order):

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from irtiming.archive.rig_file import read_rig, write_rig
+from irtiming.archive.rig_file import read_rig
+from irtiming.archive.rig_writer import write_rig
 from irtiming.errors import ArchiveError, GeometryError, IrTimingError
 from irtiming.records.rig import Clock, Measured
 

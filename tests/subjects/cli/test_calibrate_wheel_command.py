@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from irtiming.archive import rig_file, writer
+from irtiming.archive import rig_writer, writer
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.cli.main import app
 from irtiming.errors import ArchiveError, IrTimingError
@@ -34,7 +34,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, SimulatedRig]
         drawn = draw(_scene(hz), seed=seed)
         writer.write(simulate(drawn.scene, seed=int(10 * hz) + seed, name=name), folder / f"{name}.nxs")
         if name == "fast":
-            rig_file.write_rig(drawn.measured, folder / "rig.toml")
+            rig_writer.write_rig(drawn.measured, folder / "rig.toml")
             rig = drawn
     return folder, rig
 

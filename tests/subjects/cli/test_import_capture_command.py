@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from irtiming.archive import reader, rig_file, writer
+from irtiming.archive import reader, rig_writer, writer
 from irtiming.cli.main import app
 from irtiming.errors import IrTimingError
 from irtiming.records.recording import Recording
@@ -27,7 +27,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("capture")
     drawn = draw(with_wheel_speed(paper_scene(48, 64), 3.0, samples=300), seed=7)
     writer.write(simulate(drawn.scene, seed=7, name="twin"), folder / "twin.nxs")
-    rig_file.write_rig(drawn.measured, folder / "rig.toml")
+    rig_writer.write_rig(drawn.measured, folder / "rig.toml")
     _run("export-vcd", folder / "twin.nxs")
     return folder
 

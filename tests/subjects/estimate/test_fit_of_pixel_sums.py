@@ -9,6 +9,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sums
 from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.physics.light.pixel_sum import Radii
+from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EDGE_DELAYS
 
@@ -175,16 +176,17 @@ def test_wild_frames_are_dropped_and_told(recording):
 
 
 def test_analytic_derivatives_are_those_of_the_model(recording):
-    """Oracle: central differences of the projected residual in all nine local numbers, at a point away from the solution.
+    """Oracle: central differences of the projected residual in all ten local numbers, at a point away from the solution.
 
     Kaufman's derivative leaves out what the levels change where the residual is not zero: of noise-free sums, little.
     """
     given = pixel_sums.pixel_sums(recording(_sums()), _model())
-    given = replace(given, radii=Radii(share=np.array([0.4, 0.6]), place=np.array([0.3, -0.2])))
+    lost = SummedRegion(ends_rad=np.array([-0.6, -0.3, 0.4, 0.6]), share=np.array([0.1, 0.05, 0.08]))
+    given = replace(given, radii=Radii(share=np.array([0.4, 0.6]), place=np.array([0.3, -0.2])), lost=lost)
     early = np.array([1e-4, -2e-4, 3e-4, 0.0]) / OMEGA
     point = dict(zip(EDGE_DELAYS, DELAY + WINDOW / 2 + 1e-7 + early * 1e-2, strict=True))
-    point |= dict(zip(SHAPE, (GAMMA, 1.05 * WINDOW, 4e-3, -6e-3, 0.01), strict=True))
-    steps = dict.fromkeys(EDGE_DELAYS, 1e-8) | dict(zip(SHAPE, (1e-6, 1e-7, 1e-6, 1e-6, 1e-5), strict=True))
+    point |= dict(zip(SHAPE, (GAMMA, 1.05 * WINDOW, 4e-3, -6e-3, 0.03, 0.01), strict=True))
+    steps = dict.fromkeys(EDGE_DELAYS, 1e-8) | dict(zip(SHAPE, (1e-6, 1e-7, 1e-6, 1e-6, 1e-4, 1e-5), strict=True))
     analytic = given.at(point).jacobian
     for k, (name, step) in enumerate(steps.items()):
         ahead, behind = (given.at(point | {name: point[name] + sign * step}).residual for sign in (1, -1))

@@ -7,7 +7,7 @@ import pytest
 from iminuit import Minuit
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import joint, measurands, pixel_sums, profiles, shared_numbers, timing
+from irtiming.estimate import joint, measurands, pixel_numbers, pixel_sums, profiles, shared_numbers
 from irtiming.estimate.pixel_sums import SHAPE
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EDGE_DELAYS
@@ -104,7 +104,7 @@ def _given(made, geometry, noise):
     middle = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     shared = [
         shared_numbers.delay(fits, start=middle),
-        *timing.opening_and_window(made, fits, geometry=geometry),
+        *pixel_numbers.opening_and_window(made, fits, geometry=geometry),
         *shared_numbers.rig_errors(fits, geometry, u_edge_rad=U_EDGE),
     ]
     return [joint.LocalModel(names=(*EDGE_DELAYS, *SHAPE), at=part.at) for part in parts], shared, fits
@@ -235,7 +235,8 @@ def test_pulls_of_two_speeds_are_standard(noisy):
     """
     _, shared, found = noisy
     whole, random = found.combined(), np.random.default_rng(5)
-    roots = [np.linalg.cholesky(piece.matrix + 1e-12 * np.diag(np.diag(piece.matrix))) for piece in found.pieces]
+    parts = [np.linalg.eigh(piece.matrix) for piece in found.pieces]  # of numbers that no frame tells they are 0
+    roots = [axes * np.sqrt(np.maximum(sizes, 0.0)) for sizes, axes in parts]
     made, pulls = found.designs(), []
     for _ in range(400):
         pull = sum(a.T @ (root @ random.normal(size=len(root))) for a, root in zip(made, roots, strict=True))

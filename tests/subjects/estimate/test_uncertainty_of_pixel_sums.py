@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from irtiming.estimate import joint, opening_in_image, pixel_sums, shared_numbers, timing
+from irtiming.estimate import joint, opening_in_image, pixel_numbers, pixel_sums, shared_numbers, timing
 from irtiming.estimate.joint import Measurand
 from irtiming.estimate.shared_numbers import DELAY
 from irtiming.estimate.timing import Timing
@@ -106,7 +106,7 @@ def _combined(made, geometry, *, noise=None):
     if noise is not None:
         fits = tuple(replace(fit, noise=noise, widening=1.0) for fit in fits)
     models = tuple(timing._model(one, fit, geometry) for one, fit in zip(made, fits, strict=True))
-    own = timing.opening_and_window(made, fits, geometry=geometry)
+    own = pixel_numbers.opening_and_window(made, fits, geometry=geometry)
     found = timing.of_pixel_fits(fits, geometry, models=models, own=own, stated_s=WINDOW)
     return Timing(recordings=tuple(made), geometry=geometry, sectors=(), fits=fits, exact=models, found=found)
 

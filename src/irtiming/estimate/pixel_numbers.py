@@ -1,0 +1,60 @@
+"""Numbers of opening, window and pixels that all pixel sums of a camera share, and where their search begins."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from irtiming.estimate import opening_in_image, pixel_sums, shared_numbers
+from irtiming.estimate.measurands import WINDOW
+from irtiming.estimate.shared_numbers import SharedNumber
+from irtiming.physics.wheel import TURN
+from irtiming.records.estimate import EdgeDelayFit
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.wheel_geometry import WheelGeometry
+
+_UNKNOWN_WINDOW_S = 0.1  # standard uncertainty of a window that no frame tells anything of
+_LEAST_U_LEAN_RAD = 1e-5
+
+
+def opening_and_window(
+    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, geometry: WheelGeometry
+) -> list[SharedNumber]:
+    """Opening, window and leans that all recordings share, beginning at rig.toml, one sample, and the images.
+
+    Parameters
+    ----------
+    recordings, fits
+        In the same order.
+    geometry
+        The wheel as drawn.
+    """
+    clockwise = geometry.rotation == "clockwise"
+    seen = [opening_in_image.leans_in_image(one, turns_clockwise=clockwise) for one in recordings]
+    leans = np.mean([lean for lean, _ in seen], axis=0)
+    u_lean = max(_LEAST_U_LEAN_RAD, float(np.mean([u for _, u in seen])))
+    sample_s = min(
+        TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
+    )
+    memory = float(np.mean([fit.estimate.value(pixel_sums.MEMORY) for fit in fits]))
+    return [
+        shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
+        shared_numbers.same(WINDOW, fits, start=sample_s, u=_UNKNOWN_WINDOW_S),
+        *(
+            shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
+            for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
+        ),
+        *_glare(recordings, fits),
+        shared_numbers.uneven_edges(fits),
+        shared_numbers.same(pixel_sums.MEMORY, fits, unit="1", start=memory),
+    ]
+
+
+def _glare(recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit]) -> list[SharedNumber]:
+    """The share of the light that goes astray, as the images know it; none where they were not looked at."""
+    shares = [opening_in_image.glare(one) for one in recordings if opening_in_image.lost(one) is not None]
+    if not shares:
+        return []
+    glare, u_glare = np.mean(shares, axis=0).tolist()
+    number = shared_numbers.same(pixel_sums.GLARE, fits, unit="1", start=glare, u=u_glare)
+    return [replace(number, source=shared_numbers.IMAGE)]
