@@ -10,7 +10,7 @@ demo: .venv/ready
 
 test: .venv/ready-for-tests check
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli
-	$(BIN)/pytest -n 2 --dist worksteal
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal
 
 check: .venv/ready-for-tests
 	$(BIN)/ruff check
