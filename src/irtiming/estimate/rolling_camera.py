@@ -51,7 +51,7 @@ class FittedRows:
     def likelihoods(self) -> tuple[Callable[[Timing], Linearised], ...]:
         """How well any numbers fit each recording."""
         every = zip(self.recordings, self.lights, self.fits, strict=True)
-        return tuple(row_fit.likelihood(one, self.bare, light=light, undone=fit.undone) for one, light, fit in every)
+        return tuple(row_fit.likelihood(one, self.bare, light=light, before=fit) for one, light, fit in every)
 
 
 def rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:

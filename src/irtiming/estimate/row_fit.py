@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate import frame_steps, harmonic_data, row_timing
+from irtiming.estimate import frame_steps, harmonic_data, row_sway, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
@@ -38,11 +38,12 @@ _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say 
 class _Task:
     """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model.
 
-    ``kept`` (n_kept,) are the frames of the recording that take part.
+    ``kept`` (n_kept,) are the frames of the recording that take part, ``gain`` (n,) how that of all its frames changed.
     ``stated`` is what the recording says of the model's numbers, ``signs`` which way the contrast goes.
     """
 
     kept: Mask
+    gain: Array | None
     angle: Array
     sums: Array
     stretches: list[Mask]
@@ -97,7 +98,7 @@ def with_shape_effect(
         What errors of two of them do to it together, shape (n_product, n_row, M + 1); see `row_light.products`.
     """
     with one_thread():
-        task = _task(rows, wheel, light, undone=found.undone)
+        task = _task(rows, wheel, light, before=found)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
         return replace(
             found,
@@ -107,7 +108,7 @@ def with_shape_effect(
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
-    task = _task(rows, wheel, light, undone=_to_undo(start))
+    task = _task(rows, wheel, light, before=_to_take_out(start, rows))
     found, held = _solved(task, start)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
@@ -132,6 +133,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         held=held,
         step_rad=task.model.step_rad,
         undone=task.model.undone,
+        relative_gain=task.gain,
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
@@ -169,13 +171,13 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
 
 
 def likelihood(
-    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, undone: float = 0.0
+    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, before: RowTimingFit | None = None
 ) -> Callable[[Timing], Linearised]:
     """How well any numbers fit one recording, as few residuals with derivatives in the order of the model's names.
 
-    Parameters as for `fit`; ``undone`` is the share of the recursion that the frames are rid of before.
+    Parameters as for `fit`; ``before`` is the fit that tells which recursion and which change of gain the frames are rid of.
     """
-    task = _task(rows, wheel, light, undone=undone)
+    task = _task(rows, wheel, light, before=before)
     return lambda timing: row_timing.likelihood(task.data, task.model, timing=timing)
 
 
@@ -188,7 +190,16 @@ def _to_undo(start: RowTimingFit | None) -> float:
     return share if share > _SEEN * u else 0.0
 
 
-def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, undone: float) -> _Task:
+def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording) -> RowTimingFit | None:
+    """The earlier fit with the filter and the change of gain that it found."""
+    if start is None:
+        return None
+    gain = row_sway.relative_gain(start, rows.trigger_ticks, rows.segment)
+    return replace(start, undone=_to_undo(start), relative_gain=gain)
+
+
+def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before: RowTimingFit | None) -> _Task:
+    undone = 0.0 if before is None else before.undone
     angle = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks, set_s=rows.trigger_delay_time_set_s)
     sums = rows.row_sums.row_sum_dn[:, light.is_lit]
     kept = np.ones(angle.size, bool)
@@ -206,9 +217,14 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, undone:
         step_rad=frame_steps.step_rad(rows),
         undone=undone,
     )
+    if before is not None and before.relative_gain is not None:
+        waves = harmonic_data.basis(angle, n_harmonics=model.n_harmonics)
+        expected = (packed(row_sum.harmonics(model, before.timing)) @ waves).T
+        sums = row_sway.steadied(sums, expected, gain=before.relative_gain[kept])
     window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
         kept=kept,
+        gain=None if before is None else before.relative_gain,
         angle=angle,
         sums=sums,
         stretches=stretches,

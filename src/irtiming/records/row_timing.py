@@ -173,6 +173,9 @@ class RowTimingFit:
         Angle by which the wheel turns from trigger to trigger.
     undone
         Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
+    relative_gain
+        Shape (n_kept,); gain of each of the recording's kept frames over its mean, which row sums were rid of before they were
+        fitted; None where it does not change.
     kept
         Shape (n_kept,); which of the recording's kept frames were fitted: all, or those whose predecessor is known as well.
     start
@@ -225,6 +228,7 @@ class RowTimingFit:
     widening: float
     blackbody_temperature_k: float | None = None
     product_effect: Array | None = None
+    relative_gain: Array | None = None
 
     @property
     def timing(self) -> dict[str, float]:
