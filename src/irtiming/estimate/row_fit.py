@@ -191,11 +191,13 @@ def _to_undo(start: RowTimingFit | None) -> float:
 
 
 def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording) -> RowTimingFit | None:
-    """The earlier fit with the filter and the change of gain that it found."""
+    """The earlier fit with the filter that it found; and with the change of gain, once it has undone what filter there is."""
     if start is None:
         return None
-    gain = row_sway.relative_gain(start, rows.trigger_ticks, rows.segment)
-    return replace(start, undone=_to_undo(start), relative_gain=gain)
+    undone, gain = _to_undo(start), start.relative_gain
+    if (undone > 0) == (start.undone > 0):
+        gain = row_sway.relative_gain(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment)
+    return replace(start, undone=undone, relative_gain=gain)
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before: RowTimingFit | None) -> _Task:

@@ -13,7 +13,7 @@ from irtiming.records.row_timing import RowTimingFit
 _FEWEST_FRAMES = 100  # of a stretch
 
 
-def relative_gain(fit: RowTimingFit, trigger_ticks: Ticks, segment: Ticks) -> Array | None:
+def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) -> Array | None:
     """Gain of each frame over its mean, as an earlier fit found it or leaves it over; None where it does not change.
 
     Parameters

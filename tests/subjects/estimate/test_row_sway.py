@@ -29,7 +29,7 @@ def _sway(size):
 def test_a_sway_is_found_to_the_noise():
     """Oracle: the gain that made the sums; eight rows of 500 frames know it to a twentieth."""
     kept = np.random.default_rng(3).random(500) > 0.1
-    found = row_sway.relative_gain(_fit(_sway(0.02), kept=kept), TICKS, np.zeros(500, int))
+    found = row_sway.relative_gain(_fit(_sway(0.02), kept=kept), trigger_ticks=TICKS, segment=np.zeros(500, int))
     assert np.sqrt(np.mean((found - _sway(0.02)) ** 2)) < 1e-3
 
 
@@ -39,7 +39,7 @@ def test_each_stretch_between_shutter_events_has_its_own():
     gain = _sway(0.02)
     for number in (0, 1, 2):
         gain[segment == number] /= gain[segment == number].mean()
-    found = row_sway.relative_gain(_fit(gain), TICKS, segment)
+    found = row_sway.relative_gain(_fit(gain), trigger_ticks=TICKS, segment=segment)
     assert np.sqrt(np.mean((found - gain)[segment < 2] ** 2)) < 1e-3
     assert np.all(found[segment == 2] == 1)
 
@@ -47,9 +47,9 @@ def test_each_stretch_between_shutter_events_has_its_own():
 def test_a_steady_gain_stays_and_one_that_was_found_is_kept():
     """Oracle: by hand."""
     steady = _fit(np.ones(500))
-    assert row_sway.relative_gain(steady, TICKS, np.zeros(500, int)) is None
+    assert row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) is None
     steady.relative_gain = _sway(0.1)
-    assert row_sway.relative_gain(steady, TICKS, np.zeros(500, int)) is steady.relative_gain
+    assert row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) is steady.relative_gain
 
 
 @pytest.mark.parametrize("contrast", [-700.0, 700.0])
