@@ -219,14 +219,15 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         step_rad=frame_steps.step_rad(rows),
         undone=undone,
     )
-    if before is not None and before.relative_gain is not None:
+    gain = None if before is None else before.relative_gain
+    if before is not None and gain is not None and np.ptp(gain) > 0:
         waves = harmonic_data.basis(angle, n_harmonics=model.n_harmonics)
         expected = (packed(row_sum.harmonics(model, before.timing)) @ waves).T
-        sums = row_sway.steadied(sums, expected, gain=before.relative_gain[kept])
+        sums = row_sway.steadied(sums, expected, gain=gain[kept], stretches=stretches)
     window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
         kept=kept,
-        gain=None if before is None else before.relative_gain,
+        gain=gain,
         angle=angle,
         sums=sums,
         stretches=stretches,

@@ -4,17 +4,19 @@ A camera whose gain goes with its temperature shows the same light larger or sma
 taken at other times, so a sway looks like residuals with structure. It is a smooth curve of few numbers that all row sums share.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from irtiming.inference import drifting_levels
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.row_timing import RowTimingFit
 
 _FEWEST_FRAMES = 100  # of a stretch
 
 
-def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) -> Array | None:
-    """Gain of each frame over its mean, as an earlier fit found it or leaves it over; None where it does not change.
+def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) -> Array:
+    """Gain of each frame over its mean, as an earlier fit found it or leaves it over.
 
     Parameters
     ----------
@@ -25,7 +27,7 @@ def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) ->
 
     Returns
     -------
-    Shape (n,); 1 on average over the frames of each stretch.
+    Shape (n,); 1 on average over the frames of each stretch, and 1 throughout where it does not change.
     """
     if fit.relative_gain is not None:
         return fit.relative_gain
@@ -41,20 +43,35 @@ def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) ->
             place = place - place[kept][0]
             found = drifting_levels.choose(seen[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept])
             gain[part] = np.interp(place[part], place[kept], found.relative_gain)
-    return gain if np.ptp(gain) > 0 else None
+    return gain
 
 
-def steadied(row_sums: Array, expected: Array, *, gain: Array) -> Array:
+def steadied(row_sums: Array, expected: Array, *, gain: Array, stretches: Sequence[Mask]) -> Array:
     """Row sums as if the gain had not changed.
 
     Parameters
     ----------
     row_sums, expected
-        Shape (n, n_row); DN, and what the rows show at gain and offset of their own.
+        Shape (n, n_row); DN, and what the rows show at gain and offset of their own, which they have in each stretch.
     gain
         Relative one of each frame, shape (n,).
+    stretches
+        Frames between two shutter events, each of shape (n,).
+
+    Returns
+    -------
+    Shape (n, n_row).
     """
+    found = row_sums.copy()
+    for part in stretches:
+        if np.ptp(gain[part]) > 0:
+            found[part] -= (gain[part] - 1)[:, None] * _contrast(row_sums[part], expected[part], gain[part])
+    return found
+
+
+def _contrast(row_sums: Array, expected: Array, gain: Array) -> Array:
+    """What rows at a steady gain show over their offset, DN; shapes as for `steadied`, of one stretch."""
     seen = expected * gain[:, None]
     centred = seen - seen.mean(axis=0)
     scale = np.einsum("ny,ny->y", centred, row_sums - row_sums.mean(axis=0)) / np.einsum("ny,ny->y", centred, centred)
-    return np.asarray(row_sums - (gain - 1)[:, None] * (scale * expected))
+    return np.asarray(scale * expected)

@@ -33,16 +33,17 @@ class SectorShape:
 
     ``axle_row_px``, ``axle_column_px`` say where the wheel's axle appears; polar angles are taken about it. The mask's own
     arcs have their centre ``offset_row_px``, ``offset_column_px`` beside it, and radii about that centre. ``bisector_rad`` is
-    the direction of the mask's bisector, ``opening_angle_rad`` gamma. Light is smeared by a Gaussian of the standard deviations
-    ``blur_px`` (1 - ``blur_ellipticity``) over rows and ``blur_px`` (1 + ``blur_ellipticity``) over columns of the image, but for
-    the share ``glare`` of it, which a round Gaussian of the standard deviation ``glare_px`` spreads wider. ``distortion`` is that
-    of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels, ``lens_row_px`` and
-    ``lens_column_px`` say how far beside the middle of the image its centre lies, ``lens_terms`` what else is known of it.
-    ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane appears shorter half a diagonal
-    of the image further down, and further right; they come from a tilted camera (`physics.projection`), whose focal length is
-    exp ``log_focal_length`` half diagonals. Offsets, radii and angles are those of the wheel's plane, a px of it being as large
-    as one of the image at the axle. ``mirrored`` is true for a counterclockwise wheel: then columns are counted leftwards from
-    the axle, and polar angles, bisector and column offset with them.
+    the direction of the mask's bisector, ``opening_angle_rad`` gamma. Light is smeared by a Gaussian of the standard
+    deviations ``blur_px`` (1 - ``blur_ellipticity``) over rows and ``blur_px`` (1 + ``blur_ellipticity``) over columns of the
+    image, but for the share ``glare`` of it, which a further round Gaussian, of the standard deviation ``glare_px``, spreads
+    on top of that. ``distortion`` is that of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns``
+    pixels, ``lens_row_px`` and ``lens_column_px`` say how far beside the middle of the image its centre lies, ``lens_terms``
+    what else is known of it. ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane
+    appears shorter half a diagonal of the image further down, and further right; they come from a tilted camera
+    (`physics.projection`), whose focal length is exp ``log_focal_length`` half diagonals. Offsets, radii and angles are those
+    of the wheel's plane, a px of it being as large as one of the image at the axle. ``mirrored`` is true for a
+    counterclockwise wheel: then columns are counted leftwards from the axle, and polar angles, bisector and column offset
+    with them.
     """
 
     axle_row_px: float
@@ -175,7 +176,7 @@ class RowTimingFit:
         Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
     relative_gain
         Shape (n_kept,); gain of each of the recording's kept frames over its mean, which row sums were rid of before they were
-        fitted; None where it does not change.
+        fitted; None before one was looked for.
     kept
         Shape (n_kept,); which of the recording's kept frames were fitted: all, or those whose predecessor is known as well.
     start

@@ -47,16 +47,28 @@ def test_each_stretch_between_shutter_events_has_its_own():
 def test_a_steady_gain_stays_and_one_that_was_found_is_kept():
     """Oracle: by hand."""
     steady = _fit(np.ones(500))
-    assert row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) is None
+    assert np.all(row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) == 1)
     steady.relative_gain = _sway(0.1)
     assert row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) is steady.relative_gain
 
 
 @pytest.mark.parametrize("contrast", [-700.0, 700.0])
 def test_steadied_row_sums_are_those_of_a_steady_gain(contrast):
-    """Oracle: the sums that a steady gain would have made, with levels and gains of the rows' own."""
+    """Oracle: the sums that a steady gain would have made; levels and gains are the rows' own, in each stretch others."""
     fit = _fit(np.ones(500))
-    own, level = contrast * np.linspace(1, 2, 8), 9e4 + 100 * np.arange(8)
+    stretches = [np.arange(500) < 230, np.arange(500) >= 230]
+    step = np.where(stretches[0], 1.0, 1.3)[:, None]
+    own, level = contrast * np.linspace(1, 2, 8) * step, (9e4 + 100 * np.arange(8)) * step
     gain = _sway(0.03)
-    found = row_sway.steadied(level + own * gain[:, None] * fit.model, fit.model, gain=gain)
-    np.testing.assert_allclose(found, level + own * fit.model, atol=1e-9 * abs(contrast) * 1e3)
+    sums = level + own * gain[:, None] * fit.model
+    found = row_sway.steadied(sums, fit.model, gain=gain, stretches=stretches)
+    np.testing.assert_allclose(found, level + own * fit.model, atol=1e-6 * abs(contrast))
+    assert np.max(np.abs(sums - found)) > 0.03 * abs(contrast)  # something was taken out
+
+
+def test_a_stretch_of_a_single_frame_stays():
+    """Oracle: by hand; one frame shows neither gain nor level."""
+    sums, fit = np.full((500, 8), 9e4), _fit(np.ones(500))
+    gain = np.ones(500)
+    found = row_sway.steadied(sums, fit.model, gain=gain, stretches=[np.arange(500) < 499, np.arange(500) == 499])
+    assert np.array_equal(found, sums)
