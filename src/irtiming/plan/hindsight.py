@@ -11,8 +11,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from irtiming.errors import PlanError
-from irtiming.inference.information import Information, prior
-from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE, camera
+from irtiming.inference.information import Information
+from irtiming.physics.camera import camera
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import clock_u, of_budget
@@ -58,10 +58,8 @@ def predict(analysis: Analysis) -> Prediction | None:
 def _stated(analysis: Analysis) -> tuple[Information, ...]:
     """What rig.toml knows of the camera's own numbers."""
     memory = analysis.rig.camera.frame_memory
-    if memory is None:
-        return ()
-    name = camera(analysis.camera_type, analysis.readout_mode).memory.PARAMETER
-    return (prior(name, max(memory.standard_uncertainty, EXACT_SHARE), source=MEMORY_SOURCE),)
+    u = None if memory is None else memory.standard_uncertainty
+    return information.stated_memory(camera(analysis.camera_type, analysis.readout_mode), u)
 
 
 def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:

@@ -12,7 +12,8 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import EstimationError, PlanError
-from irtiming.inference.information import NOISE, Combined, Information, Weights, combine
+from irtiming.inference.information import NOISE, Combined, Information, Weights, combine, prior
+from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE, Camera
 from irtiming.plan.beside_angles import Beside
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
@@ -72,6 +73,21 @@ def _ones(source: str, errors: Sequence[str]) -> Information:
 
 def _silent(source: str, names: tuple[str, ...], matrix: Array) -> Information:
     return Information(source=source, names=names, matrix=matrix, gradient=np.zeros(len(names)))
+
+
+def stated_memory(camera: Camera, u: float | None) -> tuple[Information, ...]:
+    """What is known of the share of the frame before in each frame.
+
+    Parameters
+    ----------
+    camera
+        Whose frames keep something of those before, in its own way.
+    u
+        Standard uncertainty of the share, as rig.toml states it; None where it states nothing.
+    """
+    if u is None:
+        return ()
+    return (prior(camera.memory.PARAMETER, max(u, EXACT_SHARE), source=MEMORY_SOURCE),)
 
 
 def total(parts: Sequence[Told]) -> Told:

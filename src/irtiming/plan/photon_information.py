@@ -1,20 +1,20 @@
 r"""What one run of a photon camera can tell: derivatives of the pixel sum, each a closed form (Schatz 2023, eq. 1, figure 4b).
 
-A frame's sum over the opening is  f = covered + step (F + skew S + plate P + blades B + beside B' + drift t)  with the shapes of
-`physics.light.pixel_sum`, averaged over the integration. Its parameters:
+A frame's sum over the opening is  f = covered + step (F + skew S + plate P + blades B + beside B' + drift t)  with shapes and
+slopes of `physics.light.pixel_sum`, averaged over the integration. Its parameters:
 
 ===================  =======================================================================================
 name                 derivative, at step = 1
 ===================  =======================================================================================
 trigger_delay        omega dF/dtheta: a later exposure sees the wheel further on
-integration_time     omega (F_0(end of the window) - F) / sweep, F_0 without window: the start is held
-opening_angle        (share of the two radial edges that is open - F) / gamma
+integration_time     omega (dF/dsweep + dF/dtheta / 2): the start is held, so that the middle is half as late
+opening_angle        dF/dgamma
 skew, plate          S and P: light that is brighter towards one end; a mask plate that shows around the opening
 blades, beside       B and B': blades that are not equally warm, before the opening and before its border
 pixel_memory         F(theta - turn of the wheel from frame to frame) - F: a share of the frame before
 covered, step        1 and F
 drift                time, from -1/2 to 1/2
-an angle error       u dF/dtheta, common or by the edge that is off
+edge_0 .. edge_3     dF by the edge that comes earlier; an angle error is u times one of them, or their sum
 ===================  =======================================================================================
 """
 
@@ -24,16 +24,15 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import without_own
+from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
-from irtiming.physics.wheel import EDGE_SIGNS, edge_in_opening, exposed_fraction
 from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.wheel_geometry import WheelModel
 
-_NARROW_RAD = 1e-6
 _PERIMETER = 4.07  # of the paper's mask opening, times the root of its area
 _MEAN_RADIUS = 0.944  # the same
 _BORDER_PX, _BORDER_OF = 6.0, 1200.0  # that the reduction draws around an opening of so many pixels; it grows slowly
@@ -136,7 +135,7 @@ def one_run(
         What is the run's own and what is shared.
     """
     slopes = derivatives(sampling, noise, model=model)
-    by_edge = _by_edge(sampling.wheel_angle_rad, model, sweep_rad=_sweep(sampling, noise))
+    by_edge = np.array([slopes[f"edge_{k}"] for k in range(4)])
     errors = [(source, u * by_edge.sum(axis=0)) for source, u in angles.common]
     errors += [(EDGES, angles.edge_rad * edge) for edge in by_edge]
     sigma = np.hypot(noise.share, noise.jitter_s * slopes["trigger_delay"])
@@ -148,43 +147,21 @@ def one_run(
 
 def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> dict[str, Array]:
     """Derivative of a frame's sum to each parameter at step 1, by name; shapes (n,), per second, per rad or per 1."""
-    angle, gamma, omega = sampling.wheel_angle_rad, model.opening_angle_rad, sampling.angular_frequency_rad_per_s
-    sweep = _sweep(sampling, noise)
+    omega, sweep = sampling.angular_frequency_rad_per_s, sampling.angular_frequency_rad_per_s * noise.integration_time_s
     passing = Passing(
-        wheel=model, middle_rad=angle + sweep / 2, edges_early_rad=np.zeros(4), opening_angle_rad=gamma, swept_rad=sweep,
-        border_rad=noise.border_rad,
+        wheel=model, middle_rad=sampling.wheel_angle_rad + sweep / 2, edges_early_rad=np.zeros(4),
+        opening_angle_rad=model.opening_angle_rad, swept_rad=sweep, border_rad=noise.border_rad,
     )  # fmt: skip
-    made, fraction = shapes(passing), exposed_fraction(angle, model, sweep_rad=sweep)
-    moving = _by_edge(angle, model, sweep_rad=sweep).sum(axis=0)
-    ends = (_edge_open(angle, model, sweep_rad=sweep, side=1) + _edge_open(angle, model, sweep_rad=sweep, side=-1)) / 2
-    at_end = omega * moving / 2 if sweep == 0 else omega * (exposed_fraction(angle + sweep, model) - fraction) / sweep
+    made, slopes = shapes(passing), pixel_sum.slopes(passing)
+    before = shapes(replace(passing, middle_rad=passing.middle_rad - sampling.step_rad))
+    turned = np.sum([slopes[f"edge_{k}"] for k in range(4)], axis=0)
     return {
-        "trigger_delay": omega * moving,
-        "integration_time": at_end,
-        "opening_angle": (ends - fraction) / gamma,
-        "skew": made.skew,
-        "plate": made.plate,
-        "blades": made.blades,
-        "beside": made.beside,
-        pixel_memory.PARAMETER: exposed_fraction(angle - sampling.step_rad, model, sweep_rad=sweep) - fraction,
-        "covered": np.ones_like(angle),
-        "step": fraction,
+        **slopes,
+        "trigger_delay": omega * turned,
+        "integration_time": omega * (slopes["swept"] + turned / 2),
+        **{name: getattr(made, name) for name in ("skew", "plate", "blades", "beside")},
+        pixel_memory.PARAMETER: before.fraction - made.fraction,
+        "covered": np.ones_like(made.fraction),
+        "step": made.fraction,
         "drift": sampling.time,
     }
-
-
-def _sweep(sampling: Sampling, noise: FrameNoise) -> float:
-    return sampling.angular_frequency_rad_per_s * noise.integration_time_s
-
-
-def _by_edge(angle: Array, model: WheelModel, *, sweep_rad: float) -> Array:
-    """What each wheel edge adds to dF/dtheta, shape (4, n)."""
-    crossing = edge_in_opening(angle, model, sweep_rad=sweep_rad)
-    return np.asarray(np.array(EDGE_SIGNS)[:, None] * crossing / model.opening_angle_rad)
-
-
-def _edge_open(angle: Array, model: WheelModel, *, sweep_rad: float, side: int) -> Array:
-    """Share of the window during which a radial edge of the mask is open: the fraction of an opening as wide as the sweep."""
-    width = max(sweep_rad, _NARROW_RAD)
-    there = angle + side * model.opening_angle_rad / 2 + sweep_rad / 2
-    return exposed_fraction(there, replace(model, opening_angle_rad=width))

@@ -56,13 +56,10 @@ class Setting:
 
     def _with_rig(self, told: Told) -> Told:
         """The same with what rig.toml knows beside angles."""
-        memory = physics_camera.camera(self.camera.camera_type, self.camera.readout_mode).memory.PARAMETER
-        u_memory = None if self.rig.u_frame_memory is None else max(self.rig.u_frame_memory, physics_camera.EXACT_SHARE)
-        stated = (
-            ("integration_time", self.rig.u_window_s, WINDOW_SOURCE),
-            (memory, u_memory, physics_camera.MEMORY_SOURCE),
-        )
-        known = tuple(prior(name, u, source=source) for name, u, source in stated if u and name in told.names)
+        camera = physics_camera.camera(self.camera.camera_type, self.camera.readout_mode)
+        known = information.stated_memory(camera, self.rig.u_frame_memory)
+        if self.rig.u_window_s and "integration_time" in told.names:
+            known = (prior("integration_time", self.rig.u_window_s, source=WINDOW_SOURCE), *known)
         return replace(told, beside=self.rig.beside, stated=known)
 
 
