@@ -1,7 +1,7 @@
 """Contrast images of one wheel speed, and what a point of light anywhere on the wheel would show in them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
@@ -45,6 +45,10 @@ class Look:
     own_phase: bool = False
     turn_rad: float = 0.0
 
+    def values(self, angle_rad: Array) -> ComplexArray:
+        """What a point of light shows at any angle, by linear interpolation; same shape."""
+        return self._between(self.table, angle_rad)
+
     def at_nodes(self, angle_rad: Array, *, gap_rad: float) -> ComplexArray:
         """The same for a quadrature whose nodes are that far apart: without waves that it would take for longer ones.
 
@@ -52,12 +56,7 @@ class Look:
         """
         highest = TURN / (_SHORTEST_WAVE * gap_rad)
         kept = np.exp(_POWERS / -(highest**_SHARPNESS))
-        return replace(self, table=np.fft.ifft(self._spectrum * kept)).values(angle_rad)
-
-    def values(self, angle_rad: Array) -> ComplexArray:
-        """The table at any angle, by linear interpolation; same shape."""
-        below, part = self._place(angle_rad)
-        return (1 - part) * self.table[below] + part * self.table[(below + 1) % _TABLE]
+        return self._between(np.fft.ifft(self._spectrum * kept), angle_rad)
 
     def smeared(self, angle_rad: Array, *, width_rad: Array) -> ComplexArray:
         """Mean of the table over a Gaussian about any angle, with its standard deviation; all of one shape.
@@ -73,6 +72,10 @@ class Look:
             for k in (0, 1)
         )
         return np.asarray(first + (place - narrower) * (second - first))
+
+    def _between(self, table: ComplexArray, angle_rad: Array) -> ComplexArray:
+        below, part = self._place(angle_rad)
+        return np.asarray((1 - part) * table[below] + part * table[(below + 1) % _TABLE])
 
     def _place(self, angle_rad: Array) -> tuple[Ticks, Array]:
         """Entry of the table below each angle, and how far on it is to the next."""

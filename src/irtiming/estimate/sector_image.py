@@ -233,10 +233,7 @@ def sharp(look: Look, numbers: Mapping[str, float], *, view: View) -> Sharp:
 
 def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp | None = None) -> _Parts:
     shape, made = view.shape(numbers), known or sharp(look, numbers, view=view)
-    sector = made.sector
-    if shape.glare != 0:
-        sector = (1 - shape.glare) * sector + shape.glare * blurred_sector.spread(sector, glare_px=shape.glare_px)
-    sector = sector * made.read
+    sector = blurred_sector.with_glare(made.sector, shape) * made.read
     size = np.abs(made.point)
     back = made.point.conj() / size
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
@@ -251,7 +248,7 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
 def _smeared(
     shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View, *, near_border: bool = False
 ) -> ComplexArray:
-    """Image of the sector with that brightness, without glare; perhaps only of what lies near its border."""
+    """Image of the sector with that brightness, without glare; near its border only, if so asked."""
     points = (blurred_sector.border_points if near_border else blurred_sector.light_points)(shape)
     return blurred_sector.image(points, value(points), blur_px=shape.blur_of_axes_px, roi=view.roi)
 
@@ -289,9 +286,8 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, vi
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
-    both = without = _smeared(shape, lambda points: 1 + 1j * points.angle_rad, view)
-    if shape.glare != 0:
-        both = (1 - shape.glare) * without + shape.glare * blurred_sector.spread(without, glare_px=shape.glare_px)
+    without = _smeared(shape, lambda points: 1 + 1j * points.angle_rad, view)
+    both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     centre = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)

@@ -58,7 +58,7 @@ _LIMITS = {
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Misfit:
-    """What is to be made small: residuals at some numbers, shape (m,), perhaps from the sharp images that belong to them."""
+    """What is to be made small: residuals at some numbers, shape (m,), from the sharp images that belong to them."""
 
     residuals: Callable[[Numbers, Sequence[Sharp]], Array]
     sharp: Callable[[Numbers], Sequence[Sharp]]

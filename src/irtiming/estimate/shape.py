@@ -23,12 +23,10 @@ from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.records.wheel_geometry import WheelModel
 
 _ROUNDS = 3  # the second knows what the first left over, and looks for the lens; the third knows what is left then
-_NOT_SKEW = (
-    0.03  # of the turn that uneven light brings: what it does to a slope beyond the skew of `physics.light.pixel_sum`
-)
-_GLARE_SHAPE = (
-    0.3  # of the glare: by how much an exponential that the image takes for its Gaussian carries more or less away
-)
+_NOT_SKEW = 0.03
+"""Of the turn that uneven light brings: what it does to a slope beyond the skew of `physics.light.pixel_sum`."""
+_GLARE_SHAPE = 0.3
+"""Of the glare: by how much an exponential that the image takes for its Gaussian carries more or less away."""
 
 
 def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> tuple[ReducedRecording, ...]:

@@ -30,7 +30,7 @@ from irtiming.estimate import (
 )
 from irtiming.estimate.joint import Joint, LocalModel, Measurand
 from irtiming.estimate.measurands import LAG, WINDOW, Reported, Window
-from irtiming.estimate.pixel_sums import CORNERS, SHAPE
+from irtiming.estimate.pixel_sums import CORNERS, GLARE, SHAPE
 from irtiming.estimate.rig_errors import CLOCK, RigErrors
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.inference.correlated_noise import ljung_box_p_value
@@ -325,7 +325,7 @@ def _of_camera(
 def _record(
     found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
-    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, *shared_numbers.MEMORIES)]
+    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, GLARE, *shared_numbers.MEMORIES)]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
     every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(

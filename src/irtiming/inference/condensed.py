@@ -20,9 +20,8 @@ def condensed(*, deviance: float, gradient: Array, normal: Array) -> Linearised:
     normal
         Shape (n, n); half its curvature: the normal equations' matrix.
     """
-    scale = np.sqrt(
-        np.maximum(np.diag(normal), 0.0)
-    )  # of a parameter that nothing tells, rounding may leave less than zero
+    # of a parameter that nothing tells, rounding may leave less than zero
+    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
     scale = np.where(scale > 0, scale, 1.0)
     sizes, axes = np.linalg.eigh(normal / np.outer(scale, scale))
     root = np.sqrt(np.maximum(sizes, _RANK * sizes[-1]))

@@ -309,13 +309,16 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     return np.asarray(found[np.argsort(ascending)])
 
 
-def spread(sharp: ComplexArray, *, glare_px: float) -> ComplexArray:
-    """An image that a further Gaussian of that standard deviation, px, spreads; same shape (row, column).
+def with_glare(image: ComplexArray, shape: SectorShape) -> ComplexArray:
+    """A blurred image of which the glare spreads its share; same shape (row, column).
 
     Sums over pixels in place of integrals: the light of a pixel is even enough for a Gaussian of 1 px or more.
     """
-    down, across = (_gaussian(n, glare_px) for n in sharp.shape)
-    return np.asarray(down @ sharp.real @ across + 1j * (down @ sharp.imag @ across))
+    if shape.glare == 0:
+        return image
+    down, across = (_gaussian(n, shape.glare_px) for n in image.shape)
+    spread = down @ image.real @ across + 1j * (down @ image.imag @ across)
+    return np.asarray((1 - shape.glare) * image + shape.glare * spread)
 
 
 def _gaussian(n: int, width: float) -> Array:

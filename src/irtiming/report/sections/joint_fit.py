@@ -33,6 +33,7 @@ _MEANINGS = {
     "integration_time": "length of the integration window",
     "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
     "pixel_memory": "share of the frame before that a pixel keeps",
+    "glare": "share of the opening’s light that goes astray in camera and lens",
     "opening_angle": "opening angle of the mask",
     "lean_low": "mask edge at the lower wheel angle: angle by which it misses the axle, at the mean radius",
     "lean_high": "mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius",
