@@ -21,6 +21,7 @@ from irtiming.records.rig import (
     Rig,
     Rotation,
     Wheel,
+    WindowTail,
 )
 
 SI = {"mm": 1e-3, "deg": math.pi / 180, "us": 1e-6}
@@ -79,6 +80,8 @@ def _with_its_number(part: _P, companion: str, key: str) -> _P:
 _Two = Annotated[list[Number], Field(min_length=2, max_length=2)]
 _COMPANIONS = (
     ("distortion_u", "distortion"),
+    ("window_tail_u", "window_tail"),
+    ("window_tail_us", "window_tail"),
     ("frame_memory_u", "frame_memory"),
     ("focal_length_u_px", "focal_length_px"),
     ("lens_centre_u_px", "lens_centre_px"),
@@ -174,6 +177,17 @@ class _Camera(Part):
         description="standard uncertainty of the count_time that recordings state",
         json_schema_extra={"limit": NOT_NEGATIVE},
     )
+    window_tail: float | None = Field(
+        None,
+        ge=0,
+        lt=1,
+        description="share of all that a photon camera takes in which comes after its integration window",
+        json_schema_extra={"hint": ": a share; 0 where the detector is blind once the window ends"},
+    )
+    window_tail_u: Uncertainty = 0.0
+    window_tail_us: float | None = Field(
+        None, gt=0, le=1e6, description="time constant with which that fades; 200 us where it is left out"
+    )
     frame_memory: float | None = Field(
         None,
         gt=-1,
@@ -231,6 +245,7 @@ class _Camera(Part):
         memory = self.frame_memory
         optics = CameraOptics(
             integration_time_u_s=None if u_us is None else u_us * SI["us"],
+            window_tail=self._tail(),
             frame_memory=None if memory is None else Measured(memory, self.frame_memory_u),
             focal_length_px=None
             if self.focal_length_px is None
@@ -241,6 +256,12 @@ class _Camera(Part):
         if self.distortion is None:
             return optics
         return replace(optics, distortion=Measured(self.distortion, self.distortion_u))
+
+    def _tail(self) -> WindowTail | None:
+        if self.window_tail is None:
+            return None
+        tail = WindowTail(share=Measured(self.window_tail, self.window_tail_u))
+        return tail if self.window_tail_us is None else replace(tail, time_constant_s=self.window_tail_us * SI["us"])
 
     def _calibration(self) -> LensCalibration | None:
         if self.camera_matrix is None:

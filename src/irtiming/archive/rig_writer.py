@@ -4,7 +4,7 @@ from pathlib import Path
 
 from irtiming.archive.json_file import write_atomically
 from irtiming.archive.rig_file import LATENCIES, SI
-from irtiming.records.rig import CameraOptics, Latency, LightGates, Measured, Rig
+from irtiming.records.rig import CameraOptics, Latency, LightGates, Measured, Rig, WindowTail
 
 
 def write_rig(rig: Rig, path: str | Path) -> None:
@@ -59,6 +59,7 @@ def _camera_lines(camera: CameraOptics) -> list[str]:
     return [
         *([] if camera.distortion is None else _plain_lines("distortion", camera.distortion)),
         *([] if u_s is None else [f"integration_time_u_us = {_toml(u_s / SI['us'])}"]),
+        *([] if camera.window_tail is None else _tail_lines(camera.window_tail)),
         *([] if camera.frame_memory is None else _plain_lines("frame_memory", camera.frame_memory)),
         *_lens_lines(camera),
     ]
@@ -83,6 +84,10 @@ def _lens_lines(camera: CameraOptics) -> list[str]:
 
 def _stated(name: str, value: float | list[float], u: float) -> list[str]:
     return [f"{name}_px = {_toml(value)}", *([f"{name}_u_px = {_toml(u)}"] if u else [])]
+
+
+def _tail_lines(tail: WindowTail) -> list[str]:
+    return [*_plain_lines("window_tail", tail.share), f"window_tail_us = {_toml(tail.time_constant_s / SI['us'])}"]
 
 
 def _plain_lines(name: str, number: Measured) -> list[str]:

@@ -6,7 +6,7 @@ recordings state, if they do; what the sums say of it is reported beside it and 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -17,14 +17,18 @@ from irtiming.inference.information import prior
 from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import inverse
 from irtiming.physics.latency import WINDOW_SOURCE
+from irtiming.physics.response.integration_window import TAILS
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution
 
 WINDOW, LAG, ROW_DELAY = "integration_time", "time_constant", "row_delay"
+UNKNOWN_S = 0.1
+"""Standard uncertainty of a window that no frame tells anything of."""
 MEMORY = "share of the frame before in each frame"
 """Source of a budget: what not knowing that share adds."""
 
+_MIDDLE = "exposure_midpoint_delay"
 _FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
 _SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter is not told from none
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -56,28 +60,14 @@ class Window:
     """What is known of the integration window beside the fit.
 
     ``stated_s`` is its length as the recordings state it, None where they do not, ``u_stated_s`` the standard uncertainty of
-    that, None where it is taken on trust; ``u_beside_s`` what the fit's own uncertainty of it does not hold; ``is_told`` whether
-    the recordings can tell its length at all.
+    that, None where it is taken on trust; ``is_told`` whether the recordings can tell its length at all; ``tails_s`` by how
+    much its centre is later than its middle per share that comes after its end, by name.
     """
 
     stated_s: float | None
-    u_beside_s: float
     is_told: bool
     u_stated_s: float | None = None
-
-    def share_of_fit(self, u_fit_s: float) -> float:
-        """Weight of the fitted length beside the stated one, 0 to 1.
-
-        Parameters
-        ----------
-        u_fit_s
-            Standard uncertainty of the former; infinite where it is not told.
-        """
-        if self.stated_s is None:
-            return 1.0
-        if not self.u_stated_s or not np.isfinite(u_fit_s):
-            return 0.0
-        return float(self.u_stated_s**2 / (self.u_stated_s**2 + u_fit_s**2))
+    tails_s: Mapping[str, float] = field(default_factory=dict)
 
 
 def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Reported:
@@ -87,24 +77,23 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     ----------
     joint
         Shared numbers ``delay`` (of the window's middle), ``integration_time`` unless it was held, ``row_delay`` of a rolling
-    readout. window
+        readout, and those of `TAILS` where they are thought of.
+    window
         What else is known of its length.
     degrees_of_freedom
         Of the frames' noise.
     """
     base = [
-        Measurand(name="exposure_midpoint_delay", weights={DELAY: 1.0}),
+        Measurand(name=_MIDDLE, weights={DELAY: 1.0}),
         Measurand(name="trigger_delay_falling", weights={DELAY: 1.0}, forgotten=_RISING),
         Measurand(name="trigger_delay_rising", weights={DELAY: 1.0}, forgotten=_FALLING),
     ]
     base += [Measurand(name=name, weights={name: 1.0}) for name in (WINDOW, ROW_DELAY) if name in joint.names]
-    base += _memories(joint)
-    found = _with_more(joint.estimate(base), WINDOW, u_beside=window.u_beside_s)
+    base += _shares(joint, (*TAILS, *MEMORIES))
+    found = _positive(joint.estimate(base), WINDOW)
     is_seen = window.is_told and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
-    told = found if is_seen else None
-    split = _of_length(told, window)
-    rows = _rows(found, split, has_start=window.stated_s is not None or is_seen, is_seen=is_seen)
-    trusted = _trusted(told, window)
+    start = _Start.of(found, window, is_seen=is_seen)
+    rows = _rows(found, start, is_seen=is_seen)
     own = {one.name: one for one in base}
     budget = _budget(
         joint,
@@ -112,16 +101,16 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         degrees_of_freedom=degrees_of_freedom,
     )
     profiled = [
-        replace(own[next(iter(parts))], name=name, offset=split.offset_s(name))
+        replace(own[next(iter(parts))], name=name, offset=start.offset_s(name))
         for name, parts in rows.items()
         if list(parts.values()) == [1.0] and name not in MEMORIES
     ]
-    estimate = mixed(found, rows, offsets={name: split.offset_s(name) for name in rows})
-    follows = np.array([split.per_stated(name) for name in rows])
-    u_stated = window.u_stated_s or 0.0
+    estimate = mixed(found, rows, offsets={name: start.offset_s(name) for name in rows})
+    follows = np.array([start.u_beside_s(name) for name in rows])
+    trusted = _trusted(_of_frames(joint, window) if is_seen else None, window, u_middle_s=found.u(_MIDDLE))
     return Reported(
-        estimate=replace(estimate, covariance=estimate.covariance + np.outer(follows, follows) * u_stated**2),
-        budget=(*budget, *_of_corners(rows, window, is_seen=is_seen), *_of_statement(rows, split, u_stated)),
+        estimate=replace(estimate, covariance=estimate.covariance + np.outer(follows, follows)),
+        budget=(*budget, *_of_statement(rows, start)),
         profiled=tuple(profiled),
         findings=trusted.findings,
         not_held=trusted.not_held,
@@ -131,65 +120,67 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class _Length:
-    """The integration time as so much of the fitted and the rest of the stated one: in the start, and where it is reported."""
+class _Start:
+    """The start of the window: so much earlier than the delay as shared numbers say, and as is stated beside them.
 
-    stated_s: float
-    in_start: float
-    in_length: float
+    ``weights`` are of the numbers found, ``before_s`` half of a stated length that is none of them, with ``u_before_s``; None
+    where there is no start to tell.
+    """
 
-    def per_stated(self, name: str) -> float:
-        """Change of a parameter per change of the stated length."""
-        if name == WINDOW:
-            return 1.0 - self.in_length
-        return (self.in_start - 1.0) / 2 if name.startswith("trigger_delay") else 0.0
+    weights: Mapping[str, float] | None
+    before_s: float = 0.0
+    u_before_s: float = 0.0
+
+    @classmethod
+    def of(cls, found: Estimate, window: Window, *, is_seen: bool) -> "_Start":
+        """By the length that was found where frames, or frames and its stated u together, tell it; else by the stated one."""
+        tail = {name: -late_s for name, late_s in window.tails_s.items() if name in found}
+        if WINDOW in found and (window.stated_s is None or window.u_stated_s is not None):
+            has_start = is_seen or window.stated_s is not None
+            return cls(weights={WINDOW: -0.5} | tail if has_start else None)
+        if window.stated_s is None:
+            return cls(weights=None)
+        return cls(weights=tail, before_s=window.stated_s / 2, u_before_s=(window.u_stated_s or 0.0) / 2)
 
     def offset_s(self, name: str) -> float:
         """What the stated length adds to a parameter."""
-        return self.per_stated(name) * self.stated_s
+        return -self.before_s if name.startswith("trigger_delay") else 0.0
+
+    def u_beside_s(self, name: str) -> float:
+        """What its uncertainty adds, signed."""
+        return -self.u_before_s if name.startswith("trigger_delay") else 0.0
 
 
-def _of_length(told: Estimate | None, window: Window) -> _Length:
-    """What is fitted counts as its uncertainty beside the stated one's says; without such a one it is reported beside it."""
-    share = window.share_of_fit(float("inf") if told is None else told.u(WINDOW))
-    has_two = window.stated_s is not None and bool(window.u_stated_s)
-    return _Length(stated_s=window.stated_s or 0.0, in_start=share, in_length=share if has_two else 1.0)
-
-
-def _rows(found: Estimate, split: _Length, *, has_start: bool, is_seen: bool) -> dict[str, dict[str, float]]:
+def _rows(found: Estimate, start: _Start, *, is_seen: bool) -> dict[str, dict[str, float]]:
     """What is reported, as sums of what was found."""
-    rows = {"exposure_midpoint_delay": {"exposure_midpoint_delay": 1.0}}
-    if has_start:
-        back = {WINDOW: -split.in_start / 2} if is_seen and split.in_start > 0 else {}
-        rows = {"trigger_delay": {"exposure_midpoint_delay": 1.0} | back, **rows}
+    rows = {_MIDDLE: {_MIDDLE: 1.0}}
+    if start.weights is not None:
+        back = dict(start.weights)
+        rows = {"trigger_delay": {_MIDDLE: 1.0} | back, **rows}
         rows |= {name: {name: 1.0} | back for name in ("trigger_delay_falling", "trigger_delay_rising")}
     if is_seen:
-        rows[WINDOW] = {WINDOW: split.in_length}
+        rows[WINDOW] = {WINDOW: 1.0}
     if ROW_DELAY in found:
         rows[ROW_DELAY] = {ROW_DELAY: 1.0}
     return rows | {name: {name: 1.0} for name in MEMORIES if name in found}
 
 
-def _of_corners(rows: Mapping[str, Mapping[str, float]], window: Window, *, is_seen: bool) -> tuple[Contribution, ...]:
-    """What the fit's own uncertainty of the length does not hold."""
-    if not is_seen:
+def _of_statement(rows: Iterable[str], start: _Start) -> tuple[Contribution, ...]:
+    """What the stated length adds where it is none of the shared numbers."""
+    u_s = 2 * start.u_before_s
+    if u_s == 0:
         return ()
-    sizes = {name: abs(parts.get(WINDOW, 0.0)) * window.u_beside_s for name, parts in rows.items()}
-    return (Contribution(source="length of the window (corners)", kind="A", standard_uncertainty=sizes),)
+    sizes = {name: abs(start.u_beside_s(name)) for name in rows}
+    return (Contribution(source=WINDOW_SOURCE, kind="B", standard_uncertainty=sizes, measured=(u_s, "s")),)
 
 
-def _of_statement(rows: Iterable[str], split: _Length, u_stated_s: float) -> tuple[Contribution, ...]:
-    """What the stated length adds."""
-    if u_stated_s == 0:
-        return ()
-    return (
-        Contribution(
-            source=WINDOW_SOURCE,
-            kind="B",
-            standard_uncertainty={name: abs(split.per_stated(name)) * u_stated_s for name in rows},
-            measured=(u_stated_s, "s"),
-        ),
-    )
+def _of_frames(joint: Joint, window: Window) -> Estimate:
+    """The length as the frames alone say it, whatever is stated."""
+    priors = [one for one in joint.priors if window.u_stated_s is None or WINDOW not in one.names]
+    if len(priors) < len(joint.priors):
+        gap = -joint.found.values[WINDOW]
+        priors.append(prior(WINDOW, UNKNOWN_S, source=WINDOW_SOURCE, gap=gap))
+    return replace(joint, priors=tuple(priors)).estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
 
 
 def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float) -> Reported:
@@ -210,7 +201,7 @@ def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float)
     measurands = [Measurand(name="trigger_delay", weights={DELAY: 1.0}), Measurand(name=LAG, weights=mean)]
     if ROW_DELAY in joint.names:
         measurands.append(Measurand(name=ROW_DELAY, weights={ROW_DELAY: 1.0}))
-    measurands += _memories(joint)
+    measurands += _shares(joint, MEMORIES)
     found = joint.estimate(measurands)
     budget = _budget(joint, {one.name: one for one in measurands}, degrees_of_freedom=degrees_of_freedom)
     keep, bounds, findings = _determined(found)
@@ -223,9 +214,9 @@ def of_lag(joint: Joint, constants: Sequence[str], *, degrees_of_freedom: float)
     )
 
 
-def _memories(joint: Joint) -> list[Measurand]:
-    """What frames keep of those before, as measurands."""
-    return [Measurand(name=name, unit="1", weights={name: 1.0}) for name in MEMORIES if name in joint.names]
+def _shares(joint: Joint, names: Sequence[str]) -> list[Measurand]:
+    """Those of these shares that were fitted, as measurands."""
+    return [Measurand(name=name, unit="1", weights={name: 1.0}) for name in names if name in joint.names]
 
 
 def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[str, float] | None = None) -> Estimate:
@@ -249,18 +240,12 @@ def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[s
     )
 
 
-def _with_more(found: Estimate, name: str, *, u_beside: float) -> Estimate:
-    """The same with a larger variance of one number; its sign, which an even model leaves open, made positive."""
-    if name not in found:
+def _positive(found: Estimate, name: str) -> Estimate:
+    """The same with the sign of one number, which an even model leaves open, made positive."""
+    if name not in found or found.value(name) >= 0:
         return found
-    k = found.names.index(name)
-    values, covariance = found.values.copy(), found.covariance.copy()
-    if values[k] < 0:
-        values[k] *= -1
-        covariance[k], covariance[:, k] = -covariance[k], -covariance[:, k]
-        covariance[k, k] = found.covariance[k, k]
-    covariance[k, k] += u_beside**2
-    return Estimate(names=found.names, units=found.units, values=values, covariance=covariance)
+    turn = np.where(np.array(found.names) == name, -1.0, 1.0)
+    return replace(found, values=found.values * turn, covariance=found.covariance * np.outer(turn, turn))
 
 
 def _sum(parts: Sequence[Measurand], shares: Sequence[float]) -> Measurand:
@@ -322,26 +307,27 @@ class _Trust:
     midpoint_leads: bool = False
 
 
-def _trusted(told: Estimate | None, window: Window) -> _Trust:
+def _trusted(told: Estimate | None, window: Window, *, u_middle_s: float) -> _Trust:
     """What the sums, where they tell it, say of the integration time that the recordings state."""
     stated_s, u_stated_s = window.stated_s, window.u_stated_s
     if stated_s is None:
         return _Trust()
     if told is not None:
-        length_s, u_s = told.value(WINDOW), float(np.hypot(told.u(WINDOW), u_stated_s or 0.0))
+        length_s, u_s = abs(told.value(WINDOW)), float(np.hypot(told.u(WINDOW), u_stated_s or 0.0))
         if abs(length_s - stated_s) > _CONTRADICTS * u_s:
             return _Trust(findings=(_contradicted(length_s, u_s, stated_s=stated_s),), midpoint_leads=True)
     if u_stated_s is not None:
         return _Trust()
     if told is None:
         what, within = (
-            "the recordings' count_time is taken on trust, and half of what it is wrong is in trigger_delay",
+            "the recordings' count_time is taken on trust, and half of what it is wrong is in trigger_delay; so is that nothing "
+            "comes after the window",
             "",
         )
     else:
         what = "rig.toml states no u of the recordings' count_time: the wheel speeds confirm it"
         within = f" within u = {1e6 * told.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
-    is_fine = told is not None and told.u(WINDOW) <= 2 * told.u("exposure_midpoint_delay")
+    is_fine = told is not None and told.u(WINDOW) <= 2 * u_middle_s
     return _Trust(
         findings=(
             Finding(

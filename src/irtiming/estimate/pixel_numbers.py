@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.estimate import opening_in_image, pixel_sums, shared_numbers
-from irtiming.estimate.measurands import WINDOW
+from irtiming.estimate.measurands import UNKNOWN_S, WINDOW
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics.wheel import TURN
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
 
-_UNKNOWN_WINDOW_S = 0.1  # standard uncertainty of a window that no frame tells anything of
 _LEAST_U_LEAN_RAD = 1e-5
 
 
@@ -39,7 +38,7 @@ def opening_and_window(
     memory = float(np.mean([fit.estimate.value(pixel_sums.MEMORY) for fit in fits]))
     return [
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
-        shared_numbers.same(WINDOW, fits, start=sample_s, u=_UNKNOWN_WINDOW_S),
+        shared_numbers.same(WINDOW, fits, start=sample_s, u=UNKNOWN_S),
         *(
             shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
             for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)

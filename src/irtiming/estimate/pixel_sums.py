@@ -70,7 +70,8 @@ class PixelSums:
 
     ``kept`` (n_frame,) are the frames that count, ``levels`` how those drift.
     ``unit_dn`` is a first guess of the step, by which residuals are divided: a fitted one would let them vanish by growing.
-    ``noise`` is the standard deviation of a residual in that unit.
+    ``noise`` is the standard deviation of a residual in that unit. ``tails_s`` are the time constants of what comes after the
+    window, by the names of the local numbers that say how much it is; none where nobody thinks of it.
     """
 
     reduced: ReducedRecording
@@ -83,6 +84,7 @@ class PixelSums:
     radii: Radii = field(default_factory=Radii)
     region: SummedRegion | None = None
     lost: SummedRegion | None = None
+    tails_s: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def angular_frequency_rad_per_s(self) -> float:
@@ -134,6 +136,7 @@ class PixelSums:
             region=self.region,
             glare=numbers.get(GLARE, 0.0),
             lost=self.lost,
+            tails=tuple((numbers.get(name, 0.0), omega * time_s) for name, time_s in self.tails_s.items()),
             corner_variance_rad2=numbers.get(CORNERS, 0.0),
         )
 
@@ -146,9 +149,11 @@ class PixelSums:
         before, share = self.passing(numbers, earlier=1), numbers.get(MEMORY, 0.0)
         made, columns = (pixel_sum.shapes(passing), pixel_sum.shapes(before)), self.columns(self.shapes(numbers))
         gain = self.levels.gain[self.kept]
-        per_unit = {"integration_time": ("swept", omega)} | {
-            name: (f"edge_{k}", omega) for k, name in enumerate(EDGE_DELAYS)
-        }
+        per_unit = (
+            {"integration_time": ("swept", omega)}
+            | {name: (f"edge_{k}", omega) for k, name in enumerate(EDGE_DELAYS)}
+            | {name: (f"tail_{k}", 1.0) for k, name in enumerate(self.tails_s)}
+        )
 
         def slopes_of(levels: Array) -> Array:
             amounts = levels[2:6] / levels[1]

@@ -13,11 +13,11 @@ import numpy as np
 
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics import latency
-from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK
+from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, USUAL_TAIL
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.rig import Latency, LightGates, Measured, Rig
+from irtiming.records.rig import Latency, LightGates, Measured, Rig, WindowTail
 from irtiming.records.wheel_geometry import WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
 
@@ -41,6 +41,8 @@ class RigErrors:
         Relative error of the clock, which the recordings' times already know, and its standard uncertainty.
     u_window_s
         Of the integration time that the recordings state; None where nobody knows it.
+    window_tail
+        What is known of what comes after the window; None of a camera without one, and where the window is taken on trust.
     frame_memory
         Share of the frame before in each frame; None where the frames alone tell it.
     findings
@@ -52,6 +54,7 @@ class RigErrors:
     shared: tuple[SharedNumber, ...] = ()
     clock: Measured = _EXACT
     u_window_s: float | None = None
+    window_tail: WindowTail | None = None
     frame_memory: Measured | None = None
     findings: tuple[Finding, ...] = ()
     not_held: tuple[str, ...] = ()
@@ -83,15 +86,40 @@ def of(
         shared=tuple(shared),
         clock=clock,
         u_window_s=rig.camera.integration_time_u_s,
+        window_tail=_tail(recordings, rig),
         frame_memory=rig.camera.frame_memory,
         findings=(
             *_of_latency(rig.latency, missing),
             *_of_registers([one.track for one in recordings], rig.latency),
             *_of_clock(rig),
+            *_of_tail(recordings, rig),
             *_of_offset(rig.light_gates, several=several),
         ),
         not_held=tuple(not_held),
     )
+
+
+def _tail(recordings: Sequence[ReducedRecording], rig: Rig) -> WindowTail | None:
+    """What is known of what comes after the window, of a camera whose recordings state one."""
+    has_window = recordings[0].camera_type == "photon" and recordings[0].integration_time_s is not None
+    return latency.window_tail(rig.camera) if has_window else None
+
+
+def _of_tail(recordings: Sequence[ReducedRecording], rig: Rig) -> list[Finding]:
+    if _tail(recordings, rig) is None or rig.camera.window_tail is not None:
+        return []
+    usual = USUAL_TAIL
+    return [
+        Finding(
+            code="window-tail-not-stated",
+            severity="info",
+            what="rig.toml states no window_tail: that a share of 0 (u = "
+            f"{100 * usual.share.standard_uncertainty:g} %) comes after the window, over {1e3 * usual.time_constant_s:g} ms, is "
+            "taken for granted, which is in the budget of trigger_delay",
+            cure="measure it with a pulse of light, and state [camera] window_tail and window_tail_u; "
+            "exposure_midpoint_delay does not depend on it",
+        )
+    ]
 
 
 def _latencies(

@@ -12,11 +12,12 @@ import numpy as np
 
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
-from irtiming.physics.response import in_camera_filter, pixel_memory
+from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE
+from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
-from irtiming.records.rig import Measured
-from irtiming.records.row_timing import SectorFit
+from irtiming.records.rig import Measured, WindowTail
+from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
 _OF_CAMERA = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "lens_row_px", "lens_column_px")
@@ -41,6 +42,10 @@ CORNERS_SOURCE = "straightness of the mask's edges"
 
 STRAIGHT_RAD = 2e-3
 """To which angle about the axle mask edges are straight: burrs of 0.05 mm, 27 mm from it."""
+
+
+_EXACT_S = 1e-9  # standard uncertainty of a length that is stated as exact
+_OF_A_LENGTH = 6.0  # half of 12: of an even window's variance its length is 12 times the root
 
 
 @final
@@ -134,6 +139,58 @@ def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> 
         else one
         for one in own
     ]
+
+
+def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: float | None) -> list[SharedNumber]:
+    """The camera's numbers with what its owner knows of the length of the window.
+
+    Parameters
+    ----------
+    own
+        Of the camera, the integration time among them or not.
+    stated_s, u_s
+        What the recordings state, and its standard uncertainty; None leaves it to the frames.
+    """
+    if u_s is None:
+        return list(own)
+    u = max(u_s, _EXACT_S)
+    return [
+        replace(one, known=stated_s, u=u, source=WINDOW_SOURCE, kind="B", measured=(u_s, "s"))
+        if one.name == integration_window.PARAMETER
+        else one
+        for one in own
+    ]
+
+
+def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_time_s: float) -> list[SharedNumber]:
+    """Shares that come after the window's end; delays count to the centre, so that only their width shows in the frames.
+
+    Parameters
+    ----------
+    fits
+        One per recording; sums of pixels show it as it is, sums of rows as a longer window.
+    tail
+        What is known of them together.
+    integration_time_s
+        Length of the window.
+    """
+    window, of_all = integration_window.PARAMETER, integration_window.TAILS
+    known, u = tail.share.value / len(of_all), tail.share.standard_uncertainty / len(of_all) ** 0.5
+    found = []
+    for name, part in of_all.items():
+        wider_s2 = integration_window.tail_variance_s2(integration_time_s, part * tail.time_constant_s)
+        longer_s = _OF_A_LENGTH * wider_s2 / max(integration_time_s, part * tail.time_constant_s)
+        effects = [
+            ({window: longer_s} if window in fit.estimate else {}) if isinstance(fit, RowTimingFit) else {name: 1.0}
+            for fit in fits
+        ]
+        found.append(
+            SharedNumber(
+                name=name, unit="1", effects=effects, start=known, known=known, u=max(u, EXACT_SHARE), source=TAIL_SOURCE,
+                kind="B", measured=(tail.share.standard_uncertainty, "1"),
+            )
+        )  # fmt: skip
+    return found
 
 
 def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float) -> list[SharedNumber]:

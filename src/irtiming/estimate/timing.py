@@ -37,6 +37,7 @@ from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised, Model
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
+from irtiming.physics.response.integration_window import TAILS, tail_delay_s
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.arrays import Array
@@ -44,10 +45,11 @@ from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import EffectiveTimeConstants, JointFit, Method, Result
-from irtiming.records.rig import Rig
+from irtiming.records.rig import Rig, WindowTail
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
+_SHARES = (CLOCK, GLARE, *TAILS, *shared_numbers.MEMORIES)  # without unit, and no errors in standard uncertainties
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
 _NOTHING_MORE = RigErrors()
 
@@ -108,12 +110,14 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     recordings = shape.estimate(recordings, bare, rig=rig)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
-    models = tuple(_model(one, fit, geometry) for one, fit in zip(recordings, fits, strict=True))
+    errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
+    models = tuple(
+        _model(one, fit, geometry, tail=errors.window_tail) for one, fit in zip(recordings, fits, strict=True)
+    )
     own = [
         *pixel_numbers.opening_and_window(recordings, fits, geometry=geometry),
         *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
     ]
-    errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
     combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
     found = _by_file(combined, recordings)
     return Timing(
@@ -153,7 +157,7 @@ def of_pixel_fits(
     groups, u_edge = scatter.alike(fits, [range(len(fits))]), scatter.edge_uncertainty(fits, geometry)
     middle_s = min(float(np.mean([fit.estimate.value(name) for name in EDGE_DELAYS])) for fit in fits)
     errors = [*shared_numbers.rig_errors(fits, geometry, u_edge_rad=u_edge), *rig.shared]
-    own = shared_numbers.with_stated_memory(own, rig.frame_memory)
+    own = _with_stated(own, fits, rig, stated_s=stated_s)
     plain = joint.fit(models, [shared_numbers.delay(fits, start=middle_s), *own, *errors])
     parts = shared_residual.split(joint.traces(plain)) or shared_residual.all_own(len(fits))
     found = own_noise.weighed(plain, fits, groups=groups, parts=parts)
@@ -182,21 +186,38 @@ def _window(
     """What is stated of the window, and whether several wheel speeds tell it from an angle that rounds the corners too."""
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
     if WINDOW not in found.names:
-        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, u_beside_s=0.0, is_told=False)
-    return Window(
-        stated_s=stated_s,
-        u_stated_s=rig.u_window_s,
-        u_beside_s=0.0,
-        is_told=fastest > _SPEED_RATIO * slowest,
-    )
+        return _stated_window(stated_s, rig, is_told=False)
+    return _stated_window(stated_s, rig, is_told=fastest > _SPEED_RATIO * slowest)
 
 
-def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry) -> LocalModel:
+def _stated_window(stated_s: float | None, rig: RigErrors, *, is_told: bool) -> Window:
+    tail = rig.window_tail
+    if stated_s is None or tail is None:
+        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told)
+    tails_s = {name: tail_delay_s(stated_s, part * tail.time_constant_s) for name, part in TAILS.items()}
+    return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told, tails_s=tails_s)
+
+
+def _with_stated(
+    own: Sequence[SharedNumber], fits: Sequence[RecordingFit], rig: RigErrors, *, stated_s: float | None
+) -> list[SharedNumber]:
+    """The camera's numbers with what is stated of memory and window."""
+    own = shared_numbers.with_stated_memory(own, rig.frame_memory)
+    if stated_s is None:
+        return own
+    own = shared_numbers.with_stated_window(own, stated_s=stated_s, u_s=rig.u_window_s)
+    if rig.window_tail is None:
+        return own
+    return [*own, *shared_numbers.window_tails(fits, rig.window_tail, integration_time_s=stated_s)]
+
+
+def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *, tail: WindowTail | None) -> LocalModel:
     """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
-    given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise)
+    tails_s = {} if tail is None else {name: part * tail.time_constant_s for name, part in TAILS.items()}
+    given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise, tails_s=tails_s)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
-    return LocalModel(names=(*EDGE_DELAYS, *SHAPE, CORNERS), at=given.at, trace=given.trace)
+    return LocalModel(names=(*EDGE_DELAYS, *SHAPE, CORNERS, *tails_s), at=given.at, trace=given.trace)
 
 
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
@@ -244,7 +265,7 @@ def of_row_fits(
     whole, fits = fits, [fit.holding(row_sum.BLADE) for fit in fits]
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
-    own = shared_numbers.with_stated_memory(_of_camera(fits, first, blackbodies=blackbodies), rig.frame_memory)
+    own = _with_stated(_of_camera(fits, first, blackbodies=blackbodies), fits, rig, stated_s=stated_s)
     shared = [
         shared_numbers.delay(fits, start=float(np.mean(first.edge_delay_s))),
         *own,
@@ -261,7 +282,7 @@ def of_row_fits(
     if constants:
         reported = measurands.of_lag(found, constants, degrees_of_freedom=freedom)
     else:
-        window = Window(stated_s=stated_s, u_stated_s=rig.u_window_s, u_beside_s=0.0, is_told=True)
+        window = _stated_window(stated_s, rig, is_told=True)
         reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[_whiteness(fit) for fit in fits],
@@ -325,7 +346,7 @@ def _of_camera(
 def _record(
     found: Joint, fits: Sequence[RecordingFit], *, whiteness: Sequence[float], n_residuals: int, u_edge_rad: float
 ) -> JointFit:
-    own = [one for one in found.shared if one.unit != "1" or one.name in (CLOCK, GLARE, *shared_numbers.MEMORIES)]
+    own = [one for one in found.shared if one.unit != "1" or one.name in _SHARES]
     angles = measurands.edge_angles(found, fits[0].angular_frequency_rad_per_s)
     every = [Measurand(name=one.name, unit=one.unit, weights={one.name: 1.0}) for one in own]
     return JointFit(

@@ -149,6 +149,40 @@ def exposed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: fl
     return np.asarray(swept / (model.opening_angle_rad * sweep_rad))
 
 
+def fading_fraction(wheel_angle_rad: Array, model: WheelModel, *, fades_rad: float) -> Array:
+    """Exposed fraction averaged with a weight that fades from the wheel angle on: exp(-x / b) / b.
+
+    Parameters
+    ----------
+    wheel_angle_rad
+        Any shape, any real; wheel angle where the weight begins, rad.
+    model
+        Geometry.
+    fades_rad
+        Positive; b, by which the wheel turns in one time constant; short against a turn.
+    """
+    low, high = _opening_ends(wheel_angle_rad, model)
+    edges = zip(EDGE_SIGNS, model.cutout_edges_rad, strict=True)
+    arcs = (
+        high
+        - low
+        + sum(
+            s * (_passages_fading(high, edge, fades_rad) - _passages_fading(low, edge, fades_rad)) for s, edge in edges
+        )
+    )
+    return np.asarray(arcs / model.opening_angle_rad)
+
+
+@vectorize(cache=True)  # type: ignore[no-untyped-call]
+def _passages_fading(alpha, edge, fades):  # type: ignore[no-untyped-def]
+    """`_passages`, averaged with such a weight: at each whole turn ahead it bends by one."""
+    turns = (alpha - edge) / TURN
+    whole = np.floor(turns)
+    ahead = np.exp(-TURN * (whole + 1 - turns) / fades)
+    bends = ahead / (1 - np.exp(-TURN / fades))
+    return TURN * (whole * turns - whole * (whole + 1) / 2) + fades * (whole + bends)
+
+
 def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
     """Share of the integration window during which each edge crosses the opening.
 

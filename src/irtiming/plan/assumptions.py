@@ -6,6 +6,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics.latency import window_tail
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.plan.beside_angles import Beside, clock_u, of_rig
@@ -105,7 +106,7 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         )
     return AssumedRig(
         model=model,
-        angles=AngleErrors(common=tuple(common), edge_rad=edge_rad),
+        angles=AngleErrors(common=tuple(common), edge_rad=edge_rad, window_tail=window_tail(owner.camera)),
         remarks=tuple(remarks),
         beside=of_rig(owner, camera),
         u_clock=clock_u(owner),

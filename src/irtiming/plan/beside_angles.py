@@ -3,8 +3,11 @@
 from collections.abc import Mapping
 from typing import TypeAlias
 
-from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, WINDOW_SOURCE
-from irtiming.records.camera_description import Camera
+import numpy as np
+
+from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, TAIL_SOURCE, USUAL_CLOCK, WINDOW_SOURCE, window_tail
+from irtiming.physics.response.integration_window import TAILS, tail_delay_s
+from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.result import Contribution
 from irtiming.records.rig import Latency, Rig
 
@@ -12,7 +15,8 @@ Beside: TypeAlias = Mapping[str, Mapping[str, float]]
 """What each source adds to the standard uncertainty of each parameter, s: by parameter, then by source."""
 
 _DELAYS = ("trigger_delay", "exposure_midpoint_delay")
-_BUDGETED = (*GATE_SOURCES.values(), CLOCK_SOURCE, WINDOW_SOURCE)
+_UNTOLD = (*GATE_SOURCES.values(), CLOCK_SOURCE)
+_OF_WINDOW = (WINDOW_SOURCE, TAIL_SOURCE)
 
 
 def of_rig(rig: Rig, camera: Camera) -> Beside:
@@ -34,6 +38,11 @@ def of_rig(rig: Rig, camera: Camera) -> Beside:
     sizes = {name: getattr(camera, f"{name}_s", None) for name in ("time_constant", "row_delay", "integration_time")}
     u_clock = clock_u(rig)
     of_times = {name: {CLOCK_SOURCE: abs(size) * u_clock} for name, size in sizes.items() if size}
+    tail = window_tail(rig.camera)
+    if isinstance(camera, PhotonCamera) and camera.readout_mode == "rolling" and tail is not None:
+        each = [tail_delay_s(camera.integration_time_s, part * tail.time_constant_s) for part in TAILS.values()]
+        late_s = float(np.sqrt(np.mean(np.square(each))))
+        of_times["trigger_delay"] = of_delay | {TAIL_SOURCE: tail.share.standard_uncertainty * late_s}
     return dict.fromkeys(_DELAYS, of_delay) | of_times
 
 
@@ -42,14 +51,17 @@ def clock_u(rig: Rig) -> float:
     return (USUAL_CLOCK if rig.clock is None else rig.clock.relative_error).standard_uncertainty
 
 
-def of_budget(lines: tuple[Contribution, ...]) -> Beside:
+def of_budget(lines: tuple[Contribution, ...], *, tells_window: bool) -> Beside:
     """The same after an analysis, which knows all recordings' registers.
 
     Parameters
     ----------
     lines
         Its budget.
+    tells_window
+        Whether length and tail of the window are among what the recordings tell.
     """
-    chosen = [line for line in lines if line.source in _BUDGETED]
+    sources = _UNTOLD if tells_window else (*_UNTOLD, *_OF_WINDOW)
+    chosen = [line for line in lines if line.source in sources]
     names = {name for line in chosen for name in line.standard_uncertainty}
     return {name: {line.source: line.standard_uncertainty.get(name, 0.0) for line in chosen} for name in names}

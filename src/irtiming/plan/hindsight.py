@@ -13,9 +13,10 @@ import numpy as np
 from irtiming.errors import PlanError
 from irtiming.inference.information import Information
 from irtiming.physics.camera import camera
+from irtiming.physics.latency import window_tail
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
-from irtiming.plan.beside_angles import clock_u, of_budget
+from irtiming.plan.beside_angles import Beside, clock_u, of_budget
 from irtiming.plan.information import Told
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import RollingRun
@@ -43,12 +44,14 @@ def predict(analysis: Analysis) -> Prediction | None:
         Recordings, fits, and the sizes of the angle errors.
     """
     angles = AngleErrors(
-        common=tuple((source, u) for source, _, u in analysis.geometry.angle_budget), edge_rad=analysis.joint.u_edge_rad
-    )
+        common=tuple((source, u) for source, _, u in analysis.geometry.angle_budget), edge_rad=analysis.joint.u_edge_rad,
+        window_tail=window_tail(analysis.rig.camera),
+    )  # fmt: skip
     recordings, fits, model = analysis.recordings, analysis.fits, analysis.geometry.model
     sums = [fit for fit in fits if isinstance(fit, EdgeDelayFit)]
     if sums:
-        structure = SHARED_SHAPE if recordings[0].integration_time_s is None else KNOWN_WINDOW
+        is_stated, u_window_s = recordings[0].integration_time_s is not None, analysis.rig.camera.integration_time_u_s
+        structure = KNOWN_WINDOW if is_stated and u_window_s is None else SHARED_SHAPE
         found = photon(recordings, sums, model=model, angles=angles, structure=structure, stated=_stated(analysis))
     else:
         found = row_sums(analysis, angles)
@@ -58,13 +61,16 @@ def predict(analysis: Analysis) -> Prediction | None:
 def _stated(analysis: Analysis) -> tuple[Information, ...]:
     """What rig.toml knows of the camera's own numbers."""
     memory = analysis.rig.camera.frame_memory
-    u = None if memory is None else memory.standard_uncertainty
-    return information.stated_memory(camera(analysis.camera_type, analysis.readout_mode), u)
+    u, u_window_s = None if memory is None else memory.standard_uncertainty, analysis.rig.camera.integration_time_u_s
+    known = information.stated_memory(camera(analysis.camera_type, analysis.readout_mode), u)
+    if u_window_s is None or any(one.integration_time_s is None for one in analysis.recordings):
+        return known
+    return (*information.stated_window(u_window_s), *known)
 
 
 def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
     """The same with latencies and clock, as the analysis has them in its budget: no recording tells anything of them."""
-    beside, u_clock = of_budget(analysis.best.budget), clock_u(analysis.rig)
+    beside, u_clock = _beside(analysis), clock_u(analysis.rig)
     return replace(
         found,
         uncertainties=tuple(information.with_parts(one, beside.get(one.name, {})) for one in found.uncertainties),
@@ -73,6 +79,14 @@ def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
             for one in found.relative_delays
         ),
     )
+
+
+def _beside(analysis: Analysis) -> Beside:
+    has_own = (
+        any(isinstance(fit, EdgeDelayFit) for fit in analysis.fits)
+        and analysis.rig.camera.integration_time_u_s is not None
+    )
+    return of_budget(analysis.best.budget, tells_window=has_own)
 
 
 def photon(
@@ -108,7 +122,10 @@ def photon(
         groups.setdefault(key, []).append(told)
     every = replace(information.total([one for members in groups.values() for one in members]), stated=tuple(stated))
     half = {"integration_time": 0.5} if "integration_time" in structure.shared else {}
-    weights = {"trigger_delay": {"trigger_delay": 1.0}, "exposure_midpoint_delay": {"trigger_delay": 1.0, **half}}
+    weights = {
+        "trigger_delay": {"trigger_delay": 1.0},
+        "exposure_midpoint_delay": {"trigger_delay": 1.0, **half, **every.centre},
+    }
     if any(recording.integration_time_s is None for recording in recordings):
         del weights["trigger_delay"]
     if half:

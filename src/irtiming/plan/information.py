@@ -14,11 +14,13 @@ import numpy as np
 from irtiming.errors import EstimationError, PlanError
 from irtiming.inference.information import NOISE, Combined, Information, Weights, combine, prior
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE, Camera
+from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.plan.beside_angles import Beside
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
 
 EDGES = "cutout edges"
+_EXACT_S = 1e-9  # standard uncertainty of a length that is stated as exact
 
 Asked: TypeAlias = Mapping[str, Weights]
 """What is asked for, by name: each a sum of parameters."""
@@ -30,13 +32,15 @@ class Told:
     """What runs say of parameters and errors (``frames``), and what is known of the errors beforehand, by source.
 
     ``beside`` is what errors that no run tells add to parameters: by parameter, then by source, s. ``stated`` is what somebody
-    knows of parameters beforehand.
+    knows of parameters beforehand. ``centre`` is by how much errors make the centre of what the window takes in later than its
+    middle, s by their names.
     """
 
     frames: Information
     known: tuple[Information, ...]
     beside: Beside = field(default_factory=dict)
     stated: tuple[Information, ...] = ()
+    centre: Weights = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -88,6 +92,11 @@ def stated_memory(camera: Camera, u: float | None) -> tuple[Information, ...]:
     if u is None:
         return ()
     return (prior(camera.memory.PARAMETER, max(u, EXACT_SHARE), source=MEMORY_SOURCE),)
+
+
+def stated_window(u_s: float | None) -> tuple[Information, ...]:
+    """What is known of the integration time where its standard uncertainty, s, is stated."""
+    return () if u_s is None else (prior("integration_time", max(u_s, _EXACT_S), source=WINDOW_SOURCE),)
 
 
 def total(parts: Sequence[Told]) -> Told:

@@ -18,19 +18,24 @@ edge_0 .. edge_3     dF by the edge that comes earlier; an angle error is u time
 ===================  =======================================================================================
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from irtiming.inference.information import without_own
+from irtiming.physics.camera import EXACT_SHARE
+from irtiming.physics.latency import TAIL_SOURCE
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
+from irtiming.physics.response.integration_window import TAILS, tail_delay_s
 from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
+from irtiming.records.rig import WindowTail
 from irtiming.records.wheel_geometry import WheelModel
 
 _PERIMETER = 4.07  # of the paper's mask opening, times the root of its area
@@ -134,23 +139,44 @@ def one_run(
     structure
         What is the run's own and what is shared.
     """
-    slopes = derivatives(sampling, noise, model=model)
+    tail = angles.window_tail
+    fades_s = [] if tail is None else [part * tail.time_constant_s for part in TAILS.values()]
+    slopes = derivatives(sampling, noise, model=model, fades_s=fades_s)
     by_edge = np.array([slopes[f"edge_{k}"] for k in range(4)])
     errors = [(source, u * by_edge.sum(axis=0)) for source, u in angles.common]
     errors += [(EDGES, angles.edge_rad * edge) for edge in by_edge]
+    tails = _tails(tail, slopes, window_s=noise.integration_time_s)
+    errors += [(TAIL_SOURCE, column) for _, column in tails]
     sigma = np.hypot(noise.share, noise.jitter_s * slopes["trigger_delay"])
     shared = np.stack([slopes[name] for name in structure.shared] + [column for _, column in errors], axis=1)
     own = np.stack([slopes[name] for name in structure.own], axis=1)
     left = without_own(shared / sigma[:, None], own / sigma[:, None])
-    return told(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
+    run = told(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
+    names = run.frames.names[len(run.frames.names) - len(tails) :]
+    return replace(run, centre=dict(zip(names, (late_s for late_s, _ in tails), strict=True)))
 
 
-def derivatives(sampling: Sampling, noise: FrameNoise, *, model: WheelModel) -> dict[str, Array]:
-    """Derivative of a frame's sum to each parameter at step 1, by name; shapes (n,), per second, per rad or per 1."""
+def _tails(tail: WindowTail | None, slopes: dict[str, Array], *, window_s: float) -> list[tuple[float, Array]]:
+    """By how much one standard uncertainty of each tail makes the window's centre later, and what it does to the sums."""
+    if tail is None:
+        return []
+    u = max(tail.share.standard_uncertainty, EXACT_SHARE) / len(TAILS) ** 0.5
+    late_s = [u * tail_delay_s(window_s, part * tail.time_constant_s) for part in TAILS.values()]
+    return [(one, one * slopes["trigger_delay"] + u * slopes[f"tail_{k}"]) for k, one in enumerate(late_s)]
+
+
+def derivatives(
+    sampling: Sampling, noise: FrameNoise, *, model: WheelModel, fades_s: Sequence[float] = ()
+) -> dict[str, Array]:
+    """Derivative of a frame's sum to each parameter at step 1, by name; shapes (n,), per second, per rad or per 1.
+
+    ``fades_s`` are time constants of what comes after the window.
+    """
     omega, sweep = sampling.angular_frequency_rad_per_s, sampling.angular_frequency_rad_per_s * noise.integration_time_s
     passing = Passing(
         wheel=model, middle_rad=sampling.wheel_angle_rad + sweep / 2, edges_early_rad=np.zeros(4),
         opening_angle_rad=model.opening_angle_rad, swept_rad=sweep, border_rad=noise.border_rad,
+        tails=tuple((0.0, omega * fade_s) for fade_s in fades_s),
     )  # fmt: skip
     made, slopes = shapes(passing), pixel_sum.slopes(passing)
     before = shapes(replace(passing, middle_rad=passing.middle_rad - sampling.step_rad))

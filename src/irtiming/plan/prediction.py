@@ -8,9 +8,7 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import PlanError
-from irtiming.inference.information import prior
 from irtiming.physics import camera as physics_camera
-from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.assumptions import AssumedRig
@@ -58,8 +56,8 @@ class Setting:
         """The same with what rig.toml knows beside angles."""
         camera = physics_camera.camera(self.camera.camera_type, self.camera.readout_mode)
         known = information.stated_memory(camera, self.rig.u_frame_memory)
-        if self.rig.u_window_s and "integration_time" in told.names:
-            known = (prior("integration_time", self.rig.u_window_s, source=WINDOW_SOURCE), *known)
+        if "integration_time" in told.names:
+            known = (*information.stated_window(self.rig.u_window_s), *known)
         return replace(told, beside=self.rig.beside, stated=known)
 
 
@@ -106,7 +104,7 @@ def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Tol
 def _weights(name: str, one: Told) -> dict[str, float]:
     """The parameter as a sum of those that the information is about."""
     if name == "exposure_midpoint_delay":
-        return {"trigger_delay": 1.0, "integration_time": 0.5}
+        return {"trigger_delay": 1.0, "integration_time": 0.5, **one.centre}
     if name not in one.names:
         raise PlanError(f"{name} counts as known, so it has no uncertainty to plan for; leave it out")
     return {name: 1.0}

@@ -3,17 +3,21 @@
 from dataclasses import dataclass
 from typing import final
 
+from irtiming.records.rig import WindowTail
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class AngleErrors:
-    """Standard uncertainties of the rig's angles, rad.
+    """Standard uncertainties of the rig's angles, rad, and of what comes after the window.
 
-    ``common`` names what shifts all wheel edges alike, each with its size; ``edge_rad`` is that of one cutout edge by itself.
+    ``common`` names what shifts all wheel edges alike, each with its size; ``edge_rad`` is that of one cutout edge by itself;
+    ``window_tail`` is None where the window counts as known.
     """
 
     common: tuple[tuple[str, float], ...]
     edge_rad: float
+    window_tail: WindowTail | None = None
 
 
 @final

@@ -7,13 +7,14 @@ import pytest
 
 from irtiming.estimate import joint, measurands, shared_numbers
 from irtiming.estimate.measurands import Window
-from irtiming.inference.information import NOISE
+from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
+from irtiming.records.rig import Measured, WindowTail
 
 TURN = 2 * np.pi
 
 
-def _joint(names, values, covariance, *, n=2):
+def _joint(names, values, covariance, *, n=2, stated=None, tail=None):
     """Recordings that tell four edges and more, all numbers shared; no errors of a rig."""
     estimate = Estimate(
         names=(*EDGE_DELAYS, *names), units=("s",) * (4 + len(names)), values=values, covariance=covariance
@@ -21,19 +22,23 @@ def _joint(names, values, covariance, *, n=2):
     fits = [SimpleNamespace(estimate=estimate, angular_frequency_rad_per_s=TURN * 3)] * n
     shared = [shared_numbers.delay(fits, start=values[0])]
     shared += [shared_numbers.same(name, fits, start=value) for name, value in zip(names, values[4:], strict=True)]
+    if stated is not None:
+        shared = shared_numbers.with_stated_window(shared, stated_s=stated[0], u_s=stated[1])
+    if tail is not None:
+        shared += shared_numbers.window_tails(fits, tail, integration_time_s=stated[0])
     return joint.fit([joint.parabola(estimate)] * n, shared)
 
 
-def _window(length_s=240e-6, *, u_s=10e-6, coupling=0.0):
+def _window(length_s=240e-6, *, u_s=10e-6, coupling=0.0, **more):
     """Middle at 600 us; edges to 4 us each, so that two recordings know their mean to sqrt(2) us."""
     covariance = np.diag([16e-12] * 4 + [2 * u_s**2])
     covariance[:4, 4] = covariance[4, :4] = coupling * 4e-6 * np.sqrt(2) * u_s
-    return _joint(("integration_time",), np.array([600e-6] * 4 + [length_s]), covariance)
+    return _joint(("integration_time",), np.array([600e-6] * 4 + [length_s]), covariance, **more)
 
 
-def _of_window(found, *, u_beside_s=0.0, is_told=True, **stated):
+def _of_window(found, *, is_told=True, **stated):
     given = {"stated_s": None} | stated
-    window = Window(u_beside_s=u_beside_s, is_told=is_told, **given)
+    window = Window(is_told=is_told, **given)
     return measurands.of_window(found, window, degrees_of_freedom=50.0)
 
 
@@ -51,10 +56,10 @@ def test_a_stated_window_moves_the_middle_to_the_start():
 
 @pytest.mark.parametrize("coupling", [0.0, 0.3, -0.3])
 def test_a_window_that_sums_tell_stands_in(coupling):
-    """Oracle: by hand; middle less half the length: variance a + b / 4 - c, with what rounds the corners besides in b."""
-    found = _of_window(_window(coupling=coupling), u_beside_s=8e-6).estimate
+    """Oracle: by hand; middle less half the length: variance a + b / 4 - c."""
+    found = _of_window(_window(coupling=coupling)).estimate
     assert found.value("trigger_delay") == pytest.approx(480e-6)
-    assert found.u("integration_time") == pytest.approx(np.hypot(10e-6, 8e-6))
+    assert found.u("integration_time") == pytest.approx(10e-6)
     u_middle, u_length = found.u("exposure_midpoint_delay"), found.u("integration_time")
     k, m = found.names.index("exposure_midpoint_delay"), found.names.index("integration_time")
     expected = np.sqrt(u_middle**2 + u_length**2 / 4 - found.covariance[k, m])
@@ -62,25 +67,16 @@ def test_a_window_that_sums_tell_stands_in(coupling):
     assert np.sign(found.covariance[k, m]) == np.sign(coupling)
 
 
-def test_the_budget_holds_what_rounds_the_corners_once():
-    """Oracle: by hand; half of 8 us in the start, all of it in the length, none in the middle; squares add up to u."""
-    reported = _of_window(_window(), u_beside_s=8e-6)
-    by_source = {part.source: part for part in reported.budget}
-    corners = by_source["length of the window (corners)"].standard_uncertainty
-    assert corners["trigger_delay"] == pytest.approx(4e-6)
-    assert corners["integration_time"] == pytest.approx(8e-6)
-    assert corners["exposure_midpoint_delay"] == 0
+def _squares_add_up(reported):
     for name in reported.estimate.names:
         total = sum(part.standard_uncertainty[name] ** 2 for part in reported.budget)
         assert np.sqrt(total) == pytest.approx(reported.estimate.u(name), rel=1e-6), name
-    assert by_source[NOISE].degrees_of_freedom == 50
-    assert by_source["length of the window (corners)"].degrees_of_freedom == np.inf
 
 
 def test_a_length_of_the_other_sign_is_the_same_window():
     """Oracle: the model is even in the length; its coupling to the middle turns with it, variances stay."""
-    plus = _of_window(_window(240e-6, coupling=0.3), u_beside_s=8e-6).estimate
-    minus = _of_window(_window(-240e-6, coupling=-0.3), u_beside_s=8e-6).estimate
+    plus = _of_window(_window(240e-6, coupling=0.3)).estimate
+    minus = _of_window(_window(-240e-6, coupling=-0.3)).estimate
     assert minus.values == pytest.approx(plus.values)
     np.testing.assert_allclose(minus.covariance, plus.covariance, rtol=1e-6, atol=1e-20)
 
@@ -106,28 +102,51 @@ def test_a_stated_length_four_u_beside_is_contradicted(stated_s, n):
 
 def test_a_stated_length_and_the_corners_share_by_their_uncertainties():
     """Oracle: weighted mean by hand; 240 us with u = 10 us and 260 us with 20 us: 244 us with 8.94 us, half in the start."""
-    one = _of_window(_window(), stated_s=260e-6, u_stated_s=20e-6)
-    bare = _of_window(_window()).estimate
+    one = _of_window(_window(stated=(260e-6, 20e-6)), stated_s=260e-6, u_stated_s=20e-6)
     found, middle = one.estimate, one.estimate.value("exposure_midpoint_delay")
     assert found.value("integration_time") == pytest.approx(244e-6)
-    assert found.u("integration_time") == pytest.approx(np.sqrt(1 / (1 / 10**2 + 1 / 20**2)) * 1e-6, rel=1e-3)
+    u_length = np.sqrt(1 / (1 / 10**2 + 1 / 20**2)) * 1e-6
+    assert found.u("integration_time") == pytest.approx(u_length, rel=1e-3)
     assert found.value("trigger_delay") == pytest.approx(middle - 122e-6)
-    k = [bare.names.index(name) for name in ("exposure_midpoint_delay", "integration_time")]
-    (u_middle_2, both), (_, u_length_2) = bare.covariance[np.ix_(k, k)].tolist()
-    expected = u_middle_2 - 0.8 * both + 0.16 * u_length_2 + (0.1 * 20e-6) ** 2
-    assert found.u("trigger_delay") == pytest.approx(np.sqrt(expected))
-    for name in found.names:
-        parts = [part.standard_uncertainty[name] for part in one.budget]
-        assert np.sqrt(np.sum(np.square(parts))) == pytest.approx(found.u(name), rel=1e-6), name
+    assert found.u("trigger_delay") == pytest.approx(np.hypot(np.sqrt(2) * 1e-6, u_length / 2), rel=1e-3)
+    _squares_add_up(one)
+    (line,) = [part for part in one.budget if part.source == WINDOW_SOURCE]
+    assert line.standard_uncertainty["integration_time"] == pytest.approx(20e-6 * (10**2 / (10**2 + 20**2)), rel=1e-3)
+    assert (line.kind, line.measured) == ("B", (20e-6, "s"))
     assert (one.findings, one.not_held, one.midpoint_leads) == ((), (), False)
 
 
-def test_a_stated_length_at_one_speed_is_half_in_the_start():
+def test_a_stated_length_that_frames_contradict_is_said():
+    """Oracle: by hand; 240 us with u = 10 us and 340 us with 20 us are 4.5 standard uncertainties apart, 320 us 3.6."""
+    for stated_s, codes in ((340e-6, ["integration-time-contradicted"]), (320e-6, [])):
+        found = _of_window(_window(stated=(stated_s, 20e-6)), stated_s=stated_s, u_stated_s=20e-6)
+        assert [one.code for one in found.findings] == codes
+
+
+def test_a_stated_length_that_no_frame_tells_is_half_in_the_start():
     """Oracle: by hand; u = 15 us of the count_time is 7.5 us of the start, nothing of the middle."""
-    exact, known = (_of_window(_window(), stated_s=250e-6, u_stated_s=u, is_told=False).estimate for u in (0.0, 15e-6))
-    assert known.value("trigger_delay") == exact.value("trigger_delay")
-    assert known.u("trigger_delay") == pytest.approx(np.hypot(exact.u("trigger_delay"), 7.5e-6))
-    assert known.u("exposure_midpoint_delay") == exact.u("exposure_midpoint_delay")
+    bare = _joint((), np.array([600e-6] * 4), np.diag([16e-12] * 4))
+    exact, known = (_of_window(bare, stated_s=250e-6, u_stated_s=u, is_told=False) for u in (0.0, 15e-6))
+    assert known.estimate.value("trigger_delay") == exact.estimate.value("trigger_delay") == pytest.approx(475e-6)
+    assert known.estimate.u("trigger_delay") == pytest.approx(np.hypot(exact.estimate.u("trigger_delay"), 7.5e-6))
+    assert known.estimate.u("exposure_midpoint_delay") == exact.estimate.u("exposure_midpoint_delay")
+    _squares_add_up(known)
+
+
+def test_a_tail_makes_the_start_earlier_and_less_certain():
+    """Oracle: by hand; 3 % with u = 2 % over 0.1 ms, of 0.4 ms: parts 1/3 and 5/3 of 0.1 ms beyond the half window."""
+    tail, stated = WindowTail(share=Measured(0.03, 0.02), time_constant_s=0.1e-3), (400e-6, 1e-9)
+    late_s = {"window_tail_fast": 200e-6 + 0.1e-3 / 3, "window_tail_slow": 200e-6 + 0.5e-3 / 3}
+    found = _of_window(_window(400e-6, stated=stated, tail=tail), stated_s=400e-6, u_stated_s=1e-9, tails_s=late_s)
+    estimate = found.estimate
+    assert estimate.value("exposure_midpoint_delay") == pytest.approx(600e-6)
+    assert estimate.value("trigger_delay") == pytest.approx(600e-6 - 200e-6 - 0.03 * 300e-6, abs=1e-10)
+    u_tail = 0.02 / np.sqrt(2) * np.hypot(*late_s.values())
+    assert estimate.u("trigger_delay") == pytest.approx(np.hypot(np.sqrt(2) * 1e-6, u_tail), rel=1e-3)
+    assert estimate.u("exposure_midpoint_delay") == pytest.approx(np.sqrt(2) * 1e-6)
+    (line,) = [part for part in found.budget if part.source == TAIL_SOURCE]
+    assert line.standard_uncertainty["trigger_delay"] == pytest.approx(u_tail, rel=1e-3)
+    _squares_add_up(found)
 
 
 @pytest.mark.parametrize(("is_told", "leads"), [(False, True), (True, False)])

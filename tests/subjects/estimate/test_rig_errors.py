@@ -11,7 +11,7 @@ from irtiming.physics import latency
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
-from irtiming.records.rig import CameraOptics, Clock, Latency, LightGates, MaskOpening, Measured, Rig
+from irtiming.records.rig import CameraOptics, Clock, Latency, LightGates, MaskOpening, Measured, Rig, WindowTail
 from irtiming.records.wheel_geometry import WheelGeometry
 
 TURN = 2 * np.pi
@@ -55,7 +55,7 @@ def _recordings(rates_hz, *, register_hz=None, late_s=0.0):
                 angular_frequency_rad_per_s=TURN * hz, register_rad_per_s=register, slot_deviation_rad=np.zeros(100),
                 gate_separation_rad=SEPARATION + TURN * hz * late_s,
             ),
-            integration_time_s=None,
+            integration_time_s=None, camera_type="photon",
         )
         for hz in rates_hz
     ]  # fmt: skip
@@ -218,3 +218,29 @@ def test_the_uncertainty_of_the_integration_time_goes_with_the_rig():
     """Oracle: the record."""
     rig = replace(RIG, camera=CameraOptics(integration_time_u_s=1e-6))
     assert rig_errors.of(_recordings((3.0,)), _fits([TRUE_S], (3.0,)), rig=rig, geometry=_geometry()).u_window_s == 1e-6
+
+
+def _of_window(camera, *, window_s=0.4e-3):
+    recordings = _recordings((3.0,))
+    for one in recordings:
+        one.integration_time_s = window_s
+    rig = replace(RIG, camera=camera)
+    return rig_errors.of(recordings, _fits([TRUE_S], (3.0,)), rig=rig, geometry=_geometry())
+
+
+def test_who_vouches_for_the_length_of_a_window_gets_a_usual_tail():
+    """Oracle: the rule: +-4 %, rectangular, over 0.2 ms, and it is said; on trust or without a window there is none."""
+    usual = _of_window(CameraOptics(integration_time_u_s=1e-6))
+    assert usual.window_tail.share.standard_uncertainty == pytest.approx(0.04 / np.sqrt(3))
+    assert usual.window_tail.time_constant_s == 0.2e-3
+    assert [one.code for one in usual.findings] == ["window-tail-not-stated"]
+    assert _of_window(CameraOptics()).window_tail is None
+    assert _of_window(CameraOptics(integration_time_u_s=1e-6), window_s=None).window_tail is None
+
+
+def test_a_tail_that_is_stated_stands():
+    """Oracle: the record."""
+    tail = WindowTail(share=Measured(0.02, 0.004), time_constant_s=0.1e-3)
+    found = _of_window(CameraOptics(integration_time_u_s=1e-6, window_tail=tail))
+    assert found.window_tail == tail
+    assert found.findings == ()

@@ -12,6 +12,7 @@ from irtiming.physics.wheel import (
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
+    fading_fraction,
     skewed_fraction,
     slope_centres_rad,
     wheel_model,
@@ -52,6 +53,16 @@ def test_fraction_of_a_window_is_the_mean_of_many_instants(model, sweep):
     mean = exposed_fraction(angles[:, None] + instants, model).mean(axis=1)
     assert np.ptp(mean) > 0.3
     np.testing.assert_allclose(exposed_fraction(angles, model, sweep_rad=sweep), mean, atol=2e-7 * max(1, sweep))
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("fades", [1e-3, 0.02, 0.4])
+def test_fraction_that_fades_is_the_weighted_mean_of_many_instants(model, fades):
+    """Oracle: midpoint rule over equal shares of the weight exp(-x / b) / b."""
+    angles = np.random.default_rng(2).uniform(-TURN, TURN, 100)
+    instants = -fades * np.log((np.arange(20_000) + 0.5) / 20_000)
+    mean = exposed_fraction(angles[:, None] + instants, model).mean(axis=1)
+    np.testing.assert_allclose(fading_fraction(angles, model, fades_rad=fades), mean, atol=1e-4 * fades)
 
 
 @pytest.mark.parametrize("sweep", [0.0, 4.71e-3])

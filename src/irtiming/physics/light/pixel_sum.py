@@ -12,6 +12,10 @@ mask plate too. Blur moves light but keeps its sum, so it has no place here.
 Glare reaches farther than the pixels that are summed: from the opening's ends it takes more light out of the sum than from its
 middle. With R what the open part loses, were all light astray, and r what the whole opening does, F is less by g (R - r F).
 
+What comes after the window, a share s that fades with the time constant tau, sees the wheel further on. With the centre of all
+that counts kept, F grows by s D, D = E - F - (T/2 + tau) omega dF/dtheta, where E is the exposed fraction averaged from the
+window's end on with the fading weight.
+
 The window rounds the corners of F over the angle that the wheel sweeps. A radial edge of the mask that misses the axle rounds its
 corners too, over an angle that does not depend on the wheel's speed: at the radius r it stands ``lean`` (r_0 / r - mean) beside
 its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
@@ -29,7 +33,9 @@ from irtiming.physics.wheel import (
     TURN,
     PointAverage,
     at_point,
+    edge_in_opening,
     exposed_fraction,
+    fading_fraction,
     skewed_fraction,
 )
 from irtiming.records.arrays import Array
@@ -87,6 +93,8 @@ class Passing:
         That is summed; None takes ``border_rad`` for its border.
     glare, lost
         Share of the light that goes astray, and where the opening loses it to pixels that are not summed; None: nowhere.
+    tails
+        Shares that come after the window's end, and the angles by which the wheel turns in their time constants.
     corner_variance_rad2
         By how much more than the window something rounds the corners by an angle, as the variance of that angle.
     """
@@ -103,6 +111,7 @@ class Passing:
     region: SummedRegion | None = None
     glare: float = 0.0
     lost: SummedRegion | None = None
+    tails: tuple[tuple[float, float], ...] = ()
     corner_variance_rad2: float = 0.0
 
     @property
@@ -155,6 +164,8 @@ def shapes(passing: Passing) -> Shapes:
     fraction = _fraction(rings, wheel)
     fraction = fraction - passing.glare * _lost(passing, wheel, fraction)
     even = _even(passing)
+    for (share, _), late in zip(passing.tails, _tails(even, wheel), strict=True):
+        fraction = fraction + share * late
     inner, outer = (_blades(_rings(even, one), one) for one in (wheel, _wide(passing, wheel)))
     return Shapes(
         fraction=fraction,
@@ -197,7 +208,7 @@ def slopes(
     -------
     By ``edge_0`` .. ``edge_3`` (per rad by which the edge comes earlier; their sum is the derivative to the wheel angle),
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
-    ``glare`` (per unit), ``corner_variance`` (per rad^2).
+    ``glare`` (per unit), ``corner_variance`` (per rad^2), ``tail_0``, .. (per unit of each share).
     """
     wheel = passing.actual
     rings = _rings(passing, wheel)
@@ -210,7 +221,23 @@ def slopes(
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    return dict(zip(names, out, strict=True)) | {"corner_variance": corners, "glare": -astray}
+    tails = {f"tail_{k}": late for k, late in enumerate(_tails(even, wheel))}
+    return dict(zip(names, out, strict=True)) | {"corner_variance": corners, "glare": -astray} | tails
+
+
+def _tails(even: Passing, wheel: WheelModel) -> list[Array]:
+    """D of each tail, shape (n,)."""
+    if not even.tails:
+        return []
+    window = abs(even.swept_rad)
+    first, last = even.middle_rad - window / 2, even.middle_rad + window / 2
+    fraction = exposed_fraction(first, wheel, sweep_rad=window)
+    crossing = edge_in_opening(first, wheel, sweep_rad=window)
+    turning = np.tensordot(EDGE_SIGNS, crossing, 1) / wheel.opening_angle_rad
+    return [
+        fading_fraction(last, wheel, fades_rad=fades) - fraction - (window / 2 + fades) * turning
+        for _, fades in even.tails
+    ]
 
 
 def _even(passing: Passing) -> Passing:

@@ -8,6 +8,16 @@ Of the mean over the window, counted from its middle :math:`t + t_{delay} + T/2`
 
 So a delay beside this response is that of the middle; :math:`t_{delay}`, of the start, is half a window earlier. A window that
 is short against the slopes shows by :math:`x^2 / 6` alone: frames then say little of its length.
+
+A detector that is slow to forget takes some in after the end: a share s, fading with the time constant :math:`\tau`. What counts
+then has its centre later than the middle, and is wider,
+
+.. math:: \Delta = s (T/2 + \tau), \qquad \Delta\sigma^2 = s \left((T/2 + \tau)^2 + \tau^2 - T^2/12\right)
+
+Delays are counted to the centre. Corners of a pixel sum show the width, by what it adds to the variance :math:`T^2/12` of an even
+window; of what is beyond (the third moment) the sums of a usual camera tell nothing. By how much the centre is later for so much
+width depends on the time constant, which nobody knows well: so half of the share is a fast tail and half a slow one, each with an
+uncertainty of its own.
 """
 
 import numpy as np
@@ -18,6 +28,9 @@ PARAMETER = "integration_time"
 
 HARMONICS = 256
 """Highest order that rolling rows need: no lag dampens them, only blur; with 128 corners stay visible in the residuals."""
+
+TAILS = {"window_tail_fast": 1 / 3, "window_tail_slow": 5 / 3}
+"""Shares that come after the window's end, by name, and their time constants over that of the whole tail."""
 
 _SMALL = 1e-3  # of x, below which the series is exact to rounding
 
@@ -35,3 +48,14 @@ def transfer_slope(angular_frequency_rad_per_s: float, integration_time_s: float
     large = np.where(np.abs(x) < _SMALL, 1.0, x)
     slope = np.where(np.abs(x) < _SMALL, -x / 3, (np.cos(large) - np.sinc(large / np.pi)) / large)
     return (half * slope).astype(complex)
+
+
+def tail_delay_s(integration_time_s: float, time_constant_s: float) -> float:
+    """By how much the centre is later than the middle of the window, per share that comes after its end: Delta / s."""
+    return integration_time_s / 2 + time_constant_s
+
+
+def tail_variance_s2(integration_time_s: float, time_constant_s: float) -> float:
+    """By how much the variance of what counts grows per share that comes after the window's end, s^2."""
+    late_s = tail_delay_s(integration_time_s, time_constant_s)
+    return late_s**2 + time_constant_s**2 - integration_time_s**2 / 12

@@ -34,6 +34,8 @@ _MEANINGS = {
     "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
     "pixel_memory": "share of the frame before that a pixel keeps",
     "glare": "share of the opening’s light that goes astray in camera and lens",
+    "window_tail_fast": "share of all that the camera takes in which comes soon after its window",
+    "window_tail_slow": "share of all that the camera takes in which comes long after its window",
     "opening_angle": "opening angle of the mask",
     "lean_low": "mask edge at the lower wheel angle: angle by which it misses the axle, at the mean radius",
     "lean_high": "mask edge at the higher wheel angle: angle by which it misses the axle, at the mean radius",

@@ -104,6 +104,39 @@ def test_glare_takes_the_light_of_the_ends_out_of_the_sum():
     assert np.max(np.abs(found - pixel_sum.shapes(passing).fraction)) > 5e-4
 
 
+TAILS = ((0.004, 2e-3), (0.006, 0.015))
+
+
+def test_what_comes_after_the_window_is_seen_later_with_the_centre_kept():
+    """Oracle: instants of equal weight, 99 % of them in the window, the rest fading from its end."""
+    swept, n = 0.02, 200_000
+    tails = [-fades * np.log((np.arange(round(share * n)) + 0.5) / round(share * n)) for share, fades in TAILS]
+    inside = swept * (
+        (np.arange(n - sum(one.size for one in tails)) + 0.5) / (n - sum(one.size for one in tails)) - 0.5
+    )
+    instants = np.concatenate([inside, *(swept / 2 + one for one in tails)])
+    plain = _passing(swept_rad=0.0, middle_rad=ANGLES[:60], lean_low_rad=0.0, lean_high_rad=0.0)
+    some = np.sort(instants)[10::20]
+    angles = plain.middle_rad[:, None] + some - some.mean()
+    expected = pixel_sum.shapes(replace(plain, middle_rad=angles.ravel())).fraction.reshape(angles.shape).mean(axis=1)
+    found, without = (pixel_sum.shapes(replace(plain, swept_rad=swept, tails=tails)).fraction for tails in (TAILS, ()))
+    assert np.max(np.abs(expected - without)) > 3e-5
+    np.testing.assert_allclose(found, expected, atol=2e-6)
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_a_tail_is_proportional_to_its_share(k):
+    """Oracle: central difference, exact for what is linear."""
+    passing = _passing(tails=TAILS, swept_rad=0.02)
+
+    def moved(step):
+        return replace(passing, tails=tuple((s + step * (j == k), b) for j, (s, b) in enumerate(TAILS)))
+
+    numeric = (pixel_sum.shapes(moved(0.01)).fraction - pixel_sum.shapes(moved(-0.01)).fraction) / 0.02
+    assert np.max(np.abs(numeric)) > 1e-4
+    np.testing.assert_allclose(pixel_sum.slopes(passing)[f"tail_{k}"], numeric, atol=1e-9)
+
+
 def _sum(passing, skew, plate, blades=0.0):
     return _sum_of(pixel_sum.shapes(passing), skew, plate, blades)
 
