@@ -19,8 +19,9 @@ from irtiming.estimate import (
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.inference.optimiser import Linearised
+from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing, timing_names
+from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, Timing, timing_names
 from irtiming.records.arrays import ComplexArray
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
@@ -28,6 +29,7 @@ from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
+_IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.1  # standard uncertainties between two rounds
 _FIRST_RESPONSE_S = 1e-4  # the first contrast image is fitted as if pixels answered at once
 
@@ -134,7 +136,12 @@ def _in_turns(
             _View(
                 members=members,
                 sector=sector,
-                light=row_light.row_light(recordings[members[0]].row_sums.row_px, sector, n_harmonics=kind.n_harmonics),
+                light=row_light.row_light(
+                    recordings[members[0]].row_sums.row_px,
+                    sector,
+                    n_harmonics=kind.n_harmonics,
+                    blade=_blade([fits[k] for k in members], model) if fits else 0.0,
+                ),
                 timing=timing,
             )
             for members, sector, timing in zip(groups, sectors, timings, strict=True)
@@ -149,6 +156,12 @@ def _in_turns(
         f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * timings[0][kind.response.PARAMETER]:.3f} ms); "
         "the recordings must show the whole opening and nothing else that turns with the wheel"
     )
+
+
+def _blade(fits: Sequence[RowTimingFit], model: WheelModel) -> float:
+    """By how much a warmer second blade lessens the contrast in an image, which is of the second order of the wheel's angle."""
+    steps = wheel_harmonics.open_harmonics(model, _IMAGE_ORDER)[:, _IMAGE_ORDER]
+    return float((steps[2:].sum() / steps.sum()).real * np.mean([fit.timing[BLADE] for fit in fits]))
 
 
 def _rows_fitted(

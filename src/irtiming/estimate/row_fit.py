@@ -25,11 +25,12 @@ from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import LEAST_WHITENESS
-from irtiming.records.row_timing import RowTimingFit
+from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
 _SEEN = 3.0  # standard uncertainties of a recursive filter from which frames are rid of it before they are fitted
+_RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
@@ -38,12 +39,12 @@ _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say 
 class _Task:
     """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model.
 
-    ``kept`` (n_kept,) are the frames of the recording that take part, ``gain`` (n,) how that of all its frames changed.
+    ``kept`` (n_kept,) are the frames of the recording that take part, ``sway`` how the levels of all its frames changed.
     ``stated`` is what the recording says of the model's numbers, ``signs`` which way the contrast goes.
     """
 
     kept: Mask
-    gain: Array | None
+    sway: Sway | None
     angle: Array
     sums: Array
     stretches: list[Mask]
@@ -108,18 +109,18 @@ def with_shape_effect(
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
-    task = _task(rows, wheel, light, before=_to_take_out(start, rows))
+    task = _task(rows, wheel, light, before=_to_take_out(start, rows, light=light))
     found, held = _solved(task, start)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
     whole = row_sum.harmonics(task.model, found.timing)
     model = (packed(whole) @ waves).T
     residual, fraction = _residuals(task, found, model)
-    scores = _scores(task, found, residual=residual, waves=waves)
-    covariance, widening = robust_covariance(scores[np.argsort(np.mod(task.angle, TURN))], found.normal)
-    mass, noise = light.harmonics[:, 0].real, np.std(fraction - model, axis=0)
+    mass, noise = np.asarray(light.harmonics[:, 0].real, dtype=float), np.std(fraction - model, axis=0)
+    told = _scores(task, found, residual=residual, waves=waves, swaying=_swaying(task, model))
+    covariance, widening = robust_covariance(told.timing[np.argsort(np.mod(task.angle, TURN))], told.normal)
     if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
-        covariance = widened_in_time(covariance, scores, normal=found.normal)
+        covariance = widened_in_time(covariance, told.timing, normal=told.normal)
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
@@ -133,7 +134,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         held=held,
         step_rad=task.model.step_rad,
         undone=task.model.undone,
-        relative_gain=task.gain,
+        sway=None if task.sway is None else task.sway.moved(told.sway_step),
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
@@ -175,7 +176,7 @@ def likelihood(
 ) -> Callable[[Timing], Linearised]:
     """How well any numbers fit one recording, as few residuals with derivatives in the order of the model's names.
 
-    Parameters as for `fit`; ``before`` is the fit that tells which recursion and which change of gain the frames are rid of.
+    Parameters as for `fit`; ``before`` is the fit that tells which recursion and which sway the frames are rid of.
     """
     task = _task(rows, wheel, light, before=before)
     return lambda timing: row_timing.likelihood(task.data, task.model, timing=timing)
@@ -190,14 +191,15 @@ def _to_undo(start: RowTimingFit | None) -> float:
     return share if share > _SEEN * u else 0.0
 
 
-def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording) -> RowTimingFit | None:
-    """The earlier fit with the filter that it found; and with the change of gain, once it has undone what filter there is."""
+def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: RowLight) -> RowTimingFit | None:
+    """The earlier fit with the filter that it found; and with how levels sway, once it has undone what filter there is."""
     if start is None:
         return None
-    undone, gain = _to_undo(start), start.relative_gain
+    undone, sway = _to_undo(start), start.sway
     if (undone > 0) == (start.undone > 0):
-        gain = row_sway.relative_gain(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment)
-    return replace(start, undone=undone, relative_gain=gain)
+        pixels = light.pixels / light.harmonics[:, 0].real
+        sway = row_sway.chosen(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment, pixels=pixels)
+    return replace(start, undone=undone, sway=sway)
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before: RowTimingFit | None) -> _Task:
@@ -214,20 +216,21 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         camera=camera(rows.camera_type, rows.readout_mode),
         open_harmonics=wheel_harmonics.open_harmonics(wheel, light.harmonics.shape[1] - 1),
         row_harmonics=light.harmonics,
+        blade_harmonics=light.before,
         row_px=light.row_px.astype(float),
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
         step_rad=frame_steps.step_rad(rows),
         undone=undone,
     )
-    gain = None if before is None else before.relative_gain
-    if before is not None and gain is not None and np.ptp(gain) > 0:
+    sway = None if before is None else before.sway
+    if before is not None and sway is not None:
         waves = harmonic_data.basis(angle, n_harmonics=model.n_harmonics)
         expected = (packed(row_sum.harmonics(model, before.timing)) @ waves).T
-        sums = row_sway.steadied(sums, expected, gain=gain[kept], stretches=stretches)
+        sums = row_sway.steadied(sums, expected, sway=sway.of(kept), pixels=light.pixels, stretches=stretches)
     window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
         kept=kept,
-        gain=gain,
+        sway=sway,
         angle=angle,
         sums=sums,
         stretches=stretches,
@@ -255,21 +258,60 @@ def _linearised(task: _Task, found: Solution) -> tuple[ComplexArray, ComplexArra
     return whole, slopes[[task.model.names.index(name) for name in found.minimum.free]]
 
 
-def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array) -> Array:
-    """Gradient of the log-likelihood that each frame contributes, shape (n, k); gain and offset of the rows projected out."""
+def _swaying(task: _Task, model: Array) -> Array:
+    """What the amounts of a sway do to the rows over their gain, shape (k, n, n_row)."""
+    if task.sway is None:
+        return np.zeros((0, *model.shape))
+    pixels = np.asarray(task.model.before_blades[:, 0].real, dtype=float)
+    return row_sway.columns(task.sway.of(task.kept), model, pixels=pixels, stretches=task.stretches)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Scores:
+    """Scores of the frames: ``timing`` (n, k) is the gradient of the log-likelihood that each contributes.
+
+    ``normal`` (k, k) are its normal equations; what the amounts of a sway can take over is left out of both. ``sway_step`` (j,)
+    takes those to their best.
+    """
+
+    timing: Array
+    normal: Array
+    sway_step: Array
+
+
+def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, swaying: Array) -> _Scores:
+    """Gain and offset of the rows are projected out; ``swaying`` (j, n, n_row) is what a sway's amounts do."""
     shape, slopes = (packed(one) for one in _linearised(task, found))
-    scores = np.zeros((residual.shape[0], len(slopes)))
+    scores, beside = np.zeros((residual.shape[0], len(slopes))), np.zeros((residual.shape[0], len(swaying)))
+    mixed, own = np.zeros((len(slopes), len(swaying))), np.zeros((len(swaying), len(swaying)))
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
-        weighted = np.ascontiguousarray((residual[part] * (gain / found.variance)).T, dtype=np.float32)
+        weight = gain / found.variance
+        weighted = np.ascontiguousarray((residual[part] * weight).T, dtype=np.float32)
         own_waves = waves[:, part].astype(np.float32)  # seven digits are plenty for a covariance
         through = shape @ data.gram
         norm = np.einsum("yp,yp->y", through, shape)
         mean = waves[:, part].mean(axis=1)
+        sways = (swaying[:, part] * (weight * gain)).transpose(0, 2, 1)
+        beside[part] = np.einsum("jny,ny->nj", swaying[:, part], residual[part] * weight)
+        own += np.einsum("jyn,lny->jl", sways, swaying[:, part])
         for k, slope in enumerate(slopes):
             free = slope - (np.einsum("yp,yp->y", through, slope) / norm)[:, None] * shape
             free[:, 0] -= free @ mean
-            scores[part, k] = np.einsum("yn,yn->n", free.astype(np.float32) @ own_waves, weighted)
-    return scores
+            seen = free.astype(np.float32) @ own_waves
+            scores[part, k] = np.einsum("yn,yn->n", seen, weighted)
+            mixed[k] += np.einsum("jyn,yn->j", sways, seen)
+    return _without_sway(scores, beside, normal=found.normal, mixed=mixed, own=own)
+
+
+def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array) -> _Scores:
+    """Timing and sway together by least squares, seen from either; ``mixed`` (k, j) and ``own`` (j, j) are normal equations."""
+    scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))
+    taken = mixed / scale @ np.linalg.pinv(own / np.outer(scale, scale), rcond=_RANK, hermitian=True) / scale
+    of_timing = np.linalg.solve(normal, mixed)
+    left, pull = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
+    step = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) @ (pull / scale) / scale
+    return _Scores(timing=scores - beside @ taken.T, normal=normal - taken @ mixed.T, sway_step=step)
 
 
 def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:

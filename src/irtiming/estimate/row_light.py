@@ -1,14 +1,14 @@
 """How the opening's light lies over polar angle, row by row: the sector of the contrast image, and what it leaves over."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import final
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
-from irtiming.records.arrays import ComplexArray, Mask, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
@@ -32,12 +32,19 @@ class RowLight:
     """Fourier coefficients over polar angle of the light of each row, px^2.
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
-    ``harmonics`` (n_row, M + 1).
+    ``harmonics`` (n_row, M + 1) is the light behind the wheel, ``before`` (n_row, M + 1) that of all summed pixels over which the
+    cutouts sweep, where the blades are seen; None takes the former for it.
     """
 
     row_px: Ticks
     is_lit: Mask
     harmonics: ComplexArray
+    before: ComplexArray | None = None
+
+    @property
+    def pixels(self) -> Array:
+        """How many pixels each row has in which the wheel turns, px^2, shape (n_row,)."""
+        return np.asarray((self.harmonics if self.before is None else self.before)[:, 0].real, dtype=float)
 
 
 @final
@@ -61,7 +68,7 @@ class Product:
     second: str
 
 
-def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight:
+def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int, blade: float = 0.0) -> RowLight:
     """Light of the rows.
 
     Parameters
@@ -72,12 +79,16 @@ def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight
         Fitted to the contrast image; its excess counts as points of light at their own angles.
     n_harmonics
         Highest order M that the camera's response needs.
+    blade
+        By how much a warmer blade lessens the contrast wherever the cutouts sweep, as a share of the opening's: in an image,
+        which knows one order of the wheel's angle, it looks like a mask plate.
 
     Raises
     ------
     EstimationError
         If too few rows hold the light of three pixels.
     """
+    sector = _told_from_blade(sector, blade)
     harmonics = _harmonics(sector, row_px, n_harmonics=n_harmonics)
     lit = harmonics[:, 0].real > _LEAST_LIGHT_PX2
     if lit.sum() < _FEWEST_ROWS:
@@ -85,7 +96,19 @@ def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int) -> RowLight
             f"only {lit.sum()} image rows hold the light of {_LEAST_LIGHT_PX2:.0f} pixels or more, at least {_FEWEST_ROWS} must "
             "for a row delay; bring the camera nearer to the mask"
         )
-    return RowLight(row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit])
+    return RowLight(
+        row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit],
+        before=_of_pixels(
+            sector, row_px[lit], lights=[(sector.swept, sector.ring_angle_rad)], n_harmonics=n_harmonics
+        ),
+    )  # fmt: skip
+
+
+def _told_from_blade(sector: SectorFit, blade: float) -> SectorFit:
+    """The sector as it would look were both blades alike: contrasts seen are 1 - b of the opening, p - b of the plate."""
+    field = sector.ring - sector.plate * sector.swept
+    plate = sector.plate * (1 - blade) + blade
+    return replace(sector, plate=plate, ring=plate * sector.swept + (1 - blade) * field)
 
 
 def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
@@ -151,21 +174,24 @@ def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> Complex
     if shape.glare != 0:
         wide = blurred_sector.glare_harmonics(shape, sector.summed, roi=roi, n_harmonics=n_harmonics)
         inside = (1 - shape.glare) * inside + shape.glare * wide[row_px - roi[0]]
-    return (1 - sector.plate) * inside + _of_pixels(sector, row_px, n_harmonics=n_harmonics)
+    lights = [
+        (sector.ring, sector.ring_angle_rad),
+        (sector.borrowed, sector.borrowed_angle_rad),
+        (sector.excess, sector.excess_angle_rad),
+    ]
+    return (1 - sector.plate) * inside + _of_pixels(sector, row_px, lights=lights, n_harmonics=n_harmonics)
 
 
-def _of_pixels(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
-    """Ring, excess and what dead pixels borrow, by row: in each pixel light about its own angle, as wide as pixel and blur."""
+def _of_pixels(
+    sector: SectorFit, row_px: Ticks, *, lights: Sequence[tuple[Array, Array]], n_harmonics: int
+) -> ComplexArray:
+    """Such lights, (roi rows, roi columns), by row: in each pixel about its own angle, as wide as pixel and blur."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     blur_px = blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows]
     smear = [blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=m) for m in range(n_harmonics + 1)]
     out = np.zeros((row_px.size, n_harmonics + 1), complex)
-    for light, angle in (
-        (sector.ring, sector.ring_angle_rad),
-        (sector.borrowed, sector.borrowed_angle_rad),
-        (sector.excess, sector.excess_angle_rad),
-    ):
+    for light, angle in lights:
         turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
         for order in range(n_harmonics + 1):
             out[:, order] += np.einsum("yx,yx->y", wave, smear[order])

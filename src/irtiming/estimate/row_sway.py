@@ -1,7 +1,10 @@
-"""Contrast that sways while the wheel turns: what all row sums together show of it, and the row sums without it.
+"""Levels that sway while the wheel turns: what all row sums together show of it, and the row sums without it.
 
-A camera whose gain goes with its temperature shows the same light larger or smaller. Neighbours along the wheel's angle were
-taken at other times, so a sway looks like residuals with structure. It is a smooth curve of few numbers that all row sums share.
+A camera whose gain and offset go with its temperature shows the same light larger, smaller or brighter. Neighbours along the
+wheel's angle were taken at other times, so a sway looks like residuals with structure. It is two smooth curves of few numbers
+that all row sums share. An earlier fit's residuals choose them, twice, for the first fit took the sway for something of the
+wheel. Their amounts are then found together with the timing: where frames visit the wheel's angles slowly, one looks like the
+other.
 """
 
 from collections.abc import Sequence
@@ -10,30 +13,34 @@ import numpy as np
 
 from irtiming.inference import drifting_levels
 from irtiming.records.arrays import Array, Mask, Ticks
-from irtiming.records.row_timing import RowTimingFit
+from irtiming.records.row_timing import RowTimingFit, Sway
 
 _FEWEST_FRAMES = 100  # of a stretch
+_LOOKS = 2
 
 
-def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) -> Array:
-    """Gain of each frame over its mean, as an earlier fit found it or leaves it over.
+def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: Array) -> Sway:
+    """Curves of gain and offset as an earlier fit and its residuals show them; its own once they were chosen twice.
 
     Parameters
     ----------
     fit
-        Whose residuals show it.
+        The earlier one.
     trigger_ticks, segment
-        Of all frames of the recording, shape (n,); between two shutter events gains are the fit's own.
-
-    Returns
-    -------
-    Shape (n,); 1 on average over the frames of each stretch, and 1 throughout where it does not change.
+        Of all frames of the recording, shape (n,); between two shutter events gains and offsets are the fit's own.
+    pixels
+        Of each row that was fitted, per pixel of light, shape (n_row,): an offset is alike in all.
     """
-    if fit.relative_gain is not None:
-        return fit.relative_gain
+    before = fit.sway
+    if before is not None and before.n_looks >= _LOOKS:
+        return before
     weight = fit.noise**-2.0 / np.sum(fit.noise**-2.0)
-    moving, seen = fit.model @ weight, fit.fraction @ weight
-    gain = np.ones(trigger_ticks.size)
+    moving, seen, per_offset = fit.model @ weight, fit.fraction @ weight, float(pixels @ weight)
+    if before is not None:
+        known = before.of(fit.kept)
+        seen = seen + (known.relative_gain - 1) * moving + known.offset_change * per_offset
+    offsets, gains = list[Array](), list[Array]()
+    amounts: tuple[list[Array], list[Array]] = ([np.zeros(0)], [np.zeros(0)])
     for number in np.unique(segment):
         part = segment == number
         kept = part & fit.kept
@@ -42,19 +49,68 @@ def relative_gain(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks) ->
             place = trigger_ticks / max(1, int(np.ptp(trigger_ticks[kept])))
             place = place - place[kept][0]
             found = drifting_levels.choose(seen[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept])
-            gain[part] = np.interp(place[part], place[kept], found.relative_gain)
-    return gain
+            offsets.append(_over_all(found.drift, place, kept=kept, part=part))
+            gains.append(_over_all(found.gain, place, kept=kept, part=part))
+            amounts[0].append(_amounts(found.drift, found.offset_change / per_offset))
+            amounts[1].append(_amounts(found.gain, found.relative_gain - 1))
+    none = np.zeros((trigger_ticks.size, 0))
+    return Sway(
+        offsets=np.concatenate([none, *offsets], axis=1),
+        gains=np.concatenate([none, *gains], axis=1),
+        offset_amounts=np.concatenate(amounts[0]),
+        gain_amounts=np.concatenate(amounts[1]),
+        n_looks=1 if before is None else before.n_looks + 1,
+    )
 
 
-def steadied(row_sums: Array, expected: Array, *, gain: Array, stretches: Sequence[Mask]) -> Array:
-    """Row sums as if the gain had not changed.
+def _over_all(columns: Array, place: Array, *, kept: Mask, part: Mask) -> Array:
+    """Curves of the kept frames of a stretch for all its frames, and zero beside it; shape (n, k)."""
+    out = np.zeros((place.size, columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        out[part, k] = np.interp(place[part], place[kept], column)
+    return out
+
+
+def _amounts(columns: Array, curve: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(columns, curve, rcond=1e-12)[0], dtype=float)
+
+
+def columns(sway: Sway, model: Array, *, pixels: Array, stretches: Sequence[Mask]) -> Array:
+    """What one unit of each amount does to the row sums, gain and offset of the rows projected out.
+
+    Parameters
+    ----------
+    sway
+        Of the frames that are fitted.
+    model, pixels
+        What the rows show, shape (n, n_row), and how many pixels they have, (n_row,), px^2.
+    stretches
+        Frames between two shutter events, each of shape (n,).
+
+    Returns
+    -------
+    Shape (p + q, n, n_row), px^2.
+    """
+    out = np.concatenate([sway.offsets.T[:, :, None] * pixels, sway.gains.T[:, :, None] * model])
+    for part in stretches:
+        light = _centred(model[part])
+        own = out[:, part] - out[:, part].mean(axis=1, keepdims=True)
+        along = np.einsum("jny,ny->jy", own, light) / _products(light, light)
+        out[:, part] = own - along[:, None, :] * light
+    return out
+
+
+def steadied(row_sums: Array, expected: Array, *, sway: Sway, pixels: Array, stretches: Sequence[Mask]) -> Array:
+    """Row sums as if gain and offset had not changed.
 
     Parameters
     ----------
     row_sums, expected
-        Shape (n, n_row); DN, and what the rows show at gain and offset of their own, which they have in each stretch.
-    gain
-        Relative one of each frame, shape (n,).
+        Shape (n, n_row); DN, and what the rows show at gain and offset of their own, which they have in each stretch, px^2.
+    sway
+        Of these frames.
+    pixels
+        How many the rows have, (n_row,), px^2.
     stretches
         Frames between two shutter events, each of shape (n,).
 
@@ -63,15 +119,18 @@ def steadied(row_sums: Array, expected: Array, *, gain: Array, stretches: Sequen
     Shape (n, n_row).
     """
     found = row_sums.copy()
+    change = (sway.relative_gain - 1)[:, None] * expected + sway.offset_change[:, None] * pixels
     for part in stretches:
-        if np.ptp(gain[part]) > 0:
-            found[part] -= (gain[part] - 1)[:, None] * _contrast(row_sums[part], expected[part], gain[part])
+        if np.ptp(change[part]) > 0:
+            seen = _centred(expected[part] + change[part])
+            found[part] -= _products(seen, _centred(row_sums[part])) / _products(seen, seen) * change[part]
     return found
 
 
-def _contrast(row_sums: Array, expected: Array, gain: Array) -> Array:
-    """What rows at a steady gain show over their offset, DN; shapes as for `steadied`, of one stretch."""
-    seen = expected * gain[:, None]
-    centred = seen - seen.mean(axis=0)
-    scale = np.einsum("ny,ny->y", centred, row_sums - row_sums.mean(axis=0)) / np.einsum("ny,ny->y", centred, centred)
-    return np.asarray(scale * expected)
+def _centred(columns: Array) -> Array:
+    return np.asarray(columns - columns.mean(axis=0))
+
+
+def _products(a: Array, b: Array) -> Array:
+    """Sums over the frames, shape (n_row,)."""
+    return np.asarray(np.einsum("ny,ny->y", a, b))

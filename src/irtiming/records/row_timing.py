@@ -95,6 +95,8 @@ class SectorFit:
         What the ring that the cutouts sweep adds everywhere, and the polar angle from the bisector at which it acts: the plate's
         contrast, and a smooth field, since the solid wheel reflects the camera unevenly; shape (roi rows, roi columns). The
         sector's light is then only what the opening shows beyond the plate.
+    swept
+        Part of each pixel over which the cutouts sweep, same shape: there the wheel itself is seen, blade after blade.
     unevenness
         Standard deviation of that field over the ring, as a share of the contrast.
     borrowed, borrowed_angle_rad
@@ -132,6 +134,7 @@ class SectorFit:
     plate: float
     ring: Array
     ring_angle_rad: Array
+    swept: Array
     unevenness: float
     borrowed: Array
     borrowed_angle_rad: Array
@@ -158,6 +161,48 @@ class SectorFit:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Sway:
+    """How a camera's levels changed while the wheel turned: smooth curves that all rows share.
+
+    Parameters
+    ----------
+    offsets, gains
+        Shapes (n_kept, p) and (n_kept, q); curves over the recording's kept frames, each of mean zero within its stretch between
+        two shutter events and zero beside it.
+    offset_amounts, gain_amounts
+        Shapes (p,) and (q,); of the former as a share of the contrast, of the latter of the gain.
+    n_looks
+        How often curves were chosen.
+    """
+
+    offsets: Array
+    gains: Array
+    offset_amounts: Array
+    gain_amounts: Array
+    n_looks: int = 0
+
+    @property
+    def relative_gain(self) -> Array:
+        """Gain of each frame over its mean, shape (n_kept,)."""
+        return 1 + self.gains @ self.gain_amounts
+
+    @property
+    def offset_change(self) -> Array:
+        """Offset of each frame less its mean, as a share of the contrast, shape (n_kept,)."""
+        return self.offsets @ self.offset_amounts
+
+    def of(self, frames: Mask) -> "Sway":
+        """That of some of the frames, (n_kept,)."""
+        return replace(self, offsets=self.offsets[frames], gains=self.gains[frames])
+
+    def moved(self, step: Array) -> "Sway":
+        """With other amounts: ``step``, shape (p + q,), is by how much."""
+        p = self.offset_amounts.size
+        return replace(self, offset_amounts=self.offset_amounts + step[:p], gain_amounts=self.gain_amounts + step[p:])
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RowTimingFit:
     """The exact model fitted to the row sums of one recording.
 
@@ -174,9 +219,9 @@ class RowTimingFit:
         Angle by which the wheel turns from trigger to trigger.
     undone
         Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
-    relative_gain
-        Shape (n_kept,); gain of each of the recording's kept frames over its mean, which row sums were rid of before they were
-        fitted; None before one was looked for.
+    sway
+        How gain and offset of the recording's kept frames changed, which row sums were rid of before they were fitted; None
+        before it was looked for.
     kept
         Shape (n_kept,); which of the recording's kept frames were fitted: all, or those whose predecessor is known as well.
     start
@@ -229,7 +274,7 @@ class RowTimingFit:
     widening: float
     blackbody_temperature_k: float | None = None
     product_effect: Array | None = None
-    relative_gain: Array | None = None
+    sway: Sway | None = None
 
     @property
     def timing(self) -> dict[str, float]:

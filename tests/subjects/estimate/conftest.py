@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm
 
 from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.physics import blurred_sector
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.reduced import ContrastImage, Opening, ReducedRecording, RowSums
@@ -355,6 +356,8 @@ def sector_of() -> Callable[..., SectorFit]:
             "names": SHAPE_NUMBERS,
             "covariance": np.diag(np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4] + [1e-5] * 3 + [1e-6] * 5) ** 2),
             "plate": 0.0,
+            "swept": nothing + 1.0,
+            "ring_angle_rad": blurred_sector.pixel_places(camera.shape, roi=roi)[0],
             "unevenness": 0.0,
             "gain_scatter": 0.0,
             "border_scatter": 0.0,

@@ -1,4 +1,4 @@
-"""Row sums of a camera whose gain sways, against the sway that was put in."""
+"""Row sums of a camera whose levels sway, against the sway that was put in."""
 
 from types import SimpleNamespace
 
@@ -6,69 +6,113 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import row_sway
+from irtiming.records.row_timing import Sway
 
-TICKS = 1_000_000 * np.arange(500)
-
-
-def _fit(gain, *, noise=2e-3, seed=1, kept=None):
-    random = np.random.default_rng(seed)
-    model = np.clip(0.5 + np.sin(0.622 * np.arange(500)[:, None] + np.linspace(0, 0.3, 8)), 0, 1)
-    kept = np.ones(500, bool) if kept is None else kept
-    return SimpleNamespace(
-        kept=kept, model=model[kept], noise=np.full(8, noise), relative_gain=None,
-        fraction=(gain[:, None] * model + noise * random.normal(size=model.shape))[kept],
-    )  # fmt: skip
+N = 500
+TICKS = 1_000_000 * np.arange(N)
+TIME = np.arange(N) / N
+PIXELS = np.linspace(1.2, 2.0, 8)
 
 
-def _sway(size):
-    time = np.arange(500) / 500
-    sway = size * (np.sin(2 * np.pi * 1.3 * time) + 0.4 * np.cos(2 * np.pi * 3.1 * time))
-    return 1 + sway - sway.mean()
+def _centred(curve):
+    return curve - curve.mean(axis=0)
+
+
+def _curve(size, phase=0.0):
+    return _centred(size * (np.sin(2 * np.pi * 1.3 * TIME + phase) + 0.4 * np.cos(2 * np.pi * 3.1 * TIME)))
+
+
+def _sway(gain, offset, *, n_looks=2):
+    """Each as one curve."""
+    return Sway(
+        gains=gain[:, None],
+        gain_amounts=np.ones(1),
+        offsets=offset[:, None],
+        offset_amounts=np.ones(1),
+        n_looks=n_looks,
+    )
+
+
+def _fit(gain, offset, *, noise=2e-3, kept=None, before=None):
+    """An earlier fit that knows the wheel and nothing of the sway, or that is rid of some of it."""
+    random = np.random.default_rng(1)
+    model = np.clip(0.5 + np.sin(0.622 * np.arange(N)[:, None] + np.linspace(0, 0.3, 8)), 0, 1)
+    kept = np.ones(N, bool) if kept is None else kept
+    left = ((1 + gain)[:, None] * model + offset[:, None] * PIXELS + noise * random.normal(size=model.shape))[kept]
+    if before is not None:
+        left -= ((before.relative_gain - 1)[:, None] * model + before.offset_change[:, None] * PIXELS)[kept]
+    return SimpleNamespace(kept=kept, model=model[kept], noise=np.full(8, noise), sway=before, fraction=left)
 
 
 def test_a_sway_is_found_to_the_noise():
-    """Oracle: the gain that made the sums; eight rows of 500 frames know it to a twentieth."""
-    kept = np.random.default_rng(3).random(500) > 0.1
-    found = row_sway.relative_gain(_fit(_sway(0.02), kept=kept), trigger_ticks=TICKS, segment=np.zeros(500, int))
-    assert np.sqrt(np.mean((found - _sway(0.02)) ** 2)) < 1e-3
+    """Oracle: gain and offset that made the sums; eight rows of 450 frames know them to a twentieth of 2 %."""
+    kept = np.random.default_rng(3).random(N) > 0.1
+    found = row_sway.chosen(
+        _fit(_curve(0.02), _curve(0.01, 1.0), kept=kept), trigger_ticks=TICKS, segment=np.zeros(N, int), pixels=PIXELS
+    )
+    assert np.sqrt(np.mean((found.relative_gain - 1 - _curve(0.02)) ** 2)) < 1e-3
+    assert np.sqrt(np.mean((found.offset_change - _curve(0.01, 1.0)) ** 2)) < 1e-3
+    assert found.n_looks == 1
 
 
 def test_each_stretch_between_shutter_events_has_its_own():
-    """Oracle: as above; the mean gain of a stretch is the fit's affair, and a stretch of few frames is left alone."""
+    """Oracle: as above; the mean of a stretch is the fit's affair, and a stretch of few frames is left alone."""
     segment = np.repeat([0, 1, 2], [230, 220, 50])
-    gain = _sway(0.02)
+    gain = _curve(0.02)
     for number in (0, 1, 2):
-        gain[segment == number] /= gain[segment == number].mean()
-    found = row_sway.relative_gain(_fit(gain), trigger_ticks=TICKS, segment=segment)
-    assert np.sqrt(np.mean((found - gain)[segment < 2] ** 2)) < 1e-3
-    assert np.all(found[segment == 2] == 1)
+        gain[segment == number] -= gain[segment == number].mean()
+    found = row_sway.chosen(_fit(gain, np.zeros(N)), trigger_ticks=TICKS, segment=segment, pixels=PIXELS)
+    assert np.sqrt(np.mean((found.relative_gain - 1 - gain)[segment < 2] ** 2)) < 1e-3
+    assert np.all(found.relative_gain[segment == 2] == 1)
+    assert np.all(found.offset_change[segment == 2] == 0)
 
 
-def test_a_steady_gain_stays_and_one_that_was_found_is_kept():
-    """Oracle: by hand."""
-    steady = _fit(np.ones(500))
-    assert np.all(row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) == 1)
-    steady.relative_gain = _sway(0.1)
-    assert row_sway.relative_gain(steady, trigger_ticks=TICKS, segment=np.zeros(500, int)) is steady.relative_gain
+def test_the_second_look_sees_what_the_first_took_out():
+    """Oracle: sums rid of half of a sway show the whole of it again; those looked at twice keep what they have."""
+    half = _sway(_curve(0.01), _curve(0.005, 1.0), n_looks=1)
+    fit = _fit(_curve(0.02), _curve(0.01, 1.0), before=half)
+    found = row_sway.chosen(fit, trigger_ticks=TICKS, segment=np.zeros(N, int), pixels=PIXELS)
+    assert np.sqrt(np.mean((found.relative_gain - 1 - _curve(0.02)) ** 2)) < 1e-3
+    assert np.sqrt(np.mean((found.offset_change - _curve(0.01, 1.0)) ** 2)) < 1e-3
+    fit.sway = found
+    assert found.n_looks == 2
+    assert row_sway.chosen(fit, trigger_ticks=TICKS, segment=np.zeros(N, int), pixels=PIXELS) is found
 
 
 @pytest.mark.parametrize("contrast", [-700.0, 700.0])
-def test_steadied_row_sums_are_those_of_a_steady_gain(contrast):
-    """Oracle: the sums that a steady gain would have made; levels and gains are the rows' own, in each stretch others."""
-    fit = _fit(np.ones(500))
-    stretches = [np.arange(500) < 230, np.arange(500) >= 230]
+def test_steadied_row_sums_are_those_of_steady_levels(contrast):
+    """Oracle: the sums that steady levels would have made; levels and gains are the rows' own, in each stretch others."""
+    model = _fit(np.zeros(N), np.zeros(N)).model
+    stretches = [np.arange(N) < 230, np.arange(N) >= 230]
     step = np.where(stretches[0], 1.0, 1.3)[:, None]
     own, level = contrast * np.linspace(1, 2, 8) * step, (9e4 + 100 * np.arange(8)) * step
-    gain = _sway(0.03)
-    sums = level + own * gain[:, None] * fit.model
-    found = row_sway.steadied(sums, fit.model, gain=gain, stretches=stretches)
-    np.testing.assert_allclose(found, level + own * fit.model, atol=1e-6 * abs(contrast))
+    gain, offset = _curve(0.03), _curve(0.02, 1.0)
+    for part in stretches:
+        gain[part], offset[part] = _centred(gain[part]), _centred(offset[part])
+    steady = level + own * model
+    sums = steady + own * (gain[:, None] * model + PIXELS * offset[:, None])
+    found = row_sway.steadied(sums, model, sway=_sway(gain, offset), pixels=PIXELS, stretches=stretches)
+    np.testing.assert_allclose(found, steady, atol=1e-6 * abs(contrast))
     assert np.max(np.abs(sums - found)) > 0.03 * abs(contrast)  # something was taken out
 
 
 def test_a_stretch_of_a_single_frame_stays():
     """Oracle: by hand; one frame shows neither gain nor level."""
-    sums, fit = np.full((500, 8), 9e4), _fit(np.ones(500))
-    gain = np.ones(500)
-    found = row_sway.steadied(sums, fit.model, gain=gain, stretches=[np.arange(500) < 499, np.arange(500) == 499])
+    sums, model = np.full((N, 8), 9e4), _fit(np.zeros(N), np.zeros(N)).model
+    stretches = [np.arange(N) < N - 1, np.arange(N) == N - 1]
+    found = row_sway.steadied(sums, model, sway=_sway(np.zeros(N), np.zeros(N)), pixels=PIXELS, stretches=stretches)
     assert np.array_equal(found, sums)
+
+
+def test_columns_are_what_an_amount_does_beside_gain_and_offset_of_a_row():
+    """Oracle: residuals of a regression on one and the model, row by row and stretch by stretch."""
+    model = _fit(np.zeros(N), np.zeros(N)).model
+    sway, stretches = _sway(_curve(1.0), _curve(1.0, 1.0)), [np.arange(N) < 230, np.arange(N) >= 230]
+    found = row_sway.columns(sway, model, pixels=PIXELS, stretches=stretches)
+    effects = (sway.offsets[:, 0][:, None] * PIXELS, sway.gains[:, 0][:, None] * model)
+    for column, effect in zip(found, effects, strict=True):
+        for part in stretches:
+            for row in range(8):
+                beside = np.stack([np.ones(part.sum()), model[part, row]], axis=1)
+                left = effect[part, row] - beside @ np.linalg.lstsq(beside, effect[part, row], rcond=None)[0]
+                np.testing.assert_allclose(column[part, row], left, atol=1e-10)

@@ -4,12 +4,13 @@ Row y sees the opening through a weight over polar angle (`physics.blurred_secto
 respond (`physics.response`), frames keep a share of those before, and the row is read in its turn (`physics.readout`). All are
 factors on the harmonics:
 
-.. math:: F_{ym} = \sum_i o_{im}\, K_{ym}\, R_m\, G_m\, e^{i m \omega (d_i + t_y)}
+.. math:: F_{ym} = \left(\sum_i o_i K_y - b \sum_{i = 2, 3} o_i B_y\right)_m R_m\, G_m\, e^{i m \omega (d_i + t_y)}
 
-with :math:`o_i` the step that wheel edge i makes (by the share b less for the two edges of a second blade that is warmer),
-:math:`K_y` the row's light, :math:`R` the response, :math:`G` the memory over that part of it that was undone in the data,
-:math:`t_y` the time by which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges
-need not stand where the ring's do.
+with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`b` the share by which the blade between
+the edges 2 and 3 is warmer, :math:`B_y` all summed pixels over which the cutouts sweep, for the wheel turns before the mask
+plate too, :math:`R` the response, :math:`G` the memory over that part of it that was undone in the data, :math:`t_y` the time
+by which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges need not stand
+where the ring's do.
 """
 
 from collections.abc import Mapping
@@ -35,9 +36,10 @@ Timing: TypeAlias = Mapping[str, float]
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RowSum:
-    """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym, shape (n_row, M + 1), rows and omega.
+    """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym and B_ym, shape (n_row, M + 1), rows and omega.
 
-    The wheel turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of.
+    Without ``blade_harmonics`` the second blade is seen where the opening is. The wheel turns by ``step_rad`` from trigger to
+    trigger; ``undone`` is the share of the recursion that the data are rid of.
     """
 
     camera: Camera
@@ -47,6 +49,12 @@ class RowSum:
     angular_frequency_rad_per_s: float
     step_rad: float
     undone: float = 0.0
+    blade_harmonics: ComplexArray | None = None
+
+    @property
+    def before_blades(self) -> ComplexArray:
+        """B_ym."""
+        return self.row_harmonics if self.blade_harmonics is None else self.blade_harmonics
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,12 +70,16 @@ class RowSum:
         """The same with fewer harmonics."""
         keep = slice(n_harmonics + 1)
         return replace(
-            self, open_harmonics=self.open_harmonics[:, keep], row_harmonics=self.row_harmonics[:, keep]
+            self, open_harmonics=self.open_harmonics[:, keep], row_harmonics=self.row_harmonics[:, keep],
+            blade_harmonics=self.before_blades[:, keep],
         )  # fmt: skip
 
     def some_rows(self, rows: slice) -> "RowSum":
         """The same with fewer rows."""
-        return replace(self, row_harmonics=self.row_harmonics[rows], row_px=self.row_px[rows])
+        return replace(
+            self, row_harmonics=self.row_harmonics[rows], row_px=self.row_px[rows],
+            blade_harmonics=self.before_blades[rows],
+        )  # fmt: skip
 
 
 def timing_names(camera: Camera) -> tuple[str, ...]:
@@ -82,53 +94,51 @@ def unit(parameter: str, camera: Camera) -> str:
 
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     """Harmonics F_ym of each row, shape (n_row, M + 1)."""
-    edges, turned = _factors(rows, timing)
-    return np.asarray(edges.sum(axis=0) * turned)
+    factor = _response(rows, timing) * _memory(rows, timing)[0]
+    return np.asarray(_seen(rows, timing, factor=factor).sum(axis=0))
 
 
 def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
     """`harmonics`, shape (n_row, M + 1), and their derivatives to each of ``rows.names``, (k, n_row, M + 1), per unit."""
     omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
-    edges, turned = _factors(rows, timing)
-    by_edge = (edges * (1j * np.arange(n + 1) * omega))[:, None, :] * turned
-    bare = _edges(rows, timing).sum(axis=0)
-    slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
     kept, kept_slope = _memory(rows, timing)
-    by_response = bare * slope * kept * turned
-    by_memory = bare * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n) * kept_slope * turned
-    by_blade = -_even_edges(rows, timing)[2:].sum(axis=0) * response.transfer(
-        omega, timing[response.PARAMETER], n_harmonics=n
-    )
+    passed = _response(rows, timing)
+    slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
+    seen, bare = (_seen(rows, timing, factor=factor) for factor in (passed * kept, np.ones(n + 1)))
+    by_edge = seen * (1j * np.arange(n + 1) * omega)
+    by_blade = -_edges(rows, timing)[2:].sum(axis=0) * passed * kept * _read(rows, timing, rows.before_blades)
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
-    return np.asarray(edges.sum(axis=0) * turned), np.concatenate(
-        [by_edge, by_response[None], by_memory[None], (by_blade * kept * turned)[None], by_readout]
-    )
+    return np.asarray(seen.sum(axis=0)), np.concatenate([
+        by_edge, bare.sum(axis=0)[None] * slope * kept, bare.sum(axis=0)[None] * passed * kept_slope, by_blade[None], by_readout
+    ])  # fmt: skip
 
 
 def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
     """Steps of the wheel's edges as row 0 is read, without response; shape (4, M + 1)."""
-    second = 1 - timing.get(BLADE, 0.0)
-    return _even_edges(rows, timing) * np.array([1.0, 1.0, second, second])[:, None]
-
-
-def _even_edges(rows: RowSum, timing: Timing) -> ComplexArray:
-    """The same were both blades alike."""
     delays = np.array([timing[name] for name in EDGE_DELAYS])
     return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
 
 
-def _factors(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
-    """Edges with response and memory, shape (4, M + 1), and light of the rows as they are read, shape (n_row, M + 1)."""
-    omega, n, response, readout = (
-        rows.angular_frequency_rad_per_s,
-        rows.n_harmonics,
-        rows.camera.response,
-        rows.camera.readout,
-    )
-    edges = _edges(rows, timing) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=n)
-    edges = edges * _memory(rows, timing)[0]
+def _seen(rows: RowSum, timing: Timing, *, factor: ComplexArray | Array) -> ComplexArray:
+    """What each edge adds to the rows as they are read, times a factor on the harmonics; shape (4, n_row, M + 1)."""
+    edges = (_edges(rows, timing) * factor)[:, None, :]
+    share, lit = timing.get(BLADE, 0.0), edges * _read(rows, timing, rows.row_harmonics)
+    if share != 0:
+        lit[2:] -= share * edges[2:] * _read(rows, timing, rows.before_blades)
+    return np.asarray(lit)
+
+
+def _read(rows: RowSum, timing: Timing, light: ComplexArray) -> ComplexArray:
+    """Light of the rows as they are read, shape (n_row, M + 1)."""
+    readout = rows.camera.readout
     read_s = np.array([timing[name] for name in readout.PARAMETERS]) @ readout.read_later(rows.row_px)
-    return edges, rows.row_harmonics * later(omega * read_s, n_harmonics=n)
+    return np.asarray(light * later(rows.angular_frequency_rad_per_s * read_s, n_harmonics=rows.n_harmonics))
+
+
+def _response(rows: RowSum, timing: Timing) -> ComplexArray:
+    """R_m, shape (M + 1,)."""
+    response = rows.camera.response
+    return response.transfer(rows.angular_frequency_rad_per_s, timing[response.PARAMETER], n_harmonics=rows.n_harmonics)
 
 
 def _memory(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:

@@ -30,6 +30,7 @@ def _rows(kind, mode):
         row_px=np.array([4.0, 90.0, 311.0]),
         angular_frequency_rad_per_s=OMEGA,
         step_rad=0.622,
+        blade_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
     )
 
 
@@ -60,19 +61,23 @@ def test_derivatives_are_those_of_differences(kind, mode):
         np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
 
 
-def test_a_warmer_second_blade_is_seen_between_its_edges():
-    """Oracle: by hand; a point sees 1 when open, 0 behind the first blade, the share behind the second one; up to a constant."""
+@pytest.mark.parametrize("wide", [1.0, 3.0])
+def test_a_warmer_second_blade_is_seen_between_its_edges(wide):
+    """Oracle: by hand; a point sees 1 when open, 0 behind the first blade, the share behind the second one; up to a constant.
+
+    Where the blade fills three times the opening's light, it is three times as bright.
+    """
     angle = np.linspace(0, TURN, 721)[:-1]
     sharp = RowSum(
         camera=camera("photon", "snapshot"), open_harmonics=open_harmonics(MODEL, 400), row_harmonics=np.ones((1, 401), complex),
-        row_px=np.zeros(1), angular_frequency_rad_per_s=OMEGA, step_rad=0.622,
+        row_px=np.zeros(1), angular_frequency_rad_per_s=OMEGA, step_rad=0.622, blade_harmonics=np.full((1, 401), wide, complex),
     )  # fmt: skip
     timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {"integration_time": 0.0, "pixel_memory": 0.0, BLADE: 0.1}
     seen = at_angles(harmonics(sharp, timing)[0], angle)
     phase = np.mod(MODEL.opening_coordinate_rad + angle, TURN)
     edges = MODEL.cutout_edges_rad
     expected = np.where((phase > edges[1]) & (phase < edges[2]) | (phase > edges[3]), 1.0, 0.0)
-    expected[(phase > edges[2]) & (phase < edges[3])] = 0.1
+    expected[(phase > edges[2]) & (phase < edges[3])] = 0.1 * wide
     away = np.min([np.abs(np.mod(phase - edge + np.pi, TURN) - np.pi) for edge in edges], axis=0) > 0.1
     np.testing.assert_allclose((seen - seen.mean())[away], (expected - expected.mean())[away], atol=0.02)
 
