@@ -211,7 +211,9 @@ def _with_stated(
     return [*own, *shared_numbers.window_tails(fits, rig.window_tail, integration_time_s=stated_s)]
 
 
-def _model(one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *, tail: WindowTail | None) -> LocalModel:
+def _model(
+    one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *, tail: WindowTail | None = None
+) -> LocalModel:
     """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
     tails_s = {} if tail is None else {name: part * tail.time_constant_s for name, part in TAILS.items()}

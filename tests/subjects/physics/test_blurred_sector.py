@@ -19,8 +19,8 @@ from irtiming.physics.blurred_sector import (
     pixel_places,
     pixel_smear,
     row_harmonics,
-    spread,
     well_inside,
+    with_glare,
 )
 from irtiming.records.row_timing import SectorShape
 
@@ -142,7 +142,7 @@ def test_blur_that_is_not_round_and_glare_are_those_of_the_counted_sub_pixels(mi
     found = image(near, np.exp(-2j * near.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
     np.testing.assert_allclose(found, narrow, atol=0.012)
     assert np.abs(found - narrow).mean() < 6e-4
-    np.testing.assert_allclose(spread(found, glare_px=shape.glare_px), wide, atol=1e-3)
+    np.testing.assert_allclose(with_glare(found, replace(shape, glare=1.0)), wide, atol=1e-3)
     widths = tuple(float(np.hypot(blur, shape.glare_px)) for blur in shape.blur_of_axes_px)
     np.testing.assert_allclose(image(far, np.exp(-2j * far.angle_rad), blur_px=widths, roi=ROI), wide, atol=1e-3)
     border = border_points(shape)
