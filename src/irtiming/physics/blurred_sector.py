@@ -361,23 +361,30 @@ def _share(low: float, high: float, blur: float) -> float:
 
 
 @njit(cache=True, nogil=True)
+def _along_axis(place: float, first: int, last: int, blur: float, out: Array) -> None:
+    """Part of a Gaussian about a place that falls into each of these pixels."""
+    scale = 1 / (blur * math.sqrt(2.0))
+    below = math.erf((first - 0.5 - place) * scale)
+    for j in range(first, last + 1):
+        above = math.erf((j + 0.5 - place) * scale)
+        out[j] = 0.5 * (above - below)
+        below = above
+
+
+@njit(cache=True, nogil=True)
 def _deposit(row: Array, column: Array, value: ComplexArray, blur: tuple[float, float], size: tuple[int, int]) -> Any:
     """Light of each point spread over the pixels around it."""
     n_row, n_column = size
     out = np.zeros((n_row, n_column), np.complex128)
-    across = np.empty(n_column)
-    reach, scale = _REACH * blur[0] + 0.5, 1 / (blur[1] * math.sqrt(2.0))
-    beside = _REACH * blur[1] + 0.5
+    down, across = np.empty(n_row), np.empty(n_column)
+    reach, beside = _REACH * blur[0] + 0.5, _REACH * blur[1] + 0.5
     for k in range(row.size):
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
-        below = math.erf((first - 0.5 - column[k]) * scale)
-        for j in range(first, last + 1):
-            above = math.erf((j + 0.5 - column[k]) * scale)
-            across[j] = 0.5 * (above - below)
-            below = above
+        _along_axis(row[k], first_row, last_row, blur[0], down)
+        _along_axis(column[k], first, last, blur[1], across)
         for i in range(first_row, last_row + 1):
-            light = value[k] * _share(i - 0.5 - row[k], i + 0.5 - row[k], blur[0])
+            light = value[k] * down[i]
             for j in range(first, last + 1):
                 out[i, j] += light * across[j]
     return out
