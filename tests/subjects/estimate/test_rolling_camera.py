@@ -127,3 +127,11 @@ def test_rounds_that_never_agree_are_told(rows, rig, monkeypatch):
     monkeypatch.setattr(rolling_camera, "_MOST_ROUNDS", 2)
     with pytest.raises(EstimationError, match="did not agree within 2 rounds"):
         timing.estimate([rows], rig())
+
+
+def test_rounds_that_go_to_and_fro_by_less_than_the_noise_give_a_result(rows, rig, monkeypatch):
+    """Oracle: the result of rounds that agree; an image's search ends somewhere within its own noise."""
+    usual = timing.estimate([rows], rig()).found.result.estimate
+    monkeypatch.setattr(rolling_camera, "_AGREED", -1.0)
+    found = timing.estimate([rows], rig()).found.result.estimate
+    assert np.max(np.abs(found.values - usual.values) / usual.standard_uncertainties) < 0.5
