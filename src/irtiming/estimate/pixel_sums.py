@@ -147,7 +147,8 @@ class PixelSums:
         """
         passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
         before, share = self.passing(numbers, earlier=1), numbers.get(MEMORY, 0.0)
-        made, columns = (pixel_sum.shapes(passing), pixel_sum.shapes(before)), self.columns(self.shapes(numbers))
+        made = pixel_sum.shapes(passing), pixel_sum.shapes(before)
+        columns = self.columns(pixel_sum.remembered(*made, share=share))
         gain = self.levels.gain[self.kept]
         per_unit = (
             {"integration_time": ("swept", omega)}

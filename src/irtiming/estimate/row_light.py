@@ -33,18 +33,18 @@ class RowLight:
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
     ``harmonics`` (n_row, M + 1) is the light behind the wheel, ``before`` (n_row, M + 1) that of all summed pixels over which the
-    cutouts sweep, where the blades are seen; None takes the former for it.
+    cutouts sweep, where the blades are seen.
     """
 
     row_px: Ticks
     is_lit: Mask
     harmonics: ComplexArray
-    before: ComplexArray | None = None
+    before: ComplexArray
 
     @property
     def pixels(self) -> Array:
         """How many pixels each row has in which the wheel turns, px^2, shape (n_row,)."""
-        return np.asarray((self.harmonics if self.before is None else self.before)[:, 0].real, dtype=float)
+        return np.asarray(self.before[:, 0].real, dtype=float)
 
 
 @final

@@ -12,7 +12,7 @@ import numpy as np
 
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
-from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE
+from irtiming.physics.latency import EXACT_S, TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
@@ -44,8 +44,7 @@ STRAIGHT_RAD = 2e-3
 """To which angle about the axle mask edges are straight: burrs of 0.05 mm, 27 mm from it."""
 
 
-_EXACT_S = 1e-9  # standard uncertainty of a length that is stated as exact
-_OF_A_LENGTH = 6.0  # half of 12: of an even window's variance its length is 12 times the root
+_LONGER = 6.0  # over its length: by how much longer a window looks per variance, which is T^2 / 12
 
 
 @final
@@ -130,15 +129,7 @@ def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> 
     """
     if stated is None:
         return list(own)
-    u = max(stated.standard_uncertainty, EXACT_SHARE)
-    return [
-        replace(
-            one, known=stated.value, u=u, source=MEMORY_SOURCE, kind="B", measured=(stated.standard_uncertainty, "1")
-        )
-        if one.name in MEMORIES
-        else one
-        for one in own
-    ]
+    return _told(own, MEMORIES, stated=stated, least_u=EXACT_SHARE, source=MEMORY_SOURCE)
 
 
 def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: float | None) -> list[SharedNumber]:
@@ -153,10 +144,18 @@ def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: flo
     """
     if u_s is None:
         return list(own)
-    u = max(u_s, _EXACT_S)
+    name, stated = integration_window.PARAMETER, Measured(stated_s, u_s)
+    return _told(own, (name,), stated=stated, least_u=EXACT_S, source=WINDOW_SOURCE)
+
+
+def _told(
+    own: Sequence[SharedNumber], names: Sequence[str], *, stated: Measured, least_u: float, source: str
+) -> list[SharedNumber]:
+    """The same, with what somebody states of those of these names; one that counts as exact has the least uncertainty."""
+    u = stated.standard_uncertainty
     return [
-        replace(one, known=stated_s, u=u, source=WINDOW_SOURCE, kind="B", measured=(u_s, "s"))
-        if one.name == integration_window.PARAMETER
+        replace(one, known=stated.value, u=max(u, least_u), source=source, kind="B", measured=(u, one.unit))
+        if one.name in names
         else one
         for one in own
     ]
@@ -174,20 +173,20 @@ def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_
     integration_time_s
         Length of the window.
     """
-    window, of_all = integration_window.PARAMETER, integration_window.TAILS
-    known, u = tail.share.value / len(of_all), tail.share.standard_uncertainty / len(of_all) ** 0.5
+    window = integration_window.PARAMETER
     found = []
-    for name, part in of_all.items():
-        wider_s2 = integration_window.tail_variance_s2(integration_time_s, part * tail.time_constant_s)
-        longer_s = _OF_A_LENGTH * wider_s2 / max(integration_time_s, part * tail.time_constant_s)
+    for name, part in integration_window.tails(tail).items():
+        wider_s2 = integration_window.tail_variance_s2(integration_time_s, part.time_constant_s)
+        longer_s = _LONGER * wider_s2 / max(integration_time_s, part.time_constant_s)
         effects = [
             ({window: longer_s} if window in fit.estimate else {}) if isinstance(fit, RowTimingFit) else {name: 1.0}
             for fit in fits
         ]
         found.append(
             SharedNumber(
-                name=name, unit="1", effects=effects, start=known, known=known, u=max(u, EXACT_SHARE), source=TAIL_SOURCE,
-                kind="B", measured=(tail.share.standard_uncertainty, "1"),
+                name=name, unit="1", effects=effects, start=part.share.value, known=part.share.value,
+                u=max(part.share.standard_uncertainty, EXACT_SHARE), source=TAIL_SOURCE, kind="B",
+                measured=(tail.share.standard_uncertainty, "1"),
             )
         )  # fmt: skip
     return found

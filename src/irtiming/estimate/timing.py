@@ -37,7 +37,7 @@ from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised, Model
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
-from irtiming.physics.response.integration_window import TAILS, tail_delay_s
+from irtiming.physics.response.integration_window import TAILS, tail_delay_s, tails
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.arrays import Array
@@ -194,7 +194,7 @@ def _stated_window(stated_s: float | None, rig: RigErrors, *, is_told: bool) -> 
     tail = rig.window_tail
     if stated_s is None or tail is None:
         return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told)
-    tails_s = {name: tail_delay_s(stated_s, part * tail.time_constant_s) for name, part in TAILS.items()}
+    tails_s = {name: tail_delay_s(stated_s, part.time_constant_s) for name, part in tails(tail).items()}
     return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told, tails_s=tails_s)
 
 
@@ -216,7 +216,7 @@ def _model(
 ) -> LocalModel:
     """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
     noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
-    tails_s = {} if tail is None else {name: part * tail.time_constant_s for name, part in TAILS.items()}
+    tails_s = {} if tail is None else {name: part.time_constant_s for name, part in tails(tail).items()}
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise, tails_s=tails_s)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
     return LocalModel(names=(*EDGE_DELAYS, *SHAPE, CORNERS, *tails_s), at=given.at, trace=given.trace)

@@ -28,6 +28,8 @@ USUAL_TAIL = WindowTail(share=Measured(0.0, 0.04 / sqrt(3)))
 
 CLOCK_SOURCE = "clock of the trigger generator"
 WINDOW_SOURCE = "integration time as stated"
+EXACT_S = 1e-9
+"""Standard uncertainty of an integration time that is stated as exact."""
 TAIL_SOURCE = "tail of the integration window"
 GATE_SOURCES = {
     "application_gate": "latency of the application gate",

@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 
 from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, TAIL_SOURCE, USUAL_CLOCK, WINDOW_SOURCE, window_tail
-from irtiming.physics.response.integration_window import TAILS, tail_delay_s
+from irtiming.physics.response.integration_window import tail_delay_s, tails
 from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.result import Contribution
 from irtiming.records.rig import Latency, Rig
@@ -40,9 +40,11 @@ def of_rig(rig: Rig, camera: Camera) -> Beside:
     of_times = {name: {CLOCK_SOURCE: abs(size) * u_clock} for name, size in sizes.items() if size}
     tail = window_tail(rig.camera)
     if isinstance(camera, PhotonCamera) and camera.readout_mode == "rolling" and tail is not None:
-        each = [tail_delay_s(camera.integration_time_s, part * tail.time_constant_s) for part in TAILS.values()]
-        late_s = float(np.sqrt(np.mean(np.square(each))))
-        of_times["trigger_delay"] = of_delay | {TAIL_SOURCE: tail.share.standard_uncertainty * late_s}
+        late_s = [
+            part.share.standard_uncertainty * tail_delay_s(camera.integration_time_s, part.time_constant_s)
+            for part in tails(tail).values()
+        ]
+        of_times["trigger_delay"] = of_delay | {TAIL_SOURCE: float(np.linalg.norm(late_s))}
     return dict.fromkeys(_DELAYS, of_delay) | of_times
 
 

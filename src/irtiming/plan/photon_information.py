@@ -25,17 +25,15 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import without_own
-from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.latency import TAIL_SOURCE
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
-from irtiming.physics.response.integration_window import TAILS, tail_delay_s
+from irtiming.physics.response.integration_window import tail_delay_s, tails
 from irtiming.plan.information import EDGES, Told, told
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
-from irtiming.records.rig import WindowTail
 from irtiming.records.wheel_geometry import WheelModel
 
 _PERIMETER = 4.07  # of the paper's mask opening, times the root of its area
@@ -139,30 +137,25 @@ def one_run(
     structure
         What is the run's own and what is shared.
     """
-    tail = angles.window_tail
-    fades_s = [] if tail is None else [part * tail.time_constant_s for part in TAILS.values()]
-    slopes = derivatives(sampling, noise, model=model, fades_s=fades_s)
+    parts = [] if angles.window_tail is None else [*tails(angles.window_tail).values()]
+    slopes = derivatives(sampling, noise, model=model, fades_s=[part.time_constant_s for part in parts])
     by_edge = np.array([slopes[f"edge_{k}"] for k in range(4)])
     errors = [(source, u * by_edge.sum(axis=0)) for source, u in angles.common]
     errors += [(EDGES, angles.edge_rad * edge) for edge in by_edge]
-    tails = _tails(tail, slopes, window_s=noise.integration_time_s)
-    errors += [(TAIL_SOURCE, column) for _, column in tails]
+    late_s = [
+        part.share.standard_uncertainty * tail_delay_s(noise.integration_time_s, part.time_constant_s) for part in parts
+    ]
+    errors += [
+        (TAIL_SOURCE, late * slopes["trigger_delay"] + part.share.standard_uncertainty * slopes[f"tail_{k}"])
+        for k, (late, part) in enumerate(zip(late_s, parts, strict=True))
+    ]
     sigma = np.hypot(noise.share, noise.jitter_s * slopes["trigger_delay"])
     shared = np.stack([slopes[name] for name in structure.shared] + [column for _, column in errors], axis=1)
     own = np.stack([slopes[name] for name in structure.own], axis=1)
     left = without_own(shared / sigma[:, None], own / sigma[:, None])
     run = told(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
-    names = run.frames.names[len(run.frames.names) - len(tails) :]
-    return replace(run, centre=dict(zip(names, (late_s for late_s, _ in tails), strict=True)))
-
-
-def _tails(tail: WindowTail | None, slopes: dict[str, Array], *, window_s: float) -> list[tuple[float, Array]]:
-    """By how much one standard uncertainty of each tail makes the window's centre later, and what it does to the sums."""
-    if tail is None:
-        return []
-    u = max(tail.share.standard_uncertainty, EXACT_SHARE) / len(TAILS) ** 0.5
-    late_s = [u * tail_delay_s(window_s, part * tail.time_constant_s) for part in TAILS.values()]
-    return [(one, one * slopes["trigger_delay"] + u * slopes[f"tail_{k}"]) for k, one in enumerate(late_s)]
+    names = run.frames.names[len(run.frames.names) - len(parts) :]
+    return replace(run, centre=dict(zip(names, late_s, strict=True)))
 
 
 def derivatives(

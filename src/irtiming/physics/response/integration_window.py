@@ -23,14 +23,16 @@ uncertainty of its own.
 import numpy as np
 
 from irtiming.records.arrays import ComplexArray
+from irtiming.records.rig import Measured, WindowTail
 
 PARAMETER = "integration_time"
 
 HARMONICS = 256
 """Highest order that rolling rows need: no lag dampens them, only blur; with 128 corners stay visible in the residuals."""
 
-TAILS = {"window_tail_fast": 1 / 3, "window_tail_slow": 5 / 3}
-"""Shares that come after the window's end, by name, and their time constants over that of the whole tail."""
+_PARTS = {"window_tail_fast": 1 / 3, "window_tail_slow": 5 / 3}  # of the whole tail's time constant
+TAILS = tuple(_PARTS)
+"""Names of the shares that come after the window's end: each is half of the whole tail."""
 
 _SMALL = 1e-3  # of x, below which the series is exact to rounding
 
@@ -48,6 +50,19 @@ def transfer_slope(angular_frequency_rad_per_s: float, integration_time_s: float
     large = np.where(np.abs(x) < _SMALL, 1.0, x)
     slope = np.where(np.abs(x) < _SMALL, -x / 3, (np.cos(large) - np.sinc(large / np.pi)) / large)
     return (half * slope).astype(complex)
+
+
+def tails(tail: WindowTail) -> dict[str, WindowTail]:
+    """The parts of a tail by name, each with a share and a time constant of its own.
+
+    Parameters
+    ----------
+    tail
+        The whole; errors of the parts are independent, and together those of the whole.
+    """
+    share, n = tail.share, len(_PARTS)
+    half = Measured(share.value / n, share.standard_uncertainty / n**0.5)
+    return {name: WindowTail(share=half, time_constant_s=part * tail.time_constant_s) for name, part in _PARTS.items()}
 
 
 def tail_delay_s(integration_time_s: float, time_constant_s: float) -> float:
