@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from irtiming.archive import layout
 from irtiming.archive.finding import warning_at
@@ -86,10 +86,10 @@ def _following(angle_rad: "Array", tiles_dn: "Array") -> "tuple[ComplexArray, Ar
     fitted = np.linalg.lstsq(both, values, rcond=None)[0]
     within = np.sum((values - both @ fitted) ** 2, axis=0)
     free = n - both.shape[1]
-    gained = (without - within) / (2 * _HARMONICS)
+    gained = np.maximum(without - within, 0.0) / (2 * _HARMONICS)
     ratio = np.divide(gained, within / free, out=np.zeros_like(within), where=within > 1e-12 * n)
     cosine, sine = fitted[slow.shape[1]], fitted[slow.shape[1] + _HARMONICS]
-    chance = stats.f.sf(ratio, 2 * _HARMONICS, free) * ratio.size
+    chance = special.fdtrc(2 * _HARMONICS, free, ratio) * ratio.size
     return (cosine - 1j * sine).reshape(tiles_dn.shape[1:]), np.asarray(chance).reshape(tiles_dn.shape[1:])
 
 

@@ -12,7 +12,6 @@ from rich.table import Table
 
 from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.verify import verify as verify_file
 from irtiming.cli.progress import shown
 from irtiming.cli.screen import say
 from irtiming.records.finding import Finding
@@ -31,6 +30,8 @@ def verify(
 
     Exit status 0 if no file has an error (warnings may remain), 2 otherwise.
     """
+    from irtiming.archive.verify import verify as verify_file
+
     screen = Console()
     if json is not None:
         require_place(json, besides=files)

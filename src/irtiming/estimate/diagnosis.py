@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from irtiming.estimate import causes
 from irtiming.estimate.causes import CANDIDATES, Candidate
@@ -167,7 +167,7 @@ def _cause(one: Candidate, beside: _Beside, estimate: Estimate, *, n_tried: int)
         name=one.name,
         gained=gained,
         n_numbers=n_numbers,
-        chance=min(1.0, n_tried * float(stats.chi2.sf(gained, n_numbers))) if n_numbers else 1.0,
+        chance=min(1.0, n_tried * float(special.chdtrc(n_numbers, max(0.0, gained)))) if n_numbers else 1.0,
         size=float(np.sqrt(np.mean(((columns @ number)[: noise.size] * noise) ** 2))),
         moves={
             name: float(weights @ moved) / estimate.u(name)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from irtiming.physics.covariance import inverse
 from irtiming.physics.light.row_sum import BLADE
@@ -287,7 +287,7 @@ def of_mixture(effective: EffectiveTimeConstants | None) -> tuple[Finding, ...]:
     tau, kelvin = effective.time_constant_s, effective.blackbody_temperature_k
     weights = inverse(effective.covariance_s2).sum(axis=0)
     apart = tau - weights @ tau / weights.sum()
-    if stats.chi2.sf(float(apart @ np.linalg.solve(effective.covariance_s2, apart)), tau.size - 1) > _BY_CHANCE:
+    if special.chdtrc(tau.size - 1, float(apart @ np.linalg.solve(effective.covariance_s2, apart))) > _BY_CHANCE:
         return ()
     return (
         Finding(

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
@@ -37,7 +37,7 @@ class LeftOver:
     def chance(self) -> float:
         """Of sides that are as far off, or further, where the model holds."""
         seen = self.u_px2 > 0
-        return float(stats.chi2.sf(np.sum((self.variance_px2[seen] / self.u_px2[seen]) ** 2), max(1, int(seen.sum()))))
+        return float(special.chdtrc(max(1, int(seen.sum())), np.sum((self.variance_px2[seen] / self.u_px2[seen]) ** 2)))
 
 
 def left_over(sector: SectorFit) -> LeftOver:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array, Ticks
@@ -51,7 +51,7 @@ def over_speeds(
     slope, u_slope, chi_squared = _line(speed, phase, u)
     free = speed.size - 2
     findings: tuple[Finding, ...] = ()
-    if free and stats.chi2.sf(chi_squared, free) < _CHANCE:
+    if free and special.chdtrc(free, chi_squared) < _CHANCE:
         u_slope *= math.sqrt(chi_squared / free)
         chi = f"chi squared {chi_squared:.1f} with {free} degrees of freedom"
         what = f"the {line}'s edges do not move in proportion to the speed ({chi})"

@@ -21,7 +21,7 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from irtiming.errors import EstimationError
 from irtiming.physics.radiance import in_band_radiance
@@ -324,7 +324,7 @@ def _findings(
         )
     misfit = problem.deviance(share)
     freedom = kelvin.size - 2
-    if freedom > 0 and stats.chi2.sf(misfit, freedom) < _BY_CHANCE:
+    if freedom > 0 and special.chdtrc(freedom, misfit) < _BY_CHANCE:
         found.append(
             Finding(
                 code="constants-do-not-fit",

@@ -1,7 +1,7 @@
 """Residuals that are not white: a test for it, and by how much variances grow with it."""
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from irtiming.records.arrays import Array
 
@@ -27,7 +27,7 @@ def ljung_box_p_value(residual: Array) -> float:
         return 1.0
     correlation = np.array([float(centred[:-lag] @ centred[lag:]) for lag in range(1, _LAGS + 1)]) / power
     statistic = n * (n + 2) * float(np.sum(correlation**2 / (n - np.arange(1, _LAGS + 1))))
-    return float(chi2.sf(statistic, _LAGS))
+    return float(chdtrc(_LAGS, statistic))
 
 
 def variance_inflation(residual: Array) -> float:
