@@ -7,6 +7,7 @@ import numpy as np
 
 from irtiming.errors import ReductionError
 from irtiming.physics import latency
+from irtiming.physics.covariance import of_correlated_scores
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.choices import ReferenceEdge
@@ -17,6 +18,7 @@ from irtiming.reduce.wheel.edge_train import EdgeTrain, number_edges
 from irtiming.reduce.wheel.slot_table import SlotTable, equal_slots, learn_slots
 
 _OF_A_MEDIAN = float(np.sqrt(np.pi / 2))  # its standard deviation over that of a mean
+_NEIGHBOURS = 4  # half turns whose scatter may hang together
 _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 
 
@@ -171,24 +173,32 @@ def frame_trigger_ticks(recording: Recording) -> Ticks:
 
 
 def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
-    """Times of the reference edge, the one before the longer half turn, ticks."""
+    """Times of the reference edge, the one before the longer half turn, ticks.
+
+    Each half turn is held against the mean of the one before and the one after it, so that a wheel that slowly wanders does
+    not blur the difference.
+    """
     after = np.diff(application.ticks).astype(float)
     whole = np.diff(application.number) == 1
-    even = application.number[:-1] % 2 == 0
-    kinds = [after[whole & even], after[whole & ~even]]
-    if min(kind.size for kind in kinds) < 2:
+    among = whole[:-2] & whole[1:-1] & whole[2:]
+    sign = np.where(application.number[1:-2] % 2 == 0, 1.0, -1.0)
+    longer = (sign * (after[1:-1] - (after[:-2] + after[2:]) / 2))[among]
+    if longer.size < 2:
         raise ReductionError(
             f"only {application.ticks.size} application edges: both half turns must be seen at least twice; record longer"
         )
-    means = [float(np.mean(kind)) for kind in kinds]
-    u_difference = np.sqrt(sum(float(kind.var(ddof=1)) / kind.size for kind in kinds))
-    if choice == "automatic" and abs(means[0] - means[1]) <= max(3 * u_difference, 1.0):
+    difference, n = float(longer.mean()), longer.size
+    spread = of_correlated_scores(
+        (longer - difference)[:, None], n_neighbours=min(_NEIGHBOURS, n - 1), is_circular=False
+    )
+    u_difference = float(np.sqrt(spread[0, 0])) / (n - 1)
+    if choice == "automatic" and abs(difference) <= max(3 * u_difference, 1.0):
         raise ReductionError(
-            f"the two half turns last {means[0]:.0f} and {means[1]:.0f} ticks, which differ by less than a tick or 3 "
-            f"of their standard uncertainties ({u_difference:.0f} ticks): the reference edge cannot be told; "
+            f"the two half turns differ by {abs(difference):.0f} of {after[whole].mean():.0f} ticks, which is less than a tick "
+            f"or 3 of its standard uncertainties ({u_difference:.0f} ticks): the reference edge cannot be told; "
             "record longer or name it with --reference-edge first|second"
         )
-    parity = {"automatic": int(means[1] > means[0]), "first": 0, "second": 1}[choice]
+    parity = {"automatic": int(difference < 0), "first": 0, "second": 1}[choice]
     return application.ticks[application.number % 2 == parity].astype(float)
 
 

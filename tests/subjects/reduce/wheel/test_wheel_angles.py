@@ -96,6 +96,15 @@ def test_reference_edge_can_be_named(paper_wheel, recorded, rig):
     assert np.abs(np.angle(np.exp(1j * (first + 3.1421)))).max() < 3e-6
 
 
+@pytest.mark.parametrize("theta_0", [1.0, 4.0])
+def test_a_wander_does_not_hide_the_longer_half_turn(paper_wheel, recorded, rig, theta_0):
+    """Oracle: theta(t); half turns differ by 1e-4, and a wander makes either kind scatter by 4e-4."""
+    wheel = paper_wheel(edges=(0.0, 1.57, np.pi + 1.5e-4, 4.71), theta_0=theta_0, wander=WANDER, jitter_s=2e-6)
+    recording = recorded(wheel)
+    ticks = _between(recording)
+    assert np.abs(_beside(wheel, track(recording, rig), ticks)).max() < 1e-3  # the other edge is half a turn off
+
+
 @pytest.mark.parametrize("jitter_s", [0.0, 2e-6])
 def test_symmetric_wheel_is_refused_until_the_edge_is_named(paper_wheel, recorded, rig, jitter_s):
     """Oracle: two equal half turns cannot be told apart by anybody, with or without jitter."""
