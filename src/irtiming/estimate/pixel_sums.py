@@ -2,7 +2,8 @@ r"""The pixel sums of one recording: what they say of the numbers that they foll
 
 Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
 
-.. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n) +
+.. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{bow}\,U(\theta_n) +
+\mathrm{plate}\,P(\theta_n) +
 \mathrm{blades}\,B(\theta_n) + \mathrm{beside}\,B'(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
@@ -52,6 +53,8 @@ SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", GLARE, ME
 CORNERS = "corner_variance"
 """Local number that may stand beside them: what else rounds the corners, rad^2."""
 
+_SMALL = slice(2, 2 + len(pixel_sum.SMALL))  # of the recording's own numbers
+_BLADES = pixel_sum.SMALL.index("blades")
 _BORDER_RAD = 0.1  # where the axle was not found in the image
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
@@ -113,7 +116,7 @@ class PixelSums:
         return np.where(np.isfinite(then), then, now - earlier * step)
 
     def shapes(self, numbers: Mapping[str, float]) -> Shapes:
-        """F, S, P and B of the kept frames, with what they hold of the frame before; shapes (n_kept,)."""
+        """F, S, U, P, B and B' of the kept frames, with what they hold of the frame before; shapes (n_kept,)."""
         now = pixel_sum.shapes(self.passing(numbers))
         if MEMORY not in numbers:
             return now
@@ -141,7 +144,7 @@ class PixelSums:
         )
 
     def projected(self, numbers: Mapping[str, float]) -> Projected:
-        """Residuals with the recording's own numbers at their best: covered, step, skew, plate, blades, beside, then drifts.
+        """Residuals with the recording's own numbers at their best: covered, step, those of SMALL, then drifts.
 
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
@@ -157,9 +160,9 @@ class PixelSums:
         )
 
         def slopes_of(levels: Array) -> Array:
-            amounts = levels[2:6] / levels[1]
-            step = levels[1] + gain @ levels[6 : 6 + gain.shape[1]]
-            named = dict(zip(("skew", "plate", "blades", "beside"), amounts.tolist(), strict=True))
+            amounts = levels[_SMALL] / levels[1]
+            step = levels[1] + gain @ levels[_SMALL.stop : _SMALL.stop + gain.shape[1]]
+            named = dict(zip(pixel_sum.SMALL, amounts.tolist(), strict=True))
             now, then = (pixel_sum.slopes(one, **named) for one in (passing, before))
             found = {name: (1 - share) * now[name] + share * then[name] for name in now}
             told = [one.fraction + one.small @ amounts for one in made]
@@ -372,7 +375,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
     made = given.shapes(numbers)
-    amounts, opening = best.levels[2:6] / step, given.reduced.opening
+    amounts, opening = best.levels[_SMALL] / step, given.reduced.opening
     per_pixel = float(opening.mask.sum() / opening.weight.sum())  # blades differ in the border as well
     u_sum = float(np.sqrt(best.at.deviance / free * widening)) / abs(step)
     expected = made.fraction + made.small @ amounts
@@ -397,16 +400,13 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         n_dropped=int(given.reduced.trigger_ticks.size - given.kept.sum()),
         kept=given.kept,
         levels=given.levels,
-        blades=float(amounts[2]) * per_pixel,
+        blades=float(amounts[_BLADES]) * per_pixel,
         u_blades=_u_blades(given, made) * u_sum * per_pixel,
     )
 
 
 def _u_blades(given: PixelSums, made: Shapes) -> float:
     """Standard uncertainty of the blades' difference per that of a sum, beside the other levels."""
-    columns = given.columns(made)
-    rest = (
-        columns[:, 4]
-        - np.delete(columns, 4, axis=1) @ np.linalg.lstsq(np.delete(columns, 4, axis=1), columns[:, 4], rcond=1e-12)[0]
-    )
-    return float(1 / np.linalg.norm(rest))
+    columns, at = given.columns(made), _SMALL.start + _BLADES
+    own, others = columns[:, at], np.delete(columns, at, axis=1)
+    return float(1 / np.linalg.norm(own - others @ np.linalg.lstsq(others, own, rcond=1e-12)[0]))

@@ -100,6 +100,16 @@ def _passages_twice(alpha, edge):  # type: ignore[no-untyped-def]
     return TURN**2 * (before + n * (turns**2 - n**2) / 2 - n * (n + 1) / 2 * (turns - n))
 
 
+@vectorize(cache=True)  # type: ignore[no-untyped-call]
+def _passages_thrice(alpha, edge):  # type: ignore[no-untyped-def]
+    """Third integral of the floor function."""
+    turns = (alpha - edge) / TURN
+    n = np.floor(turns)
+    part = turns - n
+    before = n**2 * (n - 1) ** 2 / 24 + (n - 1) * n * (2 * n - 1) / 12 * part
+    return TURN**3 * (before + n * (n - 1) / 4 * part**2 + n / 6 * part**3)
+
+
 def _open_arc(alpha: Array, edges: EdgeAngles) -> Array:
     """Open part of the arc from 0 to alpha, rad, up to a constant."""
     return alpha + sum(s * _passages(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
@@ -108,6 +118,11 @@ def _open_arc(alpha: Array, edges: EdgeAngles) -> Array:
 def _open_arc_integral(alpha: Array, edges: EdgeAngles) -> Array:
     """Integral of the open arc over alpha, rad^2."""
     return alpha**2 / 2 + sum(s * _passages_twice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
+
+
+def _open_arc_second_integral(alpha: Array, edges: EdgeAngles) -> Array:
+    """Integral of that over alpha, rad^3."""
+    return alpha**3 / 6 + sum(s * _passages_thrice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
 
 
 def _opening_ends(wheel_angle_rad: Array, model: WheelModel) -> tuple[Array, Array]:
@@ -304,6 +319,31 @@ def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: flo
     crossing = edge_in_opening(wheel_angle_rad, model, sweep_rad=sweep_rad)
     moving = sum(s * c for s, c in zip(EDGE_SIGNS, crossing, strict=True))
     return np.asarray(2 / gamma**2 * moment - moving / 6)
+
+
+def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
+    """What an opening adds to the exposed fraction that is brighter at both ends than in the middle.
+
+    The light of the opening is taken as 1 + b (3 u^2 - 1) / 2 along its angle, u from -1 to 1: a lens whose magnification
+    changes over the image shows the opening's ends larger or smaller than its middle.
+
+    Parameters
+    ----------
+    wheel_angle_rad, model, sweep_rad
+        As for :func:`exposed_fraction`.
+
+    Returns
+    -------
+    Same shape; the exposed fraction grows by b times this. On a slope it is (u^3 - u) / 4.
+    """
+    low, high = _opening_ends(np.asarray(wheel_angle_rad) + sweep_rad / 2, model)
+    edges, gamma = model.cutout_edges_rad, model.opening_angle_rad
+    first, second, third = (
+        [integral(end, edges) for end in (low, high)]
+        for integral in (_open_arc, _open_arc_integral, _open_arc_second_integral)
+    )
+    bowed = first[1] - first[0] - 6 / gamma * (second[0] + second[1]) + 12 / gamma**2 * (third[1] - third[0])
+    return np.asarray(bowed / gamma)
 
 
 def slope_centres_rad(model: WheelModel) -> Array:

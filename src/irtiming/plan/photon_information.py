@@ -1,7 +1,7 @@
 r"""What one run of a photon camera can tell: derivatives of the pixel sum, each a closed form (Schatz 2023, eq. 1, figure 4b).
 
-A frame's sum over the opening is  f = covered + step (F + skew S + plate P + blades B + beside B' + drift t)  with shapes and
-slopes of `physics.light.pixel_sum`, averaged over the integration. Its parameters:
+A frame's sum over the opening is  f = covered + step (F + skew S + bow U + plate P + blades B + beside B' + drift t)  with
+shapes and slopes of `physics.light.pixel_sum`, averaged over the integration. Its parameters:
 
 ===================  =======================================================================================
 name                 derivative, at step = 1
@@ -9,7 +9,7 @@ name                 derivative, at step = 1
 trigger_delay        omega dF/dtheta: a later exposure sees the wheel further on
 integration_time     omega (dF/dsweep + dF/dtheta / 2): the start is held, so that the middle is half as late
 opening_angle        dF/dgamma
-skew, plate          S and P: light that is brighter towards one end; a mask plate that shows around the opening
+skew, bow, plate     S, U and P: light that is brighter towards one end, or both; a mask plate that shows around the opening
 blades, beside       B and B': blades that are not equally warm, before the opening and before its border
 pixel_memory         F(theta - turn of the wheel from frame to frame) - F: a share of the frame before
 covered, step        1 and F
@@ -53,7 +53,7 @@ class Structure:
 
 
 SHARED_SHAPE = Structure(
-    own=("covered", "step", "drift", "skew", "plate", "blades", "beside"),
+    own=("covered", "step", "drift", *pixel_sum.SMALL),
     shared=("trigger_delay", "integration_time", "opening_angle", pixel_memory.PARAMETER),
 )
 """All runs share opening, integration time and memory, and none is known; each has its own levels, step and drift."""
@@ -178,7 +178,7 @@ def derivatives(
         **slopes,
         "trigger_delay": omega * turned,
         "integration_time": omega * (slopes["swept"] + turned / 2),
-        **{name: getattr(made, name) for name in ("skew", "plate", "blades", "beside")},
+        **{name: getattr(made, name) for name in pixel_sum.SMALL},
         pixel_memory.PARAMETER: before.fraction - made.fraction,
         "covered": np.ones_like(made.fraction),
         "step": made.fraction,

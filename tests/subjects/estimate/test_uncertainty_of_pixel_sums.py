@@ -179,13 +179,13 @@ def test_correlated_residuals_say_so_much_less(recordings, geometry, widening):
 
 
 def test_noise_counts_its_degrees_of_freedom(recordings, geometry):
-    """Oracle: by hand; four delays, opening and memory, and seven numbers of the recording's own are thirteen.
+    """Oracle: by hand; four delays, opening and memory, and eight numbers of the recording's own are fourteen.
 
-    The seven are covered level and its drift, step, skew, plate, and blades before opening and border.
+    The eight are covered level and its drift, step, skew, bow, plate, and blades before opening and border.
     """
     (one,) = recordings((3.0,), noise=2e-5)
     fit = pixel_sums.fit(one, geometry.model)
-    assert fit.noise == pytest.approx(np.sqrt(fit.residual @ fit.residual / (fit.residual.size - 13)), rel=1e-9)
+    assert fit.noise == pytest.approx(np.sqrt(fit.residual @ fit.residual / (fit.residual.size - 14)), rel=1e-9)
     assert fit.noise == pytest.approx(2e-5, rel=0.15)
     alone = pixel_sums.pixel_sums(one, geometry.model)
     given = replace(alone, kept=fit.kept, noise=fit.noise * fit.step, radii=pixel_sum.Radii())

@@ -9,6 +9,7 @@ import pytest
 from irtiming.errors import GeometryError
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
+    bowed_fraction,
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
@@ -193,6 +194,28 @@ def test_skewed_opening_against_counting_its_light(theta):
     counted = float(np.mean((1 + skew * u) * is_open))
     added = (counted - float(exposed_fraction(np.array(theta), model))) / skew
     assert float(skewed_fraction(np.array(theta), model)) == pytest.approx(added, abs=6e-3)
+
+
+@pytest.mark.parametrize("theta", np.radians([3.0, 40.0, 100.0, 170.0, 200.0, 261.0, 333.0]))
+def test_bowed_opening_against_counting_its_light(theta):
+    """Oracle: brute force; light 1 + b (3 u^2 - 1) / 2 over 200 000 points, less the even opening."""
+    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
+    u = (np.arange(200_000) + 0.5) / 100_000 - 1
+    edges = np.array(model.cutout_edges_rad)
+    beside = np.mod(model.opening_coordinate_rad + theta + model.opening_angle_rad / 2 * u, 2 * np.pi)
+    is_open = ((beside >= edges[1]) & (beside < edges[2])) | (beside >= edges[3])
+    counted = float(np.mean((3 * u**2 - 1) / 2 * is_open))
+    assert float(bowed_fraction(np.array(theta), model)) == pytest.approx(counted, abs=2e-5)
+
+
+def test_bow_on_a_slope_by_hand():
+    """Oracle: by hand; where the edge of a cutout stands at u in the opening it is (u^3 - u) / 4, and 0 where no edge does."""
+    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
+    u = np.linspace(-0.9, 0.9, 7)
+    at_edge_0 = model.cutout_edges_rad[0] - model.opening_coordinate_rad - model.opening_angle_rad / 2 * u
+    np.testing.assert_allclose(bowed_fraction(at_edge_0, model), (u**3 - u) / 4, atol=1e-12)
+    plateau = at_edge_0[3] + np.radians([-45.0, 45.0])
+    np.testing.assert_allclose(bowed_fraction(plateau, model), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("model", MODELS)

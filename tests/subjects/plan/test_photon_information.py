@@ -18,7 +18,7 @@ NOISE = FrameNoise(share=2e-4, jitter_s=0.4e-6, integration_time_s=250e-6, borde
 EXACT = AngleErrors(common=(), edge_rad=0.0)
 ANGLES = AngleErrors(common=(("mask", 5e-4), ("gates", 2e-4)), edge_rad=1e-4)
 STEPS = {
-    "trigger_delay": 1e-8, "integration_time": 1e-8, "opening_angle": 1e-6, "skew": 1e-3, "plate": 1e-3,
+    "trigger_delay": 1e-8, "integration_time": 1e-8, "opening_angle": 1e-6, "skew": 1e-3, "bow": 1e-3, "plate": 1e-3,
     "blades": 1e-3, "beside": 1e-3,
     "pixel_memory": 1e-3, "covered": 1e-3, "step": 1e-3, "drift": 1e-3,
     "edge_0": 1e-6, "edge_1": 1e-6, "edge_2": 1e-6, "edge_3": 1e-6,
@@ -47,6 +47,15 @@ def _second_blade(angle, width, sweep):
     return behind
 
 
+def _bow(angle):
+    """What light that is stronger at both ends adds: points of an opening, each weighed with (3 u^2 - 1) / 2."""
+    u = (np.arange(40_000) + 0.5) / 20_000 - 1
+    at = np.mod(MODEL.opening_coordinate_rad + angle[:, None] + GAMMA / 2 * u, TURN)
+    edges = MODEL.cutout_edges_rad
+    is_open = ((at >= edges[1]) & (at < edges[2])) | (at >= edges[3])
+    return np.mean(is_open * (3 * u**2 - 1) / 2, axis=1)
+
+
 def _frame_sums(sampling, noise, *, off):
     """The sums of all frames for parameters that are off by this much: the whole model, written out."""
     omega = sampling.angular_frequency_rad_per_s
@@ -58,6 +67,8 @@ def _frame_sums(sampling, noise, *, off):
     wider = replace(model, opening_angle_rad=model.opening_angle_rad + 2 * noise.border_rad)
     plate = exposed_fraction(angle, wider, sweep_rad=omega * window) - fraction
     light = fraction + off.get("skew", 0.0) * skewed_fraction(angle, model, sweep_rad=omega * window)
+    if "bow" in off:
+        light += off["bow"] * _bow(angle + omega * window / 2)
     for name, width in (("blades", GAMMA), ("beside", GAMMA + 2 * noise.border_rad)):
         if name in off:
             inner = _second_blade(angle, GAMMA, omega * window) if name == "beside" else 0.0

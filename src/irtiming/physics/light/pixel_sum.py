@@ -1,10 +1,11 @@
 r"""The sum over the mask opening as the wheel covers and uncovers it, averaged over the integration window (eq. 1, figure 4b).
 
-.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P + \mathrm{blades}\, B +
+.. math:: f = F + \mathrm{skew}\, S + \mathrm{bow}\, U + \mathrm{plate}\, P + \mathrm{blades}\, B +
 \mathrm{beside}\, B'
 
 F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
-earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
+earlier than drawn. S is the trace of an opening that is brighter towards one end, U that of one that is brighter at both ends
+than in its middle, as a lens with distortion shows it, P that of a mask plate as warm as neither wheel
 nor blackbody: an opening that is wider by the summed border. B is half the share that the second blade covers (edges 2 to 3) less
 half of what the first does: the two are not equally warm. B' is the same for the summed border alone: the wheel turns before the
 mask plate too. Blur moves light but keeps its sum, so it has no place here.
@@ -21,6 +22,7 @@ corners too, over an angle that does not depend on the wheel's speed: at the rad
 its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from typing import final
 
@@ -33,6 +35,7 @@ from irtiming.physics.wheel import (
     TURN,
     PointAverage,
     at_point,
+    bowed_fraction,
     edge_in_opening,
     exposed_fraction,
     fading_fraction,
@@ -40,6 +43,9 @@ from irtiming.physics.wheel import (
 )
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_geometry import WheelModel
+
+SMALL = ("skew", "bow", "plate", "blades", "beside")
+"""What the sum holds beside F, a little of each."""
 
 _NARROWEST_RAD = 1e-3
 _SHORTEST_RAD = 1e-5  # a window that sweeps less looks like one that sweeps this: no derivative of a sum has a step
@@ -137,18 +143,19 @@ class Passing:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """F, S, P, B and B'; shapes (n,)."""
+    """F, S, U, P, B and B'; shapes (n,)."""
 
     fraction: Array
     skew: Array
+    bow: Array
     plate: Array
     blades: Array
     beside: Array
 
     @property
     def small(self) -> Array:
-        """All but F, shape (n, 4)."""
-        return np.stack([self.skew, self.plate, self.blades, self.beside], axis=1)
+        """All but F, shape (n, 5)."""
+        return np.stack([getattr(self, name) for name in SMALL], axis=1)
 
 
 def shapes(passing: Passing) -> Shapes:
@@ -170,6 +177,7 @@ def shapes(passing: Passing) -> Shapes:
     return Shapes(
         fraction=fraction,
         skew=skewed_fraction(start, wheel, sweep_rad=sweep),
+        bow=bowed_fraction(start, wheel, sweep_rad=sweep),
         plate=_plate(passing, wheel),
         blades=_blades(rings, wheel),
         beside=outer - inner,
@@ -193,7 +201,13 @@ def remembered(now: Shapes, before: Shapes, *, share: float) -> Shapes:
 
 
 def slopes(
-    passing: Passing, *, skew: float = 0.0, plate: float = 0.0, blades: float = 0.0, beside: float = 0.0
+    passing: Passing,
+    *,
+    skew: float = 0.0,
+    bow: float = 0.0,
+    plate: float = 0.0,
+    blades: float = 0.0,
+    beside: float = 0.0,
 ) -> dict[str, Array]:
     """Derivatives of f by name, each of shape (n,).
 
@@ -201,8 +215,8 @@ def slopes(
     ----------
     passing
         Wheel, window and opening.
-    skew, plate, blades, beside
-        Amounts of S, P, B and B'.
+    skew, bow, plate, blades, beside
+        Amounts of S, U, P, B and B'.
 
     Returns
     -------
@@ -216,7 +230,8 @@ def slopes(
     out = plain - passing.glare * _lost_slopes(passing, wheel, plain)
     out += blades * (_second_blade_slopes(rings, passing, wheel) + plain / 2)
     even = _even(passing)
-    out[:6] += plate * _plate_slopes(even, wheel) + skew * _skew_slopes(passing, wheel)
+    out[:6] += plate * _plate_slopes(even, wheel) + skew * _uneven_slopes(skewed_fraction, passing, wheel)
+    out[:6] += bow * _uneven_slopes(bowed_fraction, passing, wheel)
     out[:6] += beside * (_blades_slopes(even, _wide(passing, wheel)) - _blades_slopes(even, wheel))
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
@@ -374,16 +389,16 @@ def _fraction_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) ->
     return out
 
 
-def _skew_slopes(passing: Passing, wheel: WheelModel) -> Array:
-    """The same of S: to opening angle and sweep by differences, since both are small; to the edges 0, being smaller yet."""
+def _uneven_slopes(trace: Callable[..., Array], passing: Passing, wheel: WheelModel) -> Array:
+    """The same of S or U: to opening angle and sweep by differences, since both are small; to the edges 0, being smaller yet."""
     start, sweep, h = passing.start_rad, passing.sweep_rad, _DIFFERENCE_RAD
     out = np.zeros((6, start.size))
     by_gamma = [
-        skewed_fraction(start, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + k * h), sweep_rad=sweep)
+        trace(start, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + k * h), sweep_rad=sweep)
         for k in (1, -1)
     ]
     out[4] = (by_gamma[0] - by_gamma[1]) / (2 * h)
     if sweep > 2 * h:
-        by_sweep = [skewed_fraction(start - k * h / 2, wheel, sweep_rad=sweep + k * h) for k in (1, -1)]
+        by_sweep = [trace(start - k * h / 2, wheel, sweep_rad=sweep + k * h) for k in (1, -1)]
         out[5] = (by_sweep[0] - by_sweep[1]) / (2 * h)
     return out
