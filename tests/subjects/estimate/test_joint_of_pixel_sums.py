@@ -193,6 +193,7 @@ def test_errors_are_those_of_an_independent_minimiser(recordings, geometry):
     models, shared, _ = _given(recordings((3.0, 8.0)), geometry, 2e-5)
     found = joint.fit(models, shared)
     minimiser = _minuit(models, shared, found)
+    minimiser.strategy = 2  # its most careful one: corners make second derivatives by differences rough
     minimiser.migrad()
     minimiser.hesse()
     np.testing.assert_allclose(np.array(minimiser.errors)[[0, 1]], 1.0, rtol=0.05)
