@@ -258,13 +258,13 @@ class PaperCamera:
         from scipy import ndimage
 
         (row, column, through), n_angles = self.points(), self.n_angles
-        phi = np.arctan2(*self.beside_axle(row, column))
+        phi = np.arctan2(*self.beside_axle(row[through], column[through]))
         alpha = self.gate_rad - (phi if self.clockwise else np.pi - phi)
         pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns
         pixel = pixel + np.repeat(np.arange(self.columns), self.sub)[None, :]
         where = np.mod(np.floor(alpha / TURN * n_angles).astype(int), n_angles)
-        flat = where * (self.rows * self.columns) + pixel
-        light = np.bincount(flat[through], minlength=n_angles * self.rows * self.columns) / self.sub**2
+        flat = where * (self.rows * self.columns) + pixel[through]
+        light = np.bincount(flat, minlength=n_angles * self.rows * self.columns) / self.sub**2
         light = light.reshape(n_angles, self.rows, self.columns)
         used = np.flatnonzero(light.any(axis=(1, 2)))
         light[used] = ndimage.gaussian_filter(light[used], (0, self.blur_px, self.blur_px), mode="constant")
