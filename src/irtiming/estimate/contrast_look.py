@@ -1,24 +1,27 @@
 """Contrast images of one wheel speed, and what a point of light anywhere on the wheel would show in them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
+from numba import njit
 
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
 _TABLE = 16384
 _HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
+_WIDTH_STEP = math.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
 _ORDERS = np.fft.fftfreq(_TABLE, 1 / _TABLE)  # of each entry of the table's spectrum
 _SHORTEST_WAVE = 2.0  # in gaps of a quadrature: what it resolves
 _SHARPNESS = 8  # with which what is shorter ends
@@ -54,34 +57,24 @@ class Look:
 
         A blur leaves next to nothing of such waves, since the nodes are as close as it asks.
         """
-        highest = TURN / (_SHORTEST_WAVE * gap_rad)
-        kept = np.exp(_POWERS / -(highest**_SHARPNESS))
-        return self._between(np.fft.ifft(self._spectrum * kept), angle_rad)
+        if gap_rad not in self._without_waves:
+            highest = TURN / (_SHORTEST_WAVE * gap_rad)
+            kept = np.exp(_POWERS / -(highest**_SHARPNESS))
+            self._without_waves.clear()
+            self._without_waves[gap_rad] = np.fft.ifft(self._spectrum * kept)
+        return self._between(self._without_waves[gap_rad], angle_rad)
 
     def smeared(self, angle_rad: Array, *, width_rad: Array) -> ComplexArray:
         """Mean of the table over a Gaussian about any angle, with its standard deviation; all of one shape.
 
         Frames are few, so that the table is rough: a handful of its values would not tell its mean.
         """
-        below, part = self._place(angle_rad)
-        step = np.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
-        place = np.clip(np.log(width_rad / _NARROWEST_RAD) / step, 0, _N_WIDTHS - 1.001)
-        narrower = place.astype(np.int64)
-        first, second = (
-            (1 - part) * self._smooth[narrower + k, below] + part * self._smooth[narrower + k, (below + 1) % _TABLE]
-            for k in (0, 1)
-        )
-        return np.asarray(first + (place - narrower) * (second - first))
+        angles = np.ascontiguousarray(angle_rad)
+        return np.asarray(_means(self._smooth, angles.ravel(), width_rad.ravel()).reshape(angles.shape))
 
     def _between(self, table: ComplexArray, angle_rad: Array) -> ComplexArray:
-        below, part = self._place(angle_rad)
-        return np.asarray((1 - part) * table[below] + part * table[(below + 1) % _TABLE])
-
-    def _place(self, angle_rad: Array) -> tuple[Ticks, Array]:
-        """Entry of the table below each angle, and how far on it is to the next."""
-        place = np.mod(angle_rad, TURN) * (_TABLE / TURN)
-        below = place.astype(np.int64)
-        return below % _TABLE, place - below
+        angles = np.ascontiguousarray(angle_rad)
+        return np.asarray(_interpolated(table, angles.ravel()).reshape(angles.shape))
 
     @cached_property
     def _smooth(self) -> ComplexArray:
@@ -90,8 +83,41 @@ class Look:
         return np.asarray(np.fft.ifft(self._spectrum * np.exp(-0.5 * (_ORDERS * widths) ** 2)))
 
     @cached_property
+    def _without_waves(self) -> dict[float, ComplexArray]:
+        """The last table of `at_nodes` by its gap: most steps of a search keep the gap."""
+        return {}
+
+    @cached_property
     def _spectrum(self) -> ComplexArray:
         return np.asarray(np.fft.fft(self.table))
+
+
+@njit(cache=True, nogil=True)
+def _interpolated(table: ComplexArray, angle: Array) -> Any:
+    """Table over one turn at each angle, shape (n,)."""
+    out = np.empty(angle.size, np.complex128)
+    for k in range(angle.size):
+        place = angle[k] % TURN * (_TABLE / TURN)
+        below = int(place)
+        part = place - below
+        out[k] = (1 - part) * table[below % _TABLE] + part * table[(below + 1) % _TABLE]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _means(smooth: ComplexArray, angle: Array, width: Array) -> Any:
+    """Smoothed tables (70, 16384) at each angle, between the two of the nearest widths, shape (n,)."""
+    out = np.empty(angle.size, np.complex128)
+    for k in range(angle.size):
+        place = angle[k] % TURN * (_TABLE / TURN)
+        below = int(place)
+        part, above, below = place - below, (below + 1) % _TABLE, below % _TABLE
+        wide = min(max(math.log(width[k] / _NARROWEST_RAD) / _WIDTH_STEP, 0.0), _N_WIDTHS - 1.001)
+        narrower = int(wide)
+        first = (1 - part) * smooth[narrower, below] + part * smooth[narrower, above]
+        second = (1 - part) * smooth[narrower + 1, below] + part * smooth[narrower + 1, above]
+        out[k] = first + (wide - narrower) * (second - first)
+    return out
 
 
 def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:

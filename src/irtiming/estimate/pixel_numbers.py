@@ -1,5 +1,6 @@
 """Numbers of opening, window and pixels that all pixel sums of a camera share, and where their search begins."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
 
+_OFF_ZERO = 0.1  # standard uncertainties: sums are even in a lean, so that a search which begins at zero stays there
 _LEAST_U_LEAN_RAD = 1e-5
 
 
@@ -40,7 +42,10 @@ def opening_and_window(
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
         shared_numbers.same(WINDOW, fits, start=sample_s, u=UNKNOWN_S),
         *(
-            shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean)
+            replace(
+                shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean),
+                start=math.copysign(max(abs(float(lean)), _OFF_ZERO * u_lean), lean),
+            )
             for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
         ),
         *_glare(recordings, fits),

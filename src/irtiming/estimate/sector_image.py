@@ -143,13 +143,15 @@ APART = ("glare", "glare_px", "ring_inner_px", "ring_outer_px", "plate_reflectio
 class Sharp:
     """What the sector shows with a contrast of 1 and no glare, as if read at once, and what a point in each pixel's place does.
 
-    ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region.
+    ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region. ``along_px`` is
+    the blur along the radius.
     """
 
     sector: ComplexArray
     read: ComplexArray
     point: ComplexArray
     radius: Array
+    along_px: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -228,7 +230,10 @@ def sharp(look: Look, numbers: Mapping[str, float], *, view: View) -> Sharp:
     middle = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
     point = look.smeared(middle - turn - row_turn * view.rows, width_rad=smear)
     inside = blurred_sector.well_inside(shape, roi=view.roi)
-    return Sharp(sector=np.where(inside, point / read, border), read=read, point=point, radius=radius)
+    along_px = blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
+    return Sharp(
+        sector=np.where(inside, point / read, border), read=read, point=point, radius=radius, along_px=along_px
+    )
 
 
 def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp | None = None) -> _Parts:
@@ -239,7 +244,7 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
     return _Parts(
         lit=sector * back,
-        ring=_ring(shape, numbers, radius=made.radius, view=view) * size,
+        ring=_ring(shape, numbers, radius=made.radius, blur_px=made.along_px) * size,
         seen=look.projection * back * np.exp(-1j * own),
         size=size,
     )
@@ -268,9 +273,8 @@ def _unevenness(field: Array, ring: Array) -> float:
     return float(np.sqrt(np.average((field - mean) ** 2, weights=ring)))
 
 
-def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, view: View) -> Array:
-    """Share of the ring that the cutouts sweep in each pixel at these radii, shape (roi rows, roi columns)."""
-    blur_px = blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
+def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, blur_px: Array) -> Array:
+    """Share of the ring that the cutouts sweep in each pixel at these radii, blurred along them, shape (roi rows, columns)."""
 
     def smeared(width_px: float) -> Array:
         width = np.hypot(blur_px, np.hypot(width_px, np.sqrt(1 / 12)))
@@ -300,7 +304,9 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     return SeenContrast(
         light=np.asarray(light),
         sharp=np.asarray(without.real),
-        ring=_ring(shape, numbers, radius=radius, view=view),
+        ring=_ring(
+            shape, numbers, radius=radius, blur_px=blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
+        ),
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
 
-_GAIN = 1e-9  # of the deviance: a search ends where a step gains less
+_GAIN = 1e-9  # of the deviance
 _STEP = 1e-10  # of the parameters in units of the trust region
 _MOST_EVALUATIONS = 200
 _SETTLED = 0.1  # standard uncertainties that a further Newton step would move
@@ -85,7 +85,12 @@ class Minimum:
 
 
 def minimise(
-    model: Model, *, start: Mapping[str, float], held: Collection[str] = (), lowest: Mapping[str, float] | None = None
+    model: Model,
+    *,
+    start: Mapping[str, float],
+    held: Collection[str] = (),
+    lowest: Mapping[str, float] | None = None,
+    gain: float = _GAIN,
 ) -> Minimum:
     """Least squares in the numbers that are not held.
 
@@ -99,6 +104,8 @@ def minimise(
         Names of those that keep their start value.
     lowest
         Least values of some.
+    gain
+        Share of the deviance: the search ends where a step gains less.
 
     Raises
     ------
@@ -116,21 +123,14 @@ def minimise(
         )
     if not free:
         return Minimum(start=dict(start), values=dict(start), free=(), at=seen.at(begin), n_steps=1, decrement=0.0)
-
-    def residual(x: Array) -> Array:
-        return seen.at(x).residual
-
-    def jacobian(x: Array) -> Array:
-        return seen.at(x).jacobian[:, columns]
-
     found = least_squares(
-        residual,
+        seen.residual,
         begin,
-        jac=jacobian,
+        jac=seen.jacobian,
         bounds=([bounds.get(name, -np.inf) for name in free], np.inf),
         method="trf",
         x_scale="jac",
-        ftol=_GAIN,
+        ftol=gain,
         xtol=_STEP,
         gtol=None,
         max_nfev=_MOST_EVALUATIONS,
@@ -157,6 +157,13 @@ class _Remembered:
 
     def named(self, free_values: Array) -> dict[str, float]:
         return self._all | dict(zip(self._free, (float(value) for value in free_values), strict=True))
+
+    def residual(self, free_values: Array) -> Array:
+        return self.at(free_values).residual
+
+    def jacobian(self, free_values: Array) -> Array:
+        """Derivatives to the free numbers."""
+        return self.at(free_values).jacobian[:, [list(self._all).index(name) for name in self._free]]
 
     def at(self, free_values: Array) -> Linearised:
         key = np.asarray(free_values, float).tobytes()

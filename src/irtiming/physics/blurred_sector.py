@@ -30,6 +30,8 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
+from irtiming.physics import gaussian_spread
+from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
@@ -37,7 +39,6 @@ from irtiming.records.row_timing import SectorShape
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
 _MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
-_REACH = 5.0  # blurs beyond which no light comes
 SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
 """Of the sector's border; the wheel's edges come to the first radial edge first."""
 
@@ -63,11 +64,15 @@ class LightPoints:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Nodes:
-    """Quadrature over the sector in the flat plane, from the axle, columns counted in the wheel's sense; shapes (n,), px."""
+    """Quadrature over the sector in the flat plane, from the axle, columns counted in the wheel's sense; shapes (n,), px.
+
+    ``depth`` is the distance to the nearest side.
+    """
 
     down: Array
     across: Array
     area: Array
+    depth: Array
     gap_rad: float
 
 
@@ -79,9 +84,12 @@ def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
 def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
     nodes = _nodes(shape)
-    near = _depth_px(shape, nodes.down, nodes.across) < 2 * (_REACH * max(shape.blur_of_axes_px) + 1)
-    few = replace(nodes, down=nodes.down[near], across=nodes.across[near], area=nodes.area[near])
-    return _in_image(shape, few)
+    least, larger = projection_of(shape).magnification(nodes.down, _sense(shape) * nodes.across)
+    near = nodes.depth * least < 2 * (REACH * max(shape.blur_of_axes_px) + 1)
+    few = replace(
+        nodes, down=nodes.down[near], across=nodes.across[near], area=nodes.area[near], depth=nodes.depth[near]
+    )
+    return _in_image(shape, few, magnification=larger if np.isscalar(larger) else larger[near])
 
 
 def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
@@ -106,10 +114,13 @@ def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
     around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / across)))
     radius = shape.inner_radius_px + half_width * (1 + radial)
     polar = shape.bisector_rad + half_angle * around
+    to_edge = np.sin(np.minimum(half_angle * (1 - np.abs(around)), np.pi / 2))
+    to_arc = half_width * (1 - np.abs(radial))
     return _Nodes(
         down=shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
         across=shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel(),
         area=np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
+        depth=np.minimum(np.multiply.outer(radius, to_edge), to_arc[:, None]).ravel(),
         gap_rad=math.pi * half_angle / around.size,  # in the middle, where Gauss-Legendre nodes are widest apart
     )
 
@@ -122,11 +133,11 @@ def _sharpest(shape: SectorShape) -> tuple[float, float]:
     return math.sqrt(along.min()), math.sqrt((rows + columns - along).min())
 
 
-def _in_image(shape: SectorShape, nodes: _Nodes) -> LightPoints:
-    """Places in the image, and areas there."""
+def _in_image(shape: SectorShape, nodes: _Nodes, *, magnification: Any = None) -> LightPoints:
+    """Places in the image, and areas there; ``magnification`` is that of areas, if known."""
     projection, right = projection_of(shape), _sense(shape) * nodes.across
     row, column = projection.seen(nodes.down, right)
-    _, larger = projection.magnification(nodes.down, right)
+    larger = projection.magnification(nodes.down, right)[1] if magnification is None else magnification
     angle = np.arctan2(nodes.down, nodes.across) - shape.bisector_rad
     return LightPoints(
         row_px=row,
@@ -142,9 +153,20 @@ def _sense(shape: SectorShape) -> float:
     return -1.0 if shape.mirrored else 1.0
 
 
-def _to_axle(shape: SectorShape, row_px: Array, column_px: Array) -> tuple[Array, Array]:
-    """Places of the image in the wheel's plane, counted from the axle in the wheel's sense."""
-    down, right = projection_of(shape).flat(row_px, column_px)
+@lru_cache(maxsize=16)
+def _flat_pixels(projection: Projection, roi: tuple[int, int, int, int]) -> tuple[Array, Array, Array]:
+    """Places of the region's pixels in the wheel's plane, down and right from the axle, and the least magnification there.
+
+    A search changes the sector more often than the projection.
+    """
+    down, right = np.broadcast_arrays(*projection.flat(*_pixels(roi)))
+    least, _ = projection.magnification(down, right)
+    return down, right, np.broadcast_to(least, down.shape)
+
+
+def _from_axle(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
+    """Places of the region's pixels in the wheel's plane, counted from the axle in the wheel's sense."""
+    down, right, _ = _flat_pixels(projection_of(shape), roi)
     return down, _sense(shape) * right
 
 
@@ -184,8 +206,7 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
 
     Blur and the pixel's width are lengths in the image, seen from the axle at the distance that it has there, 1 px at least.
     """
-    row, column = _pixels(roi)
-    away = np.hypot(row - shape.axle_row_px, column - shape.axle_column_px)
+    _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
     return np.asarray(np.sqrt(blur_across_px(shape, roi=roi) ** 2 + _PIXEL_PX2) / np.maximum(away, 1.0))
 
 
@@ -202,19 +223,25 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
     A blur that is not round has a covariance of places along and across the radius, :math:`c = (b_y^2 - b_x^2) \sin\phi
     \cos\phi`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
     """
-    row, column = _pixels(roi)
     down, across = _direction(shape, roi)
+    _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
     rows, columns = shape.blur_of_axes_px
-    away = np.hypot(row - shape.axle_row_px, column - shape.axle_column_px)
     return np.asarray((columns**2 - rows**2) * down * across / np.maximum(away, 1.0) ** 2)
 
 
 def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
+    down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
+    return down, _sense(shape) * right
+
+
+@lru_cache(maxsize=16)
+def _directions(axle_px: tuple[float, float], roi: tuple[int, int, int, int]) -> tuple[Array, Array, Array]:
+    """Sine and cosine of the polar angles of the region's pixels in the image, and their distance from the axle, px."""
     row, column = _pixels(roi)
-    down, across = row - shape.axle_row_px, (-1.0 if shape.mirrored else 1.0) * (column - shape.axle_column_px)
-    away = np.maximum(np.hypot(down, across), 1e-9)
-    return down / away, across / away
+    down, right = row - axle_px[0], column - axle_px[1]
+    away = np.hypot(down, right)
+    return down / np.maximum(away, 1e-9), right / np.maximum(away, 1e-9), away
 
 
 def reach_px(blur_px: float) -> float:
@@ -224,13 +251,12 @@ def reach_px(blur_px: float) -> float:
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    return np.asarray(_depth_px(shape, *_to_axle(shape, *_pixels(roi))) > _REACH * max(shape.blur_of_axes_px) + 1)
+    return np.asarray(_depth_px(shape, roi) > REACH * max(shape.blur_of_axes_px) + 1)
 
 
 def near_border(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border reaches, from either side, shape (roi rows, roi columns)."""
-    depth_px = _depth_px(shape, *_to_axle(shape, *_pixels(roi)))
-    return np.asarray(np.abs(depth_px) <= _REACH * max(shape.blur_of_axes_px) + 1)
+    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * max(shape.blur_of_axes_px) + 1)
 
 
 def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
@@ -243,19 +269,19 @@ def border_sides(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple
 
     Sides are numbered as in ``SIDES``.
     """
-    depths = _depths_px(shape, *_to_axle(shape, *_pixels(roi)))
+    depths = _depths_px(shape, roi)
     return np.asarray(depths.argmin(axis=0)), np.asarray(depths.min(axis=0))
 
 
-def _depth_px(shape: SectorShape, down: Array, across: Array) -> Array:
-    """Distance in the image to the nearest border of the sector, px, or a little less; negative outside."""
-    return np.asarray(_depths_px(shape, down, across).min(axis=0))
+def _depth_px(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
+    """Distance of pixels in the image to the nearest border of the sector, px, or a little less; negative outside."""
+    return np.asarray(_depths_px(shape, roi).min(axis=0))
 
 
-def _depths_px(shape: SectorShape, down: Array, across: Array) -> Array:
-    """The same for each side, shape (4, ...)."""
-    least, _ = projection_of(shape).magnification(down, _sense(shape) * across)
-    down, across = down - shape.offset_row_px, across - shape.offset_column_px
+def _depths_px(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
+    """The same for each side, shape (4, roi rows, roi columns)."""
+    down, right, least = _flat_pixels(projection_of(shape), roi)
+    down, across = down - shape.offset_row_px, _sense(shape) * right - shape.offset_column_px
     radius = np.hypot(down, across)
     off = np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi
     first, second = (
@@ -267,8 +293,8 @@ def _depths_px(shape: SectorShape, down: Array, across: Array) -> Array:
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Polar angle from the bisector (rad) and distance from the axle (flat px) of pixels, shape (roi rows, roi columns)."""
-    down, across = _to_axle(shape, *_pixels(roi))
-    angle = np.arctan2(down + 0.0 * across, across + 0.0 * down) - shape.bisector_rad
+    down, across = _from_axle(shape, roi)
+    angle = np.arctan2(down, across) - shape.bisector_rad
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi, np.hypot(down, across)
 
 
@@ -280,10 +306,12 @@ def image(
     ``blur_px`` is the standard deviation of the Gaussian, or those over rows and over columns.
     """
     over_rows, over_columns = (blur_px, blur_px) if isinstance(blur_px, float) else blur_px
-    return _deposit(
-        points.row_px - roi[0], points.column_px - roi[2], value * points.area_px2, (over_rows, over_columns),
-        (roi[1] - roi[0], roi[3] - roi[2]),
-    )  # fmt: skip
+    return gaussian_spread.deposit(
+        (points.row_px - roi[0], points.column_px - roi[2]),
+        value * points.area_px2,
+        blur=(over_rows, over_columns),
+        size=(roi[1] - roi[0], roi[3] - roi[2]),
+    )
 
 
 def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmonics: int) -> ComplexArray:
@@ -361,43 +389,13 @@ def _share(low: float, high: float, blur: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _along_axis(place: float, first: int, last: int, blur: float, out: Array) -> None:
-    """Part of a Gaussian about a place that falls into each of these pixels."""
-    scale = 1 / (blur * math.sqrt(2.0))
-    below = math.erf((first - 0.5 - place) * scale)
-    for j in range(first, last + 1):
-        above = math.erf((j + 0.5 - place) * scale)
-        out[j] = 0.5 * (above - below)
-        below = above
-
-
-@njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, value: ComplexArray, blur: tuple[float, float], size: tuple[int, int]) -> Any:
-    """Light of each point spread over the pixels around it."""
-    n_row, n_column = size
-    out = np.zeros((n_row, n_column), np.complex128)
-    down, across = np.empty(n_row), np.empty(n_column)
-    reach, beside = _REACH * blur[0] + 0.5, _REACH * blur[1] + 0.5
-    for k in range(row.size):
-        first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
-        first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
-        _along_axis(row[k], first_row, last_row, blur[0], down)
-        _along_axis(column[k], first, last, blur[1], across)
-        for i in range(first_row, last_row + 1):
-            light = value[k] * down[i]
-            for j in range(first, last + 1):
-                out[i, j] += light * across[j]
-    return out
-
-
-@njit(cache=True, nogil=True)
 def _row_harmonics(row: Array, angle: Array, area: Array, blur: float, wanted: tuple[Ticks, int]) -> Any:
     """See row_harmonics; rows ascend."""
     rows, n_harmonics = wanted
     real = np.zeros((rows.size, n_harmonics + 1))
     imaginary = np.zeros((rows.size, n_harmonics + 1))
     cosine, sine = np.empty(n_harmonics + 1), np.empty(n_harmonics + 1)
-    reach = _REACH * blur + 0.5
+    reach = REACH * blur + 0.5
     for k in range(row.size):
         turn = complex(math.cos(angle[k]), -math.sin(angle[k]))
         wave = complex(area[k], 0.0)

@@ -87,14 +87,12 @@ class Lens:
         """Of the image over the flat plane at points of the flat plane: the least of any direction, and that of areas."""
         if self.is_straight:
             return 1.0, 1.0
-        down, across, _ = self._from_middle(row_px, column_px)
         unit = self.half_diagonal_px
-        yy, yx, xy, xx = _slopes(down / unit, across / unit, _coefficients(self.distortion, self.terms))
-        yy, yx = yy * self.terms.row_stretch, yx * self.terms.row_stretch
-        area = yy * xx - yx * xy
-        whole = yy**2 + yx**2 + xy**2 + xx**2
-        largest = np.sqrt((whole + np.sqrt(np.maximum(whole**2 - 4 * area**2, 0.0))) / 2)
-        return np.abs(area) / largest, area
+        down, across = np.broadcast_arrays((row_px - self.middle_px[0]) / unit, (column_px - self.middle_px[1]) / unit)
+        least, area = _magnifications(
+            down.ravel(), across.ravel(), _coefficients(self.distortion, self.terms), self.terms.row_stretch
+        )  # fmt: skip
+        return least.reshape(down.shape), area.reshape(down.shape)
 
     def _flat_by_search(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         unit = self.half_diagonal_px
@@ -138,6 +136,20 @@ def _slopes(y: Any, x: Any, of: Array) -> Any:
     xx = factor + x * x * growth + 2 * of[3] * y + 6 * of[4] * x
     mixed = y * x * growth + 2 * of[3] * x + 2 * of[4] * y
     return yy, mixed, mixed, xx
+
+
+@njit(cache=True, nogil=True)
+def _magnifications(y: Array, x: Array, of: Array, row_stretch: float) -> Any:
+    """Least magnification of any direction and that of areas, shape (2, n), at points in half diagonals, shapes (n,)."""
+    out = np.empty((2, y.size))
+    for k in range(y.size):
+        yy, yx, xy, xx = _slopes(y[k], x[k], of)
+        yy, yx = yy * row_stretch, yx * row_stretch
+        area = yy * xx - yx * xy
+        whole = yy * yy + yx * yx + xy * xy + xx * xx
+        largest = math.sqrt((whole + math.sqrt(max(whole * whole - 4 * area * area, 0.0))) / 2)
+        out[0, k], out[1, k] = abs(area) / largest, area
+    return out
 
 
 @njit(cache=True, nogil=True)

@@ -63,7 +63,7 @@ class Projection:
             return least, area
         shrunk = 1 + self.keystone_per_px[0] * down_px + self.keystone_per_px[1] * right_px
         whole = float(np.linalg.det(self._about_axle))
-        return least * min(1.0, whole) / np.maximum(shrunk, 1.0) ** 2, area * whole / shrunk**3
+        return least * min(1.0, whole) / np.maximum(shrunk, 1.0) ** 2, area * whole / (shrunk * shrunk * shrunk)
 
     @property
     def tilt(self) -> Array:

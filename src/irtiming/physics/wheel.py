@@ -24,6 +24,7 @@ The exposed fraction is the mean of that number over the opening, and the value 
 over the integration window (eq. 1). So only the first and second integrals of the floor function are needed.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -83,46 +84,38 @@ def wheel_model(
     )
 
 
-@vectorize(cache=True)  # type: ignore[no-untyped-call]
-def _passages(alpha, edge):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def _passages(alpha: float, edge: float) -> float:
     """Integral over alpha of the number of times that the edge has passed: the integral of floor."""
     turns = (alpha - edge) / TURN
-    whole = np.floor(turns)
+    whole = math.floor(turns)
     return TURN * (whole * turns - whole * (whole + 1) / 2)
 
 
-@vectorize(cache=True)  # type: ignore[no-untyped-call]
-def _passages_twice(alpha, edge):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def _passages_twice(alpha: float, edge: float) -> float:
     """Second integral of the floor function."""
     turns = (alpha - edge) / TURN
-    n = np.floor(turns)
+    n = math.floor(turns)
     before = (n - 1) * n * (2 * n - 1) / 12
     return TURN**2 * (before + n * (turns**2 - n**2) / 2 - n * (n + 1) / 2 * (turns - n))
 
 
-@vectorize(cache=True)  # type: ignore[no-untyped-call]
-def _passages_thrice(alpha, edge):  # type: ignore[no-untyped-def]
-    """Third integral of the floor function."""
-    turns = (alpha - edge) / TURN
-    n = np.floor(turns)
-    part = turns - n
-    before = n**2 * (n - 1) ** 2 / 24 + (n - 1) * n * (2 * n - 1) / 12 * part
-    return TURN**3 * (before + n * (n - 1) / 4 * part**2 + n / 6 * part**3)
+@njit(cache=True, nogil=True)
+def _passing(alpha: float, edge: float, sweep: float) -> tuple[float, float, float]:
+    """How often the edge has passed, and `_passages`, both averaged while alpha grows by the sweep; sum of the latter's ends.
 
-
-def _open_arc(alpha: Array, edges: EdgeAngles) -> Array:
-    """Open part of the arc from 0 to alpha, rad, up to a constant."""
-    return alpha + sum(s * _passages(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
-
-
-def _open_arc_integral(alpha: Array, edges: EdgeAngles) -> Array:
-    """Integral of the open arc over alpha, rad^2."""
-    return alpha**2 / 2 + sum(s * _passages_twice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
-
-
-def _open_arc_second_integral(alpha: Array, edges: EdgeAngles) -> Array:
-    """Integral of that over alpha, rad^3."""
-    return alpha**3 / 6 + sum(s * _passages_thrice(alpha, e) for s, e in zip(EDGE_SIGNS, edges, strict=True))
+    Nothing is a difference of large numbers, which a short sweep would show.
+    """
+    first, last = (alpha - edge) / TURN, (alpha + sweep - edge) / TURN
+    before, after = np.floor(first), np.floor(last)
+    passed, swept = before, before * (first + last) / 2 - before * (before + 1) / 2
+    ends = before * first + after * last - (before * (before + 1) + after * (after + 1)) / 2
+    while before < after:  # the turns that are completed on the way
+        before += 1.0
+        share = (last - before) / (last - first)
+        passed, swept = passed + share, swept + share * (last - before) / 2
+    return passed, TURN * swept, TURN * ends
 
 
 def _opening_ends(wheel_angle_rad: Array, model: WheelModel) -> tuple[Array, Array]:
@@ -152,16 +145,21 @@ def exposed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: fl
     Schatz 2023, eq. (1) and figure 4(b). Assumes straight radial edges of wheel and mask; section 4 doubts one of them.
     """
     low, high = _opening_ends(wheel_angle_rad, model)
-    edges = model.cutout_edges_rad
-    if sweep_rad == 0:
-        return (_open_arc(high, edges) - _open_arc(low, edges)) / model.opening_angle_rad
-    swept = (
-        _open_arc_integral(high + sweep_rad, edges)
-        - _open_arc_integral(high, edges)
-        - _open_arc_integral(low + sweep_rad, edges)
-        + _open_arc_integral(low, edges)
-    )
-    return np.asarray(swept / (model.opening_angle_rad * sweep_rad))
+    edges = np.array(model.cutout_edges_rad)
+    arcs = _open_arcs(high.ravel(), edges, sweep_rad) - _open_arcs(low.ravel(), edges, sweep_rad)
+    return np.asarray((arcs / model.opening_angle_rad).reshape(low.shape))
+
+
+@njit(cache=True, nogil=True)
+def _open_arcs(alpha: Array, edges: Array, sweep: float) -> Any:
+    """Open part of the arcs from 0 to alpha, averaged while these grow by the sweep, up to a constant; rad, shape (n,)."""
+    out = np.empty(alpha.size)
+    for k in range(alpha.size):
+        arc, sign = alpha[k] + sweep / 2, -1.0
+        for i in range(4):
+            arc, sign = arc + sign * _passing(alpha[k], edges[i], sweep)[1], -sign
+        out[k] = arc
+    return out
 
 
 def fading_fraction(wheel_angle_rad: Array, model: WheelModel, *, fades_rad: float) -> Array:
@@ -212,15 +210,18 @@ def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: flo
     edge i comes earlier, that is for a smaller alpha_i.
     """
     low, high = _opening_ends(wheel_angle_rad, model)
-    crossing = []
-    for edge in model.cutout_edges_rad:
-        if sweep_rad == 0:
-            crossing.append(np.floor((high - edge) / TURN) - np.floor((low - edge) / TURN))
-        else:
-            ahead = _passages(high + sweep_rad, edge) - _passages(high, edge)
-            behind = _passages(low + sweep_rad, edge) - _passages(low, edge)
-            crossing.append((ahead - behind) / sweep_rad)
-    return np.stack(crossing)
+    edges = np.array(model.cutout_edges_rad)
+    return np.asarray(_all_passed(high, edges, sweep_rad) - _all_passed(low, edges, sweep_rad))
+
+
+@njit(cache=True, nogil=True)
+def _all_passed(alpha: Array, edges: Array, sweep: float) -> Any:
+    """How often each edge has passed, averaged over the sweep, shape (4, n)."""
+    out = np.empty((4, alpha.size))
+    for k in range(alpha.size):
+        for i in range(4):
+            out[i, k] = _passing(alpha[k], edges[i], sweep)[0]
+    return out
 
 
 @final
@@ -281,18 +282,16 @@ def _at_points(start: Array, edges: Array, sweep: float) -> Any:
     """Open arc, its ends, arc of the second blade, its ends, and passages of the four edges, shape (8, n)."""
     out = np.empty((8, start.size))
     for k in range(start.size):
-        first, last = start[k], start[k] + sweep
-        arc, ends = (last**2 - first**2) / 2, first + last
+        arc, ends = start[k] + sweep / 2, 2 * start[k] + sweep
         blade_arc, blade_ends, sign = 0.0, 0.0, -1.0
         for i in range(4):
-            before, after = _passages(first, edges[i]), _passages(last, edges[i])
-            twice = _passages_twice(last, edges[i]) - _passages_twice(first, edges[i])
-            arc, ends = arc + sign * twice, ends + sign * (before + after)
+            passed, swept, both = _passing(start[k], edges[i], sweep)
+            arc, ends = arc + sign * swept, ends + sign * both
             if i >= 2:
-                blade_arc, blade_ends = blade_arc - sign * twice, blade_ends - sign * (before + after)
-            out[4 + i, k] = (after - before) / sweep
+                blade_arc, blade_ends = blade_arc - sign * swept, blade_ends - sign * both
+            out[4 + i, k] = passed
             sign = -sign
-        out[0, k], out[1, k], out[2, k], out[3, k] = arc / sweep, ends / 2, blade_arc / sweep, blade_ends / 2
+        out[0, k], out[1, k], out[2, k], out[3, k] = arc, ends / 2, blade_arc, blade_ends / 2
     return out
 
 
@@ -312,13 +311,28 @@ def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: flo
     Same shape; the exposed fraction grows by s times this. On a slope it is (1 - u^2) / 4 - 1 / 6, whose mean is zero: a
     skew does not look like a delay.
     """
-    low, high = _opening_ends(np.asarray(wheel_angle_rad) + sweep_rad / 2, model)
-    edges, gamma = model.cutout_edges_rad, model.opening_angle_rad
-    arcs = _open_arc(high, edges), _open_arc(low, edges)
-    moment = gamma / 2 * (arcs[0] + arcs[1]) - _open_arc_integral(high, edges) + _open_arc_integral(low, edges)
-    crossing = edge_in_opening(wheel_angle_rad, model, sweep_rad=sweep_rad)
-    moving = sum(s * c for s, c in zip(EDGE_SIGNS, crossing, strict=True))
-    return np.asarray(2 / gamma**2 * moment - moving / 6)
+    start = np.asarray(wheel_angle_rad)
+    (low, high), (middle, _) = _opening_ends(start, model), _opening_ends(start + sweep_rad / 2, model)
+    edges, gamma = np.array(model.cutout_edges_rad), model.opening_angle_rad
+    ends = np.stack([low.ravel(), high.ravel(), middle.ravel()])
+    return np.asarray(_skewed(ends, edges, gamma, sweep_rad).reshape(start.shape))
+
+
+@njit(cache=True, nogil=True)
+def _skewed(ends: Array, edges: Array, gamma: float, sweep: float) -> Any:
+    """Skewed fraction from both ends of the opening at the start of the window, and the low one in its middle, shape (3, n)."""
+    out = np.empty(ends.shape[1])
+    for k in range(ends.shape[1]):
+        low, high = ends[2, k], ends[2, k] + gamma
+        moment, moving, sign = 0.0, 0.0, -1.0
+        for i in range(4):
+            arcs = _passages(high, edges[i]) + _passages(low, edges[i])
+            twice = _passages_twice(high, edges[i]) - _passages_twice(low, edges[i])
+            moment += sign * (gamma / 2 * arcs - twice)
+            moving += sign * (_passing(ends[1, k], edges[i], sweep)[0] - _passing(ends[0, k], edges[i], sweep)[0])
+            sign = -sign
+        out[k] = 2 / gamma**2 * moment - moving / 6
+    return out
 
 
 def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
@@ -336,14 +350,13 @@ def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: floa
     -------
     Same shape; the exposed fraction grows by b times this. On a slope it is (u^3 - u) / 4.
     """
-    low, high = _opening_ends(np.asarray(wheel_angle_rad) + sweep_rad / 2, model)
-    edges, gamma = model.cutout_edges_rad, model.opening_angle_rad
-    first, second, third = (
-        [integral(end, edges) for end in (low, high)]
-        for integral in (_open_arc, _open_arc_integral, _open_arc_second_integral)
-    )
-    bowed = first[1] - first[0] - 6 / gamma * (second[0] + second[1]) + 12 / gamma**2 * (third[1] - third[0])
-    return np.asarray(bowed / gamma)
+    centre = model.opening_coordinate_rad + np.asarray(wheel_angle_rad) + sweep_rad / 2
+    bowed = np.zeros(centre.shape)
+    for sign, edge in zip(EDGE_SIGNS, model.cutout_edges_rad, strict=True):
+        beside = np.mod(edge - centre + np.pi, TURN) - np.pi
+        u = np.clip(beside / (model.opening_angle_rad / 2), -1.0, 1.0)
+        bowed += sign * (u - u**3) / 4
+    return bowed
 
 
 def slope_centres_rad(model: WheelModel) -> Array:

@@ -227,9 +227,13 @@ class PaperCamera:
         middle, unit = np.array([self.rows - 1, self.columns - 1]) / 2, np.hypot(self.rows, self.columns) / 2
 
         def unbent(y, x):
-            factor = 1.0
+            bend = self.distortion * (y**2 + x**2) / unit**2
+            factor = np.ones_like(bend)
             for _ in range(30 if self.distortion else 0):
-                factor = 1 / (1 + self.distortion * factor**2 * (y**2 + x**2) / unit**2)
+                np.multiply(factor, factor, out=factor)
+                np.multiply(factor, bend, out=factor)
+                np.add(factor, 1, out=factor)
+                np.reciprocal(factor, out=factor)
             return factor * y, factor * x
 
         place = unbent(row - middle[0], column - middle[1])
@@ -245,7 +249,7 @@ class PaperCamera:
         down, across = self.beside_axle(row, column)
         own = (down - self.mask_centre[0], across - self.mask_centre[1])
         radius = np.hypot(*own)
-        beside = np.angle(np.exp(1j * (np.arctan2(*own) - self.bisector_rad)))
+        beside = np.mod(np.arctan2(*own) - self.bisector_rad + np.pi, TURN) - np.pi
         through = (radius > self.radii[0]) & (radius < self.radii[1]) & (np.abs(beside) < self.opening_rad / 2)
         return row, column, through
 
@@ -254,13 +258,13 @@ class PaperCamera:
         from scipy import ndimage
 
         (row, column, through), n_angles = self.points(), self.n_angles
-        phi = np.arctan2(*self.beside_axle(row, column))
+        phi = np.arctan2(*self.beside_axle(row[through], column[through]))
         alpha = self.gate_rad - (phi if self.clockwise else np.pi - phi)
         pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns
         pixel = pixel + np.repeat(np.arange(self.columns), self.sub)[None, :]
         where = np.mod(np.floor(alpha / TURN * n_angles).astype(int), n_angles)
-        flat = where * (self.rows * self.columns) + pixel
-        light = np.bincount(flat[through], minlength=n_angles * self.rows * self.columns) / self.sub**2
+        flat = where * (self.rows * self.columns) + pixel[through]
+        light = np.bincount(flat, minlength=n_angles * self.rows * self.columns) / self.sub**2
         light = light.reshape(n_angles, self.rows, self.columns)
         used = np.flatnonzero(light.any(axis=(1, 2)))
         light[used] = ndimage.gaussian_filter(light[used], (0, self.blur_px, self.blur_px), mode="constant")
@@ -272,10 +276,11 @@ class PaperCamera:
         n_angles = len(light)
         alpha = (used + 0.5) / n_angles * TURN
         light = light[used].reshape(used.size, -1)
-        instants = times[:, None] + self.delay_s + (np.arange(9) + 0.5) / 9 * self.integration_s
-        wheel = np.mod(theta_of(instants)[..., None] + alpha, TURN)
-        seen = ((wheel >= self.edges[1]) & (wheel < self.edges[2])) | (wheel >= self.edges[3])
-        share = seen.mean(axis=1)
+        share = np.zeros((times.size, alpha.size))
+        for instant in (np.arange(9) + 0.5) / 9 * self.integration_s:
+            wheel = np.mod(theta_of(times + self.delay_s + instant)[:, None] + alpha, TURN)
+            share += ((wheel >= self.edges[1]) & (wheel < self.edges[2])) | (wheel >= self.edges[3])
+        share /= 9
         opening = light.sum(axis=0)
         scene = self.plate_dn + (self.wheel_dn - self.plate_dn) * opening
         scene = scene + (self.blackbody_dn - self.wheel_dn) * (share @ light)

@@ -24,6 +24,7 @@ its mean angle. F is the mean over some radii, each with its area. All derivativ
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -120,18 +121,53 @@ class Passing:
     tails: tuple[tuple[float, float], ...] = ()
     corner_variance_rad2: float = 0.0
 
-    @property
+    @cached_property
     def sweep_rad(self) -> float:
         """Of a window that rounds the corners as much as all does, never zero: smooth and even in the angle swept."""
         square = self.swept_rad**2 + _OF_A_SPAN * self.corner_variance_rad2
         return float(np.hypot(np.sqrt(max(square, 0.0)), _SHORTEST_RAD))
 
-    @property
+    @cached_property
     def start_rad(self) -> Array:
         """Wheel angle at the start of the window, shape (n,)."""
         return np.asarray(self.middle_rad - self.sweep_rad / 2)
 
-    @property
+    @cached_property
+    def centre_rad(self) -> Array:
+        """Wheel coordinate of the opening's centre then, within one turn, shape (n,)."""
+        return np.asarray(np.mod(self.actual.opening_coordinate_rad + self.start_rad, TURN))
+
+    @cached_property
+    def opening(self) -> "_Rings":
+        """As it is."""
+        return _rings(self)
+
+    @cached_property
+    def sector(self) -> "_Rings":
+        """The opening without leans, alike at all radii."""
+        return _rings(self, is_even=True)
+
+    @cached_property
+    def wide_sector(self) -> "_Rings":
+        """The same, wider by the border."""
+        return _rings(self, border_rad=self.border_rad, is_even=True)
+
+    @cached_property
+    def ends_of_region(self) -> PointAverage:
+        """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
+        return self._at_ends(self.region)
+
+    @cached_property
+    def ends_of_lost(self) -> PointAverage:
+        """The same of the lost light."""
+        return self._at_ends(self.lost)
+
+    def _at_ends(self, region: SummedRegion | None) -> PointAverage:
+        assert region is not None
+        places = self.centre_rad + region.ends_rad[:, None]
+        return at_point(places, self.actual.cutout_edges_rad, sweep_rad=self.sweep_rad)
+
+    @cached_property
     def actual(self) -> WheelModel:
         """The wheel with its edges and opening as given."""
         a, b, c, d = (float(e - d) for e, d in zip(self.wheel.cutout_edges_rad, self.edges_early_rad, strict=True))
@@ -166,21 +202,17 @@ def shapes(passing: Passing) -> Shapes:
     passing
         Wheel, window and opening.
     """
-    wheel, start, sweep = passing.actual, passing.start_rad, passing.sweep_rad
-    rings = _rings(passing, wheel)
-    fraction = _fraction(rings, wheel)
-    fraction = fraction - passing.glare * _lost(passing, wheel, fraction)
-    even = _even(passing)
-    for (share, _), late in zip(passing.tails, _tails(even, wheel), strict=True):
+    fraction = passing.opening.fraction
+    fraction = fraction - passing.glare * _lost(passing, fraction)
+    for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
         fraction = fraction + share * late
-    inner, outer = (_blades(_rings(even, one), one) for one in (wheel, _wide(passing, wheel)))
     return Shapes(
         fraction=fraction,
-        skew=skewed_fraction(start, wheel, sweep_rad=sweep),
-        bow=bowed_fraction(start, wheel, sweep_rad=sweep),
-        plate=_plate(passing, wheel),
-        blades=_blades(rings, wheel),
-        beside=outer - inner,
+        skew=skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
+        bow=bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
+        plate=_plate(passing),
+        blades=passing.opening.blades,
+        beside=passing.wide_sector.blades - passing.sector.blades,
     )
 
 
@@ -224,174 +256,140 @@ def slopes(
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
     ``glare`` (per unit), ``corner_variance`` (per rad^2), ``tail_0``, .. (per unit of each share).
     """
-    wheel = passing.actual
-    rings = _rings(passing, wheel)
-    plain, astray = _fraction_slopes(rings, passing, wheel), _lost(passing, wheel, _fraction(rings, wheel))
-    out = plain - passing.glare * _lost_slopes(passing, wheel, plain)
-    out += blades * (_second_blade_slopes(rings, passing, wheel) + plain / 2)
-    even = _even(passing)
-    out[:6] += plate * _plate_slopes(even, wheel) + skew * _uneven_slopes(skewed_fraction, passing, wheel)
-    out[:6] += bow * _uneven_slopes(bowed_fraction, passing, wheel)
-    out[:6] += beside * (_blades_slopes(even, _wide(passing, wheel)) - _blades_slopes(even, wheel))
+    plain, astray = passing.opening.fraction_slopes, _lost(passing, passing.opening.fraction)
+    out = plain - passing.glare * _lost_slopes(passing, plain)
+    out += blades * passing.opening.blades_slopes
+    out[:6] += plate * _plate_slopes(passing) + skew * _uneven_slopes(skewed_fraction, passing)
+    out[:6] += bow * _uneven_slopes(bowed_fraction, passing)
+    out[:6] += beside * (passing.wide_sector.blades_slopes - passing.sector.blades_slopes)[:6]
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    tails = {f"tail_{k}": late for k, late in enumerate(_tails(even, wheel))}
+    tails = {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
     return dict(zip(names, out, strict=True)) | {"corner_variance": corners, "glare": -astray} | tails
 
 
-def _tails(even: Passing, wheel: WheelModel) -> list[Array]:
+def _tails(passing: Passing) -> list[Array]:
     """D of each tail, shape (n,)."""
-    if not even.tails:
+    if not passing.tails:
         return []
-    window = abs(even.swept_rad)
-    first, last = even.middle_rad - window / 2, even.middle_rad + window / 2
+    window, wheel = abs(passing.swept_rad), passing.actual
+    first, last = passing.middle_rad - window / 2, passing.middle_rad + window / 2
     fraction = exposed_fraction(first, wheel, sweep_rad=window)
     crossing = edge_in_opening(first, wheel, sweep_rad=window)
     turning = np.tensordot(EDGE_SIGNS, crossing, 1) / wheel.opening_angle_rad
     return [
         fading_fraction(last, wheel, fades_rad=fades) - fraction - (window / 2 + fades) * turning
-        for _, fades in even.tails
+        for _, fades in passing.tails
     ]
-
-
-def _even(passing: Passing) -> Passing:
-    return replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Ring:
-    """The opening at one radius: its share of the area, place r_0 / r - mean, low and high end."""
+class _Rings:
+    """An opening at k radii: shares of the area and places r_0 / r - mean, (k,); the wheel at low and high ends, (2, k, n)."""
 
-    share: float
-    place: float
-    low: PointAverage
-    high: PointAverage
+    share: Array
+    place: Array
+    ends: PointAverage
+    opening_rad: float
+    sweep_rad: float
+
+    @cached_property
+    def fraction(self) -> Array:
+        """F, shape (n,)."""
+        return np.asarray(self._grown(self.ends.arc_rad) / self.opening_rad)
+
+    @cached_property
+    def covered(self) -> Array:
+        """Share of the opening that the second blade covers, shape (n,)."""
+        return np.asarray(self._grown(self.ends.blade_arc_rad) / self.opening_rad)
+
+    @property
+    def blades(self) -> Array:
+        """B, shape (n,)."""
+        return self.covered - (1 - self.fraction) / 2
+
+    @cached_property
+    def fraction_slopes(self) -> Array:
+        """Derivatives of F to the angles by which edges come earlier, opening angle, sweep and both leans, (8, n), per rad."""
+        crossing = self._grown(self.ends.passed)
+        edges = [sign * one for sign, one in zip(EDGE_SIGNS, crossing, strict=True)]
+        return self._slopes(edges, self.fraction, ends=self.ends.ends_rad, at=self.ends.openness)
+
+    @cached_property
+    def blades_slopes(self) -> Array:
+        """The same of B."""
+        crossing, none = self._grown(self.ends.passed[2:]), np.zeros_like(self.covered)
+        edges = [none, none, crossing[0], -crossing[1]]
+        covered = self._slopes(edges, self.covered, ends=self.ends.blade_ends_rad, at=self.ends.behind_second_blade)
+        return covered + self.fraction_slopes / 2
+
+    def _slopes(self, edges: list[Array], value: Array, *, ends: Array, at: Array) -> Array:
+        gamma, by_place = self.opening_rad, self.share * self.place
+        out = np.stack([
+            *edges,
+            self.share @ (at[0] + at[1]) / 2 - value,
+            self._grown(ends) / self.sweep_rad,
+            -by_place @ at[0],
+            by_place @ at[1],
+        ]) / gamma  # fmt: skip
+        out[5] -= value / self.sweep_rad
+        return np.asarray(out)
+
+    def _grown(self, of_ends: Array) -> Array:
+        """Mean over the radii of what a quantity of points, shape (..., 2, k, n), grows by over the opening; (..., n)."""
+        return np.asarray(self.share @ (of_ends[..., 1, :, :] - of_ends[..., 0, :, :]))
 
 
-def _rings(passing: Passing, wheel: WheelModel) -> list[_Ring]:
-    centre = np.mod(wheel.opening_coordinate_rad + passing.start_rad, TURN)
-    half, edges, sweep = wheel.opening_angle_rad / 2, wheel.cutout_edges_rad, passing.sweep_rad
-    return [
-        _Ring(
-            share=float(share),
-            place=float(place),
-            low=at_point(centre - half + passing.lean_low_rad * place, edges, sweep_rad=sweep),
-            high=at_point(centre + half + passing.lean_high_rad * place, edges, sweep_rad=sweep),
-        )
-        for share, place in zip(passing.radii.share, passing.radii.place, strict=True)
-    ]
+def _rings(passing: Passing, *, border_rad: float = 0.0, is_even: bool = False) -> _Rings:
+    """The opening, wider by a border; or a plain sector, if it is to be even."""
+    wheel, over = passing.actual, Radii() if is_even else passing.radii
+    leans = np.array([0.0, 0.0] if is_even else [passing.lean_low_rad, passing.lean_high_rad])
+    opening_rad = wheel.opening_angle_rad + 2 * border_rad
+    from_centre = np.array([-opening_rad / 2, opening_rad / 2])[:, None] + np.multiply.outer(leans, over.place)
+    ends = at_point(passing.centre_rad + from_centre[..., None], wheel.cutout_edges_rad, sweep_rad=passing.sweep_rad)
+    return _Rings(
+        share=over.share, place=over.place, ends=ends, opening_rad=opening_rad, sweep_rad=passing.sweep_rad
+    )  # fmt: skip
 
 
-def _plate(passing: Passing, wheel: WheelModel) -> Array:
+def _plate(passing: Passing) -> Array:
     """P: what the summed region sees, as the image shows it or of a border all around, less the opening."""
-    start, sweep, region = passing.start_rad, passing.sweep_rad, passing.region
-    narrow = exposed_fraction(start, wheel, sweep_rad=sweep)
+    narrow, region = passing.sector.fraction, passing.region
     if region is not None:
-        return summed_region.exposed(region, _region_ends(passing, wheel, region)) - region.total * narrow
-    return exposed_fraction(start, _wide(passing, wheel), sweep_rad=sweep) - narrow
+        return summed_region.exposed(region, passing.ends_of_region) - region.total * narrow
+    return passing.wide_sector.fraction - narrow
 
 
-def _plate_slopes(even: Passing, wheel: WheelModel) -> Array:
-    """Derivatives of P, as the first six of `_fraction_slopes`."""
-    narrow, region = _fraction_slopes(_rings(even, wheel), even, wheel)[:6], even.region
+def _plate_slopes(passing: Passing) -> Array:
+    """Derivatives of P, as the first six of F."""
+    region = passing.region
+    narrow = passing.sector.fraction_slopes[:6]
     if region is not None:
-        seen = summed_region.slopes(region, _region_ends(even, wheel, region), sweep_rad=even.sweep_rad)
-        return seen - region.total * narrow
-    wide = _wide(even, wheel)
-    return _fraction_slopes(_rings(even, wide), even, wide)[:6] - narrow
+        return summed_region.slopes(region, passing.ends_of_region, sweep_rad=passing.sweep_rad) - region.total * narrow
+    return passing.wide_sector.fraction_slopes[:6] - narrow
 
 
-def _lost(passing: Passing, wheel: WheelModel, fraction: Array) -> Array:
+def _lost(passing: Passing, fraction: Array) -> Array:
     """R - r F: what glare takes from the sum, beyond its part of what it takes from an open one."""
     if passing.lost is None:
         return np.zeros_like(fraction)
-    gone = summed_region.exposed(passing.lost, _region_ends(passing, wheel, passing.lost))
-    return gone - passing.lost.total * fraction
+    return summed_region.exposed(passing.lost, passing.ends_of_lost) - passing.lost.total * fraction
 
 
-def _lost_slopes(passing: Passing, wheel: WheelModel, of_fraction: Array) -> Array:
+def _lost_slopes(passing: Passing, of_fraction: Array) -> Array:
     """Derivatives of it, as those of F, which are given; the lost light stays where it is when the opening's ends move."""
     out = np.zeros_like(of_fraction)
     if passing.lost is not None:
-        ends = _region_ends(passing, wheel, passing.lost)
         out -= passing.lost.total * of_fraction
-        out[:6] += summed_region.slopes(passing.lost, ends, sweep_rad=passing.sweep_rad)
+        out[:6] += summed_region.slopes(passing.lost, passing.ends_of_lost, sweep_rad=passing.sweep_rad)
     return out
 
 
-def _wide(passing: Passing, wheel: WheelModel) -> WheelModel:
-    return replace(wheel, opening_angle_rad=wheel.opening_angle_rad + 2 * passing.border_rad)
-
-
-def _region_ends(passing: Passing, wheel: WheelModel, region: SummedRegion) -> PointAverage:
-    """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
-    centre = np.mod(wheel.opening_coordinate_rad + passing.start_rad, TURN)
-    return at_point(centre + region.ends_rad[:, None], wheel.cutout_edges_rad, sweep_rad=passing.sweep_rad)
-
-
-def _fraction(rings: list[_Ring], wheel: WheelModel) -> Array:
-    arcs = sum(ring.share * (ring.high.arc_rad - ring.low.arc_rad) for ring in rings)
-    return np.asarray(arcs / wheel.opening_angle_rad)
-
-
-def _blades(rings: list[_Ring], wheel: WheelModel) -> Array:
-    """B of an opening."""
-    return _second_blade(rings, wheel) - (1 - _fraction(rings, wheel)) / 2
-
-
-def _blades_slopes(even: Passing, wheel: WheelModel) -> Array:
-    """Derivatives of B, as the first six of `_fraction_slopes`."""
-    rings = _rings(even, wheel)
-    return (_second_blade_slopes(rings, even, wheel) + _fraction_slopes(rings, even, wheel) / 2)[:6]
-
-
-def _second_blade(rings: list[_Ring], wheel: WheelModel) -> Array:
-    """Share of the opening that the second blade covers."""
-    arcs = sum(ring.share * (ring.high.blade_arc_rad - ring.low.blade_arc_rad) for ring in rings)
-    return np.asarray(arcs / wheel.opening_angle_rad)
-
-
-def _second_blade_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) -> Array:
-    """Derivatives of that share, as `_fraction_slopes`."""
-    gamma, share = wheel.opening_angle_rad, _second_blade(rings, wheel)
-    out = np.zeros((8, share.size))
-    for ring in rings:
-        low, high = ring.low.behind_second_blade, ring.high.behind_second_blade
-        crossing = ring.high.passed - ring.low.passed
-        out[2] += ring.share * crossing[2]
-        out[3] -= ring.share * crossing[3]
-        out[4] += ring.share * (low + high) / 2
-        out[5] += ring.share * (ring.high.blade_ends_rad - ring.low.blade_ends_rad)
-        out[6] -= ring.share * ring.place * low
-        out[7] += ring.share * ring.place * high
-    out /= gamma
-    out[4] -= share / gamma
-    out[5] = (out[5] - share) / passing.sweep_rad
-    return out
-
-
-def _fraction_slopes(rings: list[_Ring], passing: Passing, wheel: WheelModel) -> Array:
-    """Derivatives of F to the angles by which edges come earlier, opening angle, sweep and both leans, shape (8, n), per rad."""
-    gamma, fraction = wheel.opening_angle_rad, _fraction(rings, wheel)
-    out = np.zeros((8, fraction.size))
-    for ring in rings:
-        low_open, high_open = ring.low.openness, ring.high.openness
-        out[:4] += ring.share * np.array(EDGE_SIGNS)[:, None] * (ring.high.passed - ring.low.passed)
-        out[4] += ring.share * (low_open + high_open) / 2
-        out[5] += ring.share * (ring.high.ends_rad - ring.low.ends_rad)
-        out[6] -= ring.share * ring.place * low_open
-        out[7] += ring.share * ring.place * high_open
-    out /= gamma
-    out[4] -= fraction / gamma
-    out[5] = (out[5] - fraction) / passing.sweep_rad
-    return out
-
-
-def _uneven_slopes(trace: Callable[..., Array], passing: Passing, wheel: WheelModel) -> Array:
+def _uneven_slopes(trace: Callable[..., Array], passing: Passing) -> Array:
     """The same of S or U: to opening angle and sweep by differences, since both are small; to the edges 0, being smaller yet."""
-    start, sweep, h = passing.start_rad, passing.sweep_rad, _DIFFERENCE_RAD
+    wheel, start, sweep, h = passing.actual, passing.start_rad, passing.sweep_rad, _DIFFERENCE_RAD
     out = np.zeros((6, start.size))
     by_gamma = [
         trace(start, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + k * h), sweep_rad=sweep)

@@ -7,6 +7,7 @@ pixels wide spans the smaller an angle the farther it lies from the axle, so it 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -28,10 +29,10 @@ class SummedRegion:
         """Sum of the shares: 1 of light that is everywhere of one sign."""
         return float(np.sum(self.share))
 
-    @property
-    def density(self) -> Array:
-        """Share per rad, shape (k,)."""
-        return np.asarray(self.share / np.diff(self.ends_rad))
+    @cached_property
+    def weight(self) -> Array:
+        """What each end's open arc counts for in the mean, 1/rad, shape (k + 1,): density before it less that behind it."""
+        return np.asarray(-np.diff(self.share / np.diff(self.ends_rad), prepend=0.0, append=0.0))
 
 
 def sector(opening_angle_rad: float, border_rad: float) -> SummedRegion:
@@ -56,7 +57,7 @@ def exposed(region: SummedRegion, ends: PointAverage) -> Array:
     ends
         The wheel at ``region.ends_rad``, shapes (k + 1, n).
     """
-    return np.asarray(region.density @ np.diff(ends.arc_rad, axis=0))
+    return np.asarray(region.weight @ ends.arc_rad)
 
 
 def slopes(region: SummedRegion, ends: PointAverage, *, sweep_rad: float) -> Array:
@@ -70,6 +71,6 @@ def slopes(region: SummedRegion, ends: PointAverage, *, sweep_rad: float) -> Arr
         Angle of the window.
     """
     out = np.zeros((6, ends.arc_rad.shape[1]))
-    out[:4] = np.array(EDGE_SIGNS)[:, None] * np.einsum("k,ekn->en", region.density, np.diff(ends.passed, axis=1))
-    out[5] = (region.density @ np.diff(ends.ends_rad, axis=0) - exposed(region, ends)) / sweep_rad
+    out[:4] = np.array(EDGE_SIGNS)[:, None] * (region.weight @ ends.passed)
+    out[5] = (region.weight @ ends.ends_rad - exposed(region, ends)) / sweep_rad
     return out
