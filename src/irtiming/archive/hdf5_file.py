@@ -73,7 +73,8 @@ def damage_at(where: str) -> Iterator[None]:
 
 def reason_of(error: BaseException) -> str:
     """The innermost reason in an h5py message: what the system says, else the text in its last bracket."""
-    text = " ".join(str(error).split()).strip("'\"")
+    says = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    text = " ".join(says.split()).strip("'\"")
     if told := re.search(r"error message = '([^']+)'", text):
         return told[1]
     inner = re.search(r"\((.+)\)$", text)

@@ -4,12 +4,12 @@ import shutil
 from pathlib import Path
 from zipfile import BadZipFile
 
-import h5py
 import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import create_stack, set_temperature
 from irtiming.archive.reader import nonuniformity_of, read
@@ -85,7 +85,7 @@ def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
     low, high = _raw(reference, target)
     try:
         shutil.copyfile(target, copy)
-        with h5py.File(copy, "r+", libver=layout.HDF5_FORMAT) as file:
+        with writing(copy, "r+") as (file, _):
             if layout.REFERENCE in file:
                 raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
             for field, frames, temperature_k in (

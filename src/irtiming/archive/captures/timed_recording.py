@@ -15,6 +15,7 @@ from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version, reduce_reference
@@ -120,7 +121,7 @@ def _replace_ticks(source: Path, part: Path, ticks: CapturedTicks, *, is_delayed
         raise unwritable(part, error) from error
     values: dict[Field, Any] = {**nominal.streams, **periods, layout.CLOCK_FREQUENCY: float(ticks.clock_frequency_hz)}
     try:
-        with h5py.File(part, "r+") as file:
+        with writing(part, "r+") as (file, _):
             group = file.require_group(layout.TRIGGER_GENERATOR)
             for field in _REPLACED:
                 if field.name in group:
