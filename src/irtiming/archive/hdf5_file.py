@@ -13,9 +13,8 @@ import hdf5plugin  # registers the compression filters: without it reading a com
 
 from irtiming.archive import layout
 from irtiming.archive.finding import Complaint, refuse
-
-H5_ERRORS = (OSError, RuntimeError, KeyError, ValueError, TypeError)
-"""All that h5py is known to throw on a damaged or foreign file."""
+from irtiming.archive.hdf5_bounds import H5_ERRORS as H5_ERRORS
+from irtiming.archive.hdf5_bounds import require_bounded
 
 _CACHE_BYTES = 8 * 2**20
 _READ_ATTEMPTS = 25
@@ -30,16 +29,19 @@ def opened(path: str | Path, *, is_growing: bool = False) -> Iterator[h5py.File]
     Raises
     ------
     Complaint
-        If there is no such file, or it cannot be opened as HDF5.
+        If there is no such file, it cannot be opened as HDF5, or a place in it is beyond the bounds of `hdf5_bounds`.
     """
     where = Path(path)
     if where.is_dir():
         raise refuse("", "is a folder, not a recording", code="is-a-folder", cure=f"name a {layout.SUFFIX} file in it")
+    if where.exists() and not where.is_file():
+        raise refuse("", "is no file but a device or a pipe", code="not-a-file", cure="name a recording")
     try:
         file = _open_growing(where) if is_growing else h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
     except H5_ERRORS as error:
         raise _why_not_opened(where, error) from error
     with file:
+        require_bounded(file)
         yield file
 
 

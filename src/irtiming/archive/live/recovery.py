@@ -8,6 +8,7 @@ import numpy as np
 
 from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint, archive_error, refuse
+from irtiming.archive.hdf5_bounds import require_few_objects
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import require_place
@@ -90,6 +91,7 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
         if frames_there(file) == 0:
             raise refuse("", f"has {summary(file)}", code="nothing-to-recover", cure="delete it and record again")
         ending = ending_of(file)
+        require_few_objects(file)
         _copy(file, path)
     with writing(path, "r+") as (file, _):
         _mend(file, progress=progress)
