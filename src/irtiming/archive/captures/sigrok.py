@@ -2,6 +2,7 @@
 
 import configparser
 import re
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -18,7 +19,16 @@ from irtiming.archive.captures.capture import Capture, Line, broken, cut_short, 
 from irtiming.records.arrays import Ticks
 
 _BLOCK_BYTES = 2**24
-_ZIP_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
+_ZIP_ERRORS = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    ValueError,
+    struct.error,
+)
 
 
 @final
