@@ -120,7 +120,7 @@ def _of_hdf5(rng: random.Random, seed: bytes, _: object) -> bytes:
     with h5py.File(memory, "r+") as file:
         for _ in range(rng.choice((1, 1, 2, 4))):
             with suppress(
-                OSError, RuntimeError, ValueError, TypeError, KeyError
+                OSError, RuntimeError, ValueError, TypeError, LookupError
             ):  # what HDF5 itself refuses is no change
                 _change(file, rng, numbers)
     return memory.getvalue()
