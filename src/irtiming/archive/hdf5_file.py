@@ -15,6 +15,7 @@ from irtiming.archive import layout
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_bounds import H5_ERRORS as H5_ERRORS
 from irtiming.archive.hdf5_bounds import require_bounded
+from irtiming.archive.hdf5_probe import require_survivable
 
 _CACHE_BYTES = 8 * 2**20
 _READ_ATTEMPTS = 25
@@ -36,6 +37,8 @@ def opened(path: str | Path, *, is_growing: bool = False) -> Iterator[h5py.File]
         raise refuse("", "is a folder, not a recording", code="is-a-folder", cure=f"name a {layout.SUFFIX} file in it")
     if where.exists() and not where.is_file():
         raise refuse("", "is no file but a device or a pipe", code="not-a-file", cure="name a recording")
+    if not is_growing:
+        require_survivable(where)
     try:
         file = _open_growing(where) if is_growing else h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
     except H5_ERRORS as error:

@@ -13,7 +13,7 @@ import pytest
 from hostile_recordings import LINES, TICKS, hostile
 from live_run import append_edges, append_frames, head
 
-from irtiming.archive import hdf5_bounds
+from irtiming.archive import hdf5_bounds, hdf5_probe
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.archive.live.recovery import recover
 from irtiming.archive.live.unfinished import part_of
@@ -134,3 +134,16 @@ def test_an_interrupted_recording_with_groups_without_end_is_not_copied(tmp_path
             group = h5py.h5g.create(group, b"d")
     with pytest.raises(ArchiveError, match=r"is one object too many; there may be 10000, 32 groups deep"):
         recover(part_of(path), tmp_path / "deep.nxs")
+
+
+def test_a_file_that_turns_hdf5_in_a_circle(hand_made: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Oracle: an entry of number 0 and length 0 in the heap of texts, behind which HDF5 2.0 looks for the next one for ever."""
+    monkeypatch.setattr(hdf5_probe, "LONGEST_CPU_S", 1)
+    path = hand_made()
+    content = bytearray(path.read_bytes())
+    heap = content.index(b"GCOL")
+    content[heap + 16 : heap + 32] = bytes(16)
+    path.write_bytes(content)
+    assert verify(path)[0].code == "kills-hdf5"
+    with pytest.raises(ArchiveError, match="makes the HDF5 library crash, or turn in a circle; the file is damaged"):
+        read(path)
