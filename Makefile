@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
-.PHONY: demo test check mutants proofs boards docs-figures clean
+.PHONY: demo test check fuzz mutants proofs boards docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -17,6 +17,10 @@ check: .venv/ready-for-tests
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Hostile inputs for an hour. scripts/fuzz --help tells how to ask for less, or for one input.
+fuzz: .venv/ready-for-tests
+	$(BIN)/python scripts/fuzz --minutes 60
 
 # What the tests let through: hours. scripts/mutants --help tells how to ask for a part of it.
 mutants: .venv/ready-for-tests

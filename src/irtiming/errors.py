@@ -17,6 +17,17 @@ A message says what is, what must be and what to do, in one line. The command li
 
 from collections.abc import Callable, Sequence
 
+_LONGEST, _HEAD, _TAIL = 2000, 1400, 500
+
+
+def one_line(text: str) -> str:
+    """A message as a person can read it, whatever a hostile file put into it: one line, no control characters, not too long.
+
+    What is cut is the middle: a message begins with what is wrong and ends with what to do.
+    """
+    line = "".join(letter if letter.isprintable() else "\ufffd" for letter in " ".join(text.split()))
+    return line if len(line) <= _LONGEST else f"{line[:_HEAD]} [...] {line[-_TAIL:]}"
+
 
 class IrTimingError(Exception):
     """Root of all errors that a user can cause and cure.
@@ -41,7 +52,7 @@ class IrTimingError(Exception):
         self.what = self._form
         for field in self._fields:
             self.what = self.what.replace(f"{{{field}}}", name(field))
-        self.args = (f"{self.where}: {self.what}" if self.where else self.what,)
+        self.args = (one_line(f"{self.where}: {self.what}" if self.where else self.what),)
 
 
 def listed(fields: Sequence[str]) -> str:

@@ -14,6 +14,7 @@ from irtiming.archive.layout import Field
 from irtiming.records.arrays import Array, Ticks, read_only
 from irtiming.records.finding import Finding
 
+_LARGEST_INTEGER = 2**62
 _NOT_THERE = ("doesn't exist", "component not found", "not found")
 
 
@@ -243,12 +244,12 @@ def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
     _refuse_unwritten(dataset, field)
     with damage_at(field.path):
         values = np.asarray(dataset[()])
-    if values.dtype.kind == "u" and values.size and int(values.max()) > np.iinfo(np.int64).max:
+    if values.size and max(int(values.max()), -int(values.min())) > _LARGEST_INTEGER:
         raise refuse(
             field.path,
-            f"reaches {int(values.max())}",
+            f"reaches {int(values.max())}, from {int(values.min())}",
             code="integer-too-large",
-            cure="it must fit into int64: unwrap the counter",
+            cure="it must stay within 2^62, so that differences fit into int64: unwrap the counter",
         )
     return read_only(values.astype(np.int64, copy=False))
 

@@ -13,9 +13,9 @@ import hdf5plugin  # registers the compression filters: without it reading a com
 
 from irtiming.archive import layout
 from irtiming.archive.finding import Complaint, refuse
-
-H5_ERRORS = (OSError, RuntimeError, KeyError, ValueError, TypeError)
-"""All that h5py is known to throw on a damaged or foreign file."""
+from irtiming.archive.hdf5_bounds import H5_ERRORS as H5_ERRORS
+from irtiming.archive.hdf5_bounds import require_bounded
+from irtiming.archive.hdf5_probe import require_survivable
 
 _CACHE_BYTES = 8 * 2**20
 _READ_ATTEMPTS = 25
@@ -30,16 +30,21 @@ def opened(path: str | Path, *, is_growing: bool = False) -> Iterator[h5py.File]
     Raises
     ------
     Complaint
-        If there is no such file, or it cannot be opened as HDF5.
+        If there is no such file, it cannot be opened as HDF5, or a place in it is beyond the bounds of `hdf5_bounds`.
     """
     where = Path(path)
     if where.is_dir():
         raise refuse("", "is a folder, not a recording", code="is-a-folder", cure=f"name a {layout.SUFFIX} file in it")
+    if where.exists() and not where.is_file():
+        raise refuse("", "is no file but a device or a pipe", code="not-a-file", cure="name a recording")
+    if not is_growing:
+        require_survivable(where)
     try:
         file = _open_growing(where) if is_growing else h5py.File(where, "r", rdcc_nbytes=_CACHE_BYTES)
     except H5_ERRORS as error:
         raise _why_not_opened(where, error) from error
     with file:
+        require_bounded(file)
         yield file
 
 
@@ -73,7 +78,8 @@ def damage_at(where: str) -> Iterator[None]:
 
 def reason_of(error: BaseException) -> str:
     """The innermost reason in an h5py message: what the system says, else the text in its last bracket."""
-    text = " ".join(str(error).split()).strip("'\"")
+    says = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    text = " ".join(says.split()).strip("'\"")
     if told := re.search(r"error message = '([^']+)'", text):
         return told[1]
     inner = re.search(r"\((.+)\)$", text)

@@ -125,7 +125,10 @@ def _flat(path: str | Path, where: str) -> dict[str, Any]:
     values: dict[str, Any] = {}
     try:
         with opened(path) as file, damage_at(where):
-            for name, dataset in (file.get(where) or {}).items():
+            group = file.get(where)
+            for name, dataset in group.items() if isinstance(group, h5py.Group) else ():
+                if not isinstance(dataset, h5py.Dataset):
+                    continue
                 value = dataset[()]
                 text = as_text(value)
                 values[name] = value if text is None else text

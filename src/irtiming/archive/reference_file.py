@@ -2,20 +2,22 @@
 
 import shutil
 from pathlib import Path
-from zipfile import BadZipFile
 
-import h5py
 import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import create_stack, set_temperature
+from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.reader import nonuniformity_of, read
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.recording import NonuniformityReference
+
+_NAMES = ("low", "high", "low_temperature_k", "high_temperature_k")
 
 
 def write_reference(reference: NonuniformityReference, path: str | Path) -> None:
@@ -60,16 +62,16 @@ def read_reference(path: str | Path) -> NonuniformityReference:
         if found is None:
             raise ArchiveError(f"{source}: holds no non-uniformity reference; name a recording that does")
         return found
-    try:
-        with np.load(source, allow_pickle=False) as arrays:
-            low, high, low_k, high_k = (
-                arrays[name] for name in ("low", "high", "low_temperature_k", "high_temperature_k")
-            )
-    except FileNotFoundError as error:
-        raise ArchiveError(f"{source}: does not exist; check the name") from error
-    except (OSError, KeyError, ValueError, BadZipFile) as error:
-        raise ArchiveError(f"{source}: cannot be read ({reason_of(error)}); record the references again") from error
-    return nonuniformity_of(ArrayFrames(low), ArrayFrames(high), low_k=float(low_k), high_k=float(high_k))
+    arrays = read_arrays(source, _NAMES)
+    low, high, *both_k = (arrays.get(name, np.empty(0)) for name in _NAMES)
+    if not all(frames.dtype == np.uint16 and frames.ndim == 3 and frames.size for frames in (low, high)):
+        raise ArchiveError(f"{source}: 'low' and 'high' must be frames, uint16 (frame, row, column); record them again")
+    if low.shape[1:] != high.shape[1:] or not all(one.size == 1 and one.dtype.kind == "f" for one in both_k):
+        raise ArchiveError(
+            f"{source}: holds stacks of two sizes, or temperatures that are no numbers; record them again"
+        )
+    low_k, high_k = (float(one.reshape(())) for one in both_k)
+    return nonuniformity_of(ArrayFrames(low), ArrayFrames(high), low_k=low_k, high_k=high_k)
 
 
 def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
@@ -85,7 +87,7 @@ def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
     low, high = _raw(reference, target)
     try:
         shutil.copyfile(target, copy)
-        with h5py.File(copy, "r+", libver=layout.HDF5_FORMAT) as file:
+        with writing(copy, "r+") as (file, _):
             if layout.REFERENCE in file:
                 raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
             for field, frames, temperature_k in (

@@ -101,7 +101,15 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
     clock, nominal = contents.get(layout.CLOCK_FREQUENCY), contents.get(layout.ROTATION_SPEED)
     if edges is None or clock is None or nominal is None or edges.size < 3:
         return
-    speed = clock / (2 * float(np.median(np.diff(edges))))
+    if (usual := float(np.median(np.diff(edges)))) == 0:
+        yield error_at(
+            layout.APPLICATION_SLOT.path,
+            "repeats the tick before in most of its entries: no wheel turns so",
+            code="application-slots-at-one-tick",
+            cure="check the application light gate and the program that wrote the ticks; record again",
+        )
+        return
+    speed = clock / (2 * usual)
     if abs(speed / nominal - 1) > _SPEED_TOLERANCE:
         yield error_at(
             layout.ROTATION_SPEED.path,

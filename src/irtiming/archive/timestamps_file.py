@@ -11,6 +11,7 @@ from irtiming.archive import layout
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.nexus import group, set_units
@@ -83,7 +84,7 @@ def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRu
         layout.SPARE.name: timestamps.spare_ticks,
     }
     try:
-        with h5py.File(part, "w", libver=layout.HDF5_FORMAT) as file:
+        with writing(part) as (file, _):
             for field, value in values.items():
                 set_units(group(file, field.group).create_dataset(field.name, data=value), field.unit)
             for name, ticks in beside.items():

@@ -25,6 +25,7 @@ from irtiming.errors import ArchiveError, UnitError
 from irtiming.units import kelvin, readable_time, seconds
 
 _Model = TypeVar("_Model", bound="Part")
+_MOST_BYTES = 2**25
 
 
 class Part(BaseModel):
@@ -122,7 +123,7 @@ def read_toml(path: Path, model: type[_Model], *, kind: FileKind) -> tuple[_Mode
         table = tomllib.loads(content.decode("utf-8"))
     except UnicodeDecodeError as error:
         raise ArchiveError(f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from error
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # the former is also raised for a number of thousands of digits
         raise ArchiveError(f"{path}: is not valid TOML: {error}; correct that place") from error
     return fitted(table, model, path=path, kind=kind), hashlib.sha256(content).hexdigest()
 
@@ -135,11 +136,10 @@ def read_json(path: Path, model: type[_Model], *, kind: FileKind) -> _Model:
     ArchiveError
         If it cannot be read, is no JSON, of another format or a later version, or does not fit the model.
     """
+    text = _bytes_of(path, kind.name)
     try:
-        content = json.loads(path.read_bytes())
-    except OSError as error:
-        raise ArchiveError(f"{path}: cannot be read ({error.strerror or error}); check its name") from error
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:  # the former is also raised for a number of thousands of digits
         raise ArchiveError(f"{path}: is not valid JSON ({error}); {kind.cure}") from error
     if not isinstance(content, dict):
         raise ArchiveError(f"{path}: holds a {type(content).__name__}, must be a {kind.name}; {kind.cure}")
@@ -154,7 +154,7 @@ def read_json(path: Path, model: type[_Model], *, kind: FileKind) -> _Model:
 
 def _numbers(version: object) -> tuple[int, ...]:
     """Major and minor number of a version, such as 1 or "1.2"; none of what is no version."""
-    return tuple(map(int, re.findall(r"\d+", str(version)))) if isinstance(version, int | str) else ()
+    return tuple(map(int, re.findall(r"[0-9]{1,9}", str(version)))) if isinstance(version, int | str) else ()
 
 
 def fitted(
@@ -175,7 +175,13 @@ def fitted(
 
 def _bytes_of(path: Path, what: str) -> bytes:
     try:
-        return path.read_bytes()
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise ArchiveError(f"{path}: is no file but a device or a pipe; name the {what}")
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+        if len(content) > _MOST_BYTES:
+            raise ArchiveError(f"{path}: has more than {_MOST_BYTES} bytes, which no {what} has; name the {what}")
+        return content
     except FileNotFoundError as error:
         raise ArchiveError(f"{path}: does not exist; name the {what}") from error
     except IsADirectoryError as error:

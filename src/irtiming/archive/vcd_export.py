@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,8 @@ def _times(ticks: Ticks, units_per_tick: Fraction, *, name: str) -> list[int]:
     """Ticks in units of the dump, rounded; with Python's integers, since those of 64 bits would overflow."""
     above, below = units_per_tick.numerator, units_per_tick.denominator
     times = [(2 * above * tick + below) // (2 * below) for tick in ticks.tolist()]
+    if any(later < time for time, later in pairwise(times)):
+        raise ArchiveError(f"{name} has ticks that go back; see what irtiming verify says of the file")
     if times and times[0] < 0:
         raise ArchiveError(
             f"{name} begins at tick {ticks[0]}; a value change dump has no time before 0, so add a constant to all ticks"

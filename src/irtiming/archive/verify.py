@@ -15,6 +15,7 @@ from irtiming.archive.finding import Complaint, error_at, warning_at
 from irtiming.archive.frame_stack import FileFrames
 from irtiming.archive.frame_status import leave_out
 from irtiming.archive.frame_survey import FrameSurvey, survey
+from irtiming.archive.hdf5_bounds import DEEPEST, MOST_OBJECTS
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
 from irtiming.archive.line_checks import check_lines
@@ -105,14 +106,22 @@ def _strangers(file: h5py.File) -> list[Finding]:
     """Datasets that no reader of this program looks at."""
     known = {field.path for field in layout.FIELDS} | {layout.ACQUISITION_MODE}
     findings: list[Finding] = []
+    n_objects = 0
 
-    def _look(name: str, item: object) -> None:
+    def _look(name: str, item: object) -> bool | None:
+        nonlocal n_objects
+        n_objects += 1
         path = f"/{name}"
+        if path.count("/") > DEEPEST or n_objects > MOST_OBJECTS:
+            what = f"is as far as this program looks: {n_objects} objects, {path.count('/')} deep"
+            findings.append(Finding(code="objects-many", severity="info", where=f"{path[:80]}", what=what))
+            return True
         ours = path in known or path.startswith((f"{layout.TRUTH}/", f"{layout.PLOT}/", f"{layout.ACQUISITION}/"))
         if isinstance(item, h5py.Dataset) and not ours:
             findings.append(
                 Finding(code="dataset-unknown", severity="info", where=path, what="is not read by irtiming")
             )
+        return None
 
     file.visititems(_look)
     return findings

@@ -1,7 +1,7 @@
 """From a recording, block by block, to a file that is whole or not there."""
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Literal, Self, final
 
@@ -12,6 +12,7 @@ from irtiming.archive import consistency, layout
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import Output, writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.nexus import (
@@ -97,6 +98,8 @@ class RecordingWriter:
         self._described = False
         self._temperatures: dict[Field, float | None] = {}
         self._file: h5py.File | None = None
+        self._output: Output | None = None
+        self._held = ExitStack()
 
     def __enter__(self) -> Self:
         """Create the file under its temporary name.
@@ -108,7 +111,7 @@ class RecordingWriter:
         """
         self._refuse_existing()
         try:
-            self._file = h5py.File(self._part, "w", libver=layout.HDF5_FORMAT)
+            self._file, self._output = self._held.enter_context(writing(self._part))
         except BlockingIOError as error:
             raise ArchiveError(f"{self._part}: another program is writing it; wait, or use another name") from error
         except OSError as error:
@@ -123,9 +126,9 @@ class RecordingWriter:
             if kind is None:
                 self._finish()
         finally:
-            with suppress(*H5_ERRORS):  # a full disk makes closing fail too; the first error is the one to tell
-                self._file.close()
-            self._file = None
+            with suppress(*H5_ERRORS):  # what a full disk makes fail once more; the first error is the one to tell
+                self._held.close()
+            self._file = self._output = None
             self._part.unlink(missing_ok=True)
 
     def append(self, block: Pixels, *, stack: Stack = "frames") -> None:
@@ -150,6 +153,7 @@ class RecordingWriter:
         try:
             dataset.resize(n_before + len(block), axis=0)
             dataset[n_before:] = block
+            self._require_written()
         except H5_ERRORS as error:
             raise self._error(field, f"could not be written ({reason_of(error)}); is the disk full?") from error
 
@@ -185,8 +189,7 @@ class RecordingWriter:
         self._check(file)
         describe_for_viewers(file)
         try:
-            file.flush()
-            file.close()
+            self._held.close()
             bring_to_disk(self._part)
             self._refuse_existing()
             self._part.replace(self._path)
@@ -196,9 +199,12 @@ class RecordingWriter:
     def _check(self, file: h5py.File) -> None:
         try:
             file.flush()
+            self._require_written()
             contents = {field: read_field(file, field) for field in layout.FIELDS}
         except Complaint as complaint:
             raise complaint.as_error(self._path) from complaint
+        except OSError as error:
+            raise unwritable(self._path, error) from error
         findings = [*consistency.check(contents), *consistency.check_temperatures(self._temperatures)]
         for finding in findings:
             if finding.severity == "error":
@@ -211,6 +217,10 @@ class RecordingWriter:
             what = f"truth '{name}' is {type(value).__name__}; give a number, text or array of numbers"
             raise ArchiveError(f"{self._path}: {what}") from error
         set_units(dataset, _TRUTH_UNITS.get(name.rsplit("_", 1)[-1], ""))
+
+    def _require_written(self) -> None:
+        if self._output is not None:
+            self._output.require_written()
 
     def _opened(self) -> h5py.File:
         if self._file is None:

@@ -1,9 +1,11 @@
 """The command line: one command per stage of the measurement.
 
-Exit status: 0 done, 2 unusable input with one line on standard error that says what is, what must be and what to do.
+Exit status: 0 done, 2 unusable input with one line on standard error that says what is, what must be and what to do, 130
+stopped by Ctrl-C.
 """
 
 import os
+import signal
 import sys
 from typing import NoReturn
 
@@ -26,7 +28,7 @@ from irtiming.cli.recover_command import recover
 from irtiming.cli.rig_command import rig
 from irtiming.cli.simulate_command import simulate
 from irtiming.cli.verify_command import verify
-from irtiming.errors import IrTimingError
+from irtiming.errors import IrTimingError, one_line
 
 app = typer.Typer(
     name="irtiming",
@@ -45,20 +47,33 @@ for command in COMMANDS:
 app.add_typer(latency)
 app.add_typer(gateware)
 
+_STOPPED = "stopped; files not yet finished were removed or end in .part"
+
 
 def run() -> None:
     """Run the command line; what the user can cure ends in one line and exit status 2."""
     try:
+        if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         app()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # whoever read the output has enough of it
     except (IrTimingError, OSError) as error:
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
         _end(f"{error}{notes}", 2)
+    except MemoryError:
+        _end("there is not enough memory for this; give fewer recordings at once, or free memory", 2)
     except KeyboardInterrupt:
-        _end("stopped; files not yet finished were removed or end in .part", 130)
+        _end(_STOPPED, 130)
+    except SystemExit as ending:
+        if ending.code == 130:  # what typer makes of Ctrl-C, without a word
+            _end(_STOPPED, 130)
+        raise
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is over; Ctrl-C would only disturb the last words
 
 
 def _end(message: str, status: int) -> NoReturn:
-    print(f"irtiming: {' '.join(message.split())}", file=sys.stderr)  # noqa: T201
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    print(f"irtiming: {one_line(message)}", file=sys.stderr)  # noqa: T201
     sys.exit(status)

@@ -64,7 +64,7 @@ def plan(
     like: Annotated[
         Path | None, typer.Option(metavar="RESULT", help="With --for: take the camera from this result JSON.")
     ] = None,
-    most: Annotated[int, typer.Option(min=1, help="Rows of the table.")] = 10,
+    most: Annotated[int, typer.Option(min=1, max=10_000, help="Rows of the table.")] = 10,
     json: Annotated[Path | None, typer.Option(help="Write all schemes and the plan to this file.")] = None,
     picture: Annotated[Path | None, typer.Option(help="Draw the sampling order of the best to this SVG.")] = None,
 ) -> None:

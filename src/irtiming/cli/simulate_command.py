@@ -26,8 +26,8 @@ Columns = Annotated[int, typer.Option(min=16, max=4096, help="Pixels across the 
 Delays = Annotated[list[str] | None, typer.Option("--delay", help="Extra trigger delay, such as '25 ms'; repeatable.")]
 WheelRates = Annotated[list[float] | None, typer.Option("--wheel-hz", help="Wheel rate in Hz; repeatable.")]
 FrameRate = Annotated[float, typer.Option(help="Frame rate to come near to, in Hz.")]
-Runs = Annotated[int, typer.Option(min=1, help="Runs for each delay and wheel rate.")]
-Frames = Annotated[int, typer.Option(min=1, help="Triggers in a run, and samples per turn of the wheel.")]
+Runs = Annotated[int, typer.Option(min=1, max=1000, help="Runs for each delay and wheel rate.")]
+Frames = Annotated[int, typer.Option(min=1, max=2**20, help="Triggers in a run, and samples per turn of the wheel.")]
 Integration = Annotated[
     str | None, typer.Option("--integration-time", help="Integration time of a photon camera; 250 us if not given.")
 ]
@@ -63,6 +63,7 @@ References = Annotated[
     typer.Option(
         "--reference-frames",
         min=0,
+        max=10_000,
         help="Of a photon camera at each reference temperature, 50 if not given; 0 records none.",
     ),
 ]
@@ -73,7 +74,9 @@ NucAt = Annotated[
 DriftRate = Annotated[
     float | None, typer.Option("--drift-dn-per-s", help="Drift of a microbolometer's values, DN per second.")
 ]
-Seed = Annotated[int, typer.Option(min=0, help="Draws rig and runs; the same seed gives the same files.")]
+Seed = Annotated[
+    int, typer.Option(min=0, max=2**63 - 1, help="Draws rig and runs; the same seed gives the same files.")
+]
 Blur = Annotated[float, typer.Option(min=0, max=20, help="Optical blur in pixels, standard deviation.")]
 Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirror the rig: wheel, gates and image.")]
 Distortion = Annotated[float, typer.Option(min=-0.2, max=0.2, help="Radial distortion at the image corner, relative.")]

@@ -14,6 +14,7 @@ from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.rig_file import read_rig
 from irtiming.cli.progress import shown
 from irtiming.cli.screen import say
+from irtiming.errors import one_line
 from irtiming.records.finding import Finding
 
 _STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "doubt": "bold yellow", "error": "bold red"}
@@ -68,5 +69,5 @@ def _show(path: Path, findings: list[Finding], *, screen: Console) -> None:
     for finding in findings:
         style = _STYLES[finding.severity]
         cells = (finding.where, finding.what, finding.cure)
-        table.add_row(f"[{style}]{finding.severity}[/]", *(escape(cell) for cell in cells))
+        table.add_row(f"[{style}]{finding.severity}[/]", *(escape(one_line(cell)) for cell in cells))
     screen.print(table)

@@ -327,12 +327,13 @@ class _UdpChannel:
         self._name = name
         try:
             self._host = socket.gethostbyname(host)
+            here = _address_towards(self._host, port)
         except OSError as error:
             raise _not_connected(name, host, error) from error
         self._port = port
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
-            self._socket.bind(("", reply_port))
+            self._socket.bind((here, reply_port))
         except OSError as error:
             self._socket.close()
             raise InstrumentError(
@@ -400,6 +401,13 @@ class VisaChannel:
 
     def _gone(self, error: Exception) -> InstrumentSilent:
         return InstrumentSilent(f"the line to {self._name} is gone ({_words(error)}); see to its cable and try again")
+
+
+def _address_towards(host: str, port: int) -> str:
+    """Address of this computer from which it reaches a host: what comes in by other networks is not heard."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect((host, port))
+        return str(probe.getsockname()[0])
 
 
 def _not_connected(name: str, host: str, error: OSError) -> InstrumentError:

@@ -204,8 +204,10 @@ def camera_clock(
     """
     known = stamp_ticks != 0
     n_frames = int(np.count_nonzero(known))
-    if n_frames < _FEWEST or np.unique(stamp_ticks[known]).size < _FEWEST:
+    if n_frames < _FEWEST or any(np.unique(ticks[known]).size < _FEWEST for ticks in (stamp_ticks, trigger_ticks)):
         return None
+    if trigger_ticks[known][-1] <= trigger_ticks[known][0]:
+        return None  # they go back: there is no line over them
     over_s = (trigger_ticks[known] - trigger_ticks[known][0]) / clock_frequency_hz
     of_s = (stamp_ticks[known] - stamp_ticks[known][0]) / stamp_frequency_hz
     found = line(over_s, of_s, tick_s=max(1 / stamp_frequency_hz, 1 / clock_frequency_hz))

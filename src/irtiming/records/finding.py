@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal, final
 
+from irtiming.errors import one_line
+
 Severity = Literal["ok", "info", "warning", "doubt", "error"]
 """``doubt``: a number that is stated may be wrong by more than its uncertainty says."""
 
@@ -27,4 +29,4 @@ class Finding:
     def sentence(self) -> str:
         """The finding in one line."""
         place = (f"{self.recording}: " if self.recording else "") + (f"{self.where} " if self.where else "")
-        return f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}"
+        return one_line(f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}")

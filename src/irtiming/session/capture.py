@@ -11,6 +11,8 @@ from irtiming.archive.json_file import require_place, write_json
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 
+_LONGEST_GLITCH_S = 1.0
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +35,11 @@ class CaptureOrder:
     is_delayed: bool = False
 
     def __post_init__(self) -> None:
+        if not 0 <= self.shortest_s <= _LONGEST_GLITCH_S:
+            raise ArchiveError(
+                f"{{shortest_s}} is {self.shortest_s:g} s, must be from 0 to {_LONGEST_GLITCH_S:g} s: no glitch lasts longer",
+                "shortest_s",
+            )
         if (self.frames is None) != (self.out is None):
             raise ArchiveError(
                 "{frames} and {out} belong together: the frames, and the recording to make of them", "frames", "out"

@@ -32,6 +32,7 @@ _TIMES_S = {
 }
 """The shortest that each time may be; the longest is a second."""
 
+_SLOWEST_HZ, _FASTEST_HZ = 1e-2, 1e5
 _LAG_ONLY = (
     "time_constant_s", "scene_time_constant_s", "substrate_temperature_k", "blackbody_temperature_k",
 )  # fmt: skip
@@ -122,6 +123,11 @@ class SimulationOrder:
             if not abs(delay_s) <= _LONGEST_DELAY_S:
                 raise PlanError(
                     f"a delay of '{readable_time(delay_s)}' was asked for; it must lie within +-{_LONGEST_DELAY_S:g} s"
+                )
+        for name, hertz in (*(("wheel rate", rate) for rate in self.wheel_hz), ("frame rate", self.frame_hz)):
+            if not _SLOWEST_HZ <= hertz <= _FASTEST_HZ:
+                raise PlanError(
+                    f"a {name} of {hertz:g} Hz was asked for; it must lie between {_SLOWEST_HZ:g} Hz and {_FASTEST_HZ:g} Hz"
                 )
         if not abs(aside := self.mask_offset_m or 0.0) <= _FURTHEST_M:
             raise PlanError(

@@ -293,6 +293,7 @@ def test_a_write_that_fails_loses_nothing_that_was_written(path: Path) -> None:
     """Oracle: what another process said of itself, which may not let a file grow beyond 200 kB (RLIMIT_FSIZE)."""
     command = [sys.executable, "-c", _UNTIL_THE_LIMIT, str(path)]
     done = subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parent, timeout=60, check=False)
+    assert done.returncode == 1, "an exception, and no crash of the HDF5 library when the program ends"
     assert "is the disk full?" in done.stderr
     assert "finish it with irtiming recover" in done.stderr
     said = done.stdout.split()

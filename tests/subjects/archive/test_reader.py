@@ -156,7 +156,10 @@ BAD_FIELDS = {
     ),
     "frames half written": (_frames_half_written, ["has 12 of 20 chunks", "interrupted; record again"]),
     "unknown filter": (_unknown_filter, ["camera/data is compressed with HDF5 filter 31999", "not installed"]),
-    "dangling link": (_put(f"{CAMERA}/data", h5py.SoftLink("/nowhere")), ["camera/data is missing"]),
+    "dangling link": (
+        _put(f"{CAMERA}/data", h5py.SoftLink("/nowhere")),
+        ["camera/data is a link", "store the data there"],
+    ),
     "one reference stack": (_take(f"{REFERENCE}/high"), ["reference/high is missing while low", "both"]),
     "swapped reference": (
         lambda file: file[f"{REFERENCE}/low"].attrs.modify("temperature", 310.0),

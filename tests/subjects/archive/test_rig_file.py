@@ -195,10 +195,10 @@ def test_a_file_that_cannot_be_read_says_why(tmp_path: Path, monkeypatch: pytest
             read_rig(tmp_path / name)
         assert f"{tmp_path / name}: {fragment}" in str(caught.value)
 
-    def refuse(_: Path) -> bytes:
+    def refuse(*_: object) -> bytes:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(ArchiveError, match=r"cannot be read \(Permission denied\); check its permissions"):
         read_rig(tmp_path / "latin.toml")
 

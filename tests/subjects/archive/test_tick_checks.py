@@ -46,6 +46,16 @@ def test_a_trigger_at_the_first_or_last_edge_is_not_outside(first, last, n_outsi
     assert all(severity == "warning" for severity, _, _ in told)
 
 
+def test_application_slots_at_one_tick_are_told():
+    """Oracle: by hand; a wheel that passes its gate at one tick twenty times turns at no speed."""
+    told = _told(APPLICATION_SLOT=np.full(20, EDGES[9]), CONTROL_SLOT=np.full(1000, SLOTS[400]))
+    assert (
+        "error",
+        layout.APPLICATION_SLOT.path,
+        "repeats the tick before in most of its entries: no wheel turns so",
+    ) in told
+
+
 def test_triggers_that_are_all_outside_are_an_error():
     """Oracle: by hand; no frame has an angle then."""
     told = _told(CAMERA_TRIGGER=SLOTS[-1] + TRIGGERS)

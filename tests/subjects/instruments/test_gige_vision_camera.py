@@ -246,7 +246,9 @@ def test_without_resend_nothing_is_asked_for():
 @pytest.mark.parametrize("reader", [gige_datagrams.ManyAtOnce, gige_datagrams.OneByOne])
 def test_both_ways_to_receive_give_the_same(reader, monkeypatch):
     """Oracle: the images that were sent, 200 of them in one go."""
-    monkeypatch.setattr(gige_stream, "datagrams", lambda opened, longest: reader(opened, slot_bytes=longest))
+    monkeypatch.setattr(
+        gige_stream, "datagrams", lambda opened, longest, sender: reader(opened, slot_bytes=longest, sender=sender)
+    )
     with Responder() as camera:
         frames, counts = asyncio.run(_stream(camera, lambda: [camera.say(n, image(n)) for n in range(1, 201)]))
     assert [frame.frame_id for frame in frames] == list(range(200))

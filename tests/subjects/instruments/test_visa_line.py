@@ -113,6 +113,13 @@ def test_answers_over_udp_come_to_the_port_that_the_unit_knows():
         adapter.close()
 
 
+def test_answers_over_udp_are_heard_from_the_units_network_alone():
+    """Oracle: the address that the system says the socket is bound to; by the loopback no other network is reached."""
+    adapter = open_text_line("udp:127.0.0.1:9", SPEECH)
+    assert adapter.connection._socket.getsockname()[0] == "127.0.0.1"
+    adapter.close()
+
+
 def test_datagrams_of_others_are_no_answer():
     """Oracle: a datagram from another address, which must not be read."""
     adapter = open_text_line("udp:127.0.0.1:9", SPEECH)

@@ -132,6 +132,9 @@ def test_words_take_the_wheel_away_and_break_things(bench, console):
     ("said", "words"),
     [
         ("dance", "say one of: remove; insert; fault"),
+        ("fault camera.packets_lost_per_mille=nan", "packets_lost_per_mille = 'nan' cannot be; it is now"),
+        ("fault camera.packets_lost_per_mille=1e999", "packets_lost_per_mille = '1e999' cannot be; it is now"),
+        ("lose-lock nan", "lose-lock nan is too much"),
         ("fault camera.rust=1", "no fault 'rust'; it has packets_lost_per_mille"),
         ("fault teapot.hot=1", "devices camera, chopper, blackbody, generator"),
         ("fault chopper.is_silent=perhaps", "is now False: write one like it"),

@@ -7,8 +7,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import final
 
-import numpy as np
-
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
 from irtiming.units import readable_time
@@ -16,9 +14,9 @@ from irtiming.units import readable_time
 PICOSECONDS = Fraction(10**12)
 """Counts per second of captures whose times are decimal seconds."""
 
-_RATE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*([kMG]?)Hz\s*", flags=re.IGNORECASE)
+_RATE = re.compile(r"\s*(\d{1,15}(?:\.\d{1,15})?)\s*([kMG]?)Hz\s*", flags=re.IGNORECASE)
 _PREFIXES = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9}
-_NUMBERED = re.compile(r"(?:D|CH|Channel)?[ _-]?(\d+)", flags=re.IGNORECASE)
+_NUMBERED = re.compile(r"(?:D|CH|Channel)?[ _-]?(\d{1,9})", flags=re.IGNORECASE)
 
 
 @final
@@ -110,20 +108,6 @@ def goes_back(path: Path, time_s: Fraction | float) -> ArchiveError:
     return broken(
         path, f"its times go back at {readable_time(float(time_s))}; export the capture again, in order of time"
     )
-
-
-def as_counts(path: Path, values: Sequence[int]) -> Ticks:
-    """Counts as an array of 64 bits, shape (n,).
-
-    Raises
-    ------
-    ArchiveError
-        If one does not fit.
-    """
-    try:
-        return np.array(values, dtype=np.int64)
-    except OverflowError as error:
-        raise broken(path, f"holds a time of {max(values)} units; more than 63 bits cannot be meant") from error
 
 
 def _number(name: str) -> int | None:

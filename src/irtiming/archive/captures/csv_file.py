@@ -4,12 +4,13 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from typing import TextIO, final
 
 import numpy as np
 
+from irtiming.archive.captures.bounds import MOST_CHANGES, bounded_lines, too_many_changes
 from irtiming.archive.captures.capture import (
     PICOSECONDS,
     Capture,
@@ -23,7 +24,7 @@ from irtiming.archive.captures.capture import (
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, Ticks
 
-_BLOCK_ROWS = 200_000
+_BLOCK_CHARACTERS = 2**23
 _UNITS = {"s": 12, "sec": 12, "seconds": 12, "ms": 9, "us": 6, "µs": 6, "ns": 3, "nanoseconds": 3, "ps": 0}
 _UNIT_IN_NAME = re.compile(r"time.*?[\s\[(_]+([a-zµ]+)[\])]?", flags=re.IGNORECASE)
 _LONGEST_S = 1e6
@@ -56,9 +57,20 @@ def read_csv(path: Path, names: Sequence[str]) -> Capture:
         places = find_lines(names, table.names, path=path)
         columns = [1 + places[name] for name in names]
         pieces = _Pieces(table, names)
-        while block := list(islice(rows, _BLOCK_ROWS)):
+        while block := _block(rows):
             pieces.add(_numbers(table, block, columns))
     return pieces.capture()
+
+
+def _block(rows: Iterator[str]) -> list[str]:
+    """The next rows, as many as fit into a block."""
+    block, n_characters = [], 0
+    for row in rows:
+        block.append(row)
+        n_characters += len(row)
+        if n_characters > _BLOCK_CHARACTERS:
+            break
+    return block
 
 
 @final
@@ -86,8 +98,10 @@ class _Pieces:
         if self._step_ps is not None and np.any(gap := np.abs(steps - self._step_ps) > _UNEVEN * self._step_ps):
             missing_ps = block[np.argmax(gap), 0] + self._step_ps
             raise lost(self._table.path, self._names[0], time_s=missing_ps / PICOSECONDS)
-        for changes, level in zip(self._changes, block.T[1:], strict=True):
+        for name, changes, level in zip(self._names, self._changes, block.T[1:], strict=True):
             changes.append(block[1:, 0][np.diff(level) != 0].astype(np.int64))
+            if sum(map(len, changes)) > MOST_CHANGES:
+                raise too_many_changes(self._table.path, name)
         self._last = block[-1]
 
     def capture(self) -> Capture:
@@ -102,7 +116,7 @@ class _Pieces:
 
 
 def _without_comments(path: Path, file: TextIO) -> Iterator[str]:
-    for row in file:
+    for row in bounded_lines(path, file):
         if "libsigrok" in row and row.startswith((";", "#")):
             raise broken(
                 path,

@@ -30,9 +30,11 @@ def read_capture(path: str | Path, names: Sequence[str]) -> Capture:
         If it cannot be read, is cut short or damaged, a line is not in it, or data were lost while it was recorded.
     """
     where = Path(path)
-    if where.is_dir():
-        return read_saleae(where, names)
     try:
+        if where.is_dir():
+            return read_saleae(where, names)
+        if where.exists() and not where.is_file():
+            raise broken(where, "is no file but a device or a pipe; name a capture")
         with where.open("rb") as file:
             begin = file.read(_SNIFFED_BYTES)
         if not begin:

@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
+from irtiming.archive.captures.bounds import MOST_CHANGES, too_many_changes
 from irtiming.archive.captures.capture import PICOSECONDS, Capture, Line, broken, cut_short, find_lines, goes_back, lost
 
 IDENTIFIER = b"<SALEAE>"
@@ -70,7 +71,9 @@ def _read_channel(path: Path, name: str) -> _Channel:
             initial, rate, begin_s, end_s, count = _unpack(path, file, "<IdddQ")
             if n_chunks > 1:
                 raise lost(path, name, time_s=end_s)
-        data = file.read()
+        if count > MOST_CHANGES:
+            raise too_many_changes(path, name)
+        data = file.read(8 * count + 1)
     if len(data) != 8 * count:
         raise cut_short(path, f"holds {len(data) // 8} of {count} changes")
     times = np.frombuffer(data, dtype="<f8")

@@ -2,6 +2,7 @@
 
 import configparser
 import re
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -13,11 +14,21 @@ from typing import final
 import numpy as np
 import numpy.typing as npt
 
+from irtiming.archive.captures.bounds import MOST_CHANGES, MOST_HEADER_BYTES, MOST_SAMPLE_BYTES, too_many_changes
 from irtiming.archive.captures.capture import Capture, Line, broken, cut_short, find_lines, hertz
 from irtiming.records.arrays import Ticks
 
 _BLOCK_BYTES = 2**24
-_ZIP_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
+_ZIP_ERRORS = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    ValueError,
+    struct.error,
+)
 
 
 @final
@@ -68,16 +79,22 @@ def _session(path: Path, archive: zipfile.ZipFile) -> _Session:
         raise broken(path, "is a ZIP but no sigrok session; give a .sr file")
     parser = configparser.ConfigParser(interpolation=None, delimiters=("=",), strict=False)
     try:
+        if (n_bytes := archive.getinfo("metadata").file_size) > MOST_HEADER_BYTES:
+            raise broken(
+                path, f"has {n_bytes} bytes of metadata, at most {MOST_HEADER_BYTES} are meant; save the session again"
+            )
         parser.read_string(archive.read("metadata").decode("utf-8", "replace"))
     except configparser.Error as error:
         raise broken(path, f"has metadata that cannot be read ({error.message}); save the session again") from error
     device = next((parser[name] for name in parser.sections() if name.startswith("device")), None)
-    probes = {} if device is None else {k: v for k, v in device.items() if re.fullmatch(r"probe\d+", k)}
+    probes = {} if device is None else {k: v for k, v in device.items() if re.fullmatch(r"probe[0-9]{1,4}", k)}
     rate = None if device is None else hertz(device.get("samplerate", ""))
-    if device is None or not probes or rate is None or not device.get("unitsize", "").isdigit():
+    if device is None or not probes or rate is None or not re.fullmatch("[0-9]{1,9}", device.get("unitsize", "")):
         raise broken(path, "has no device with probes, samplerate and unitsize in its metadata; save the session again")
     bits = {name: int(key[len("probe") :]) - 1 for key, name in probes.items()}
     unit_bytes = int(device["unitsize"])
+    if unit_bytes > MOST_SAMPLE_BYTES:
+        raise broken(path, f"has samples of {unit_bytes} bytes; no analyser has more than {MOST_SAMPLE_BYTES}")
     if min(bits.values()) < 0 or max(bits.values()) >= 8 * unit_bytes:
         raise broken(path, f"has more probes than bits in its {unit_bytes} bytes a sample; save the session again")
     data = _data_names(path, inside, device.get("capturefile", "logic-1"), rate_hz=rate)
@@ -88,7 +105,9 @@ def _data_names(path: Path, inside: list[str], stem: str, *, rate_hz: int) -> li
     """Names of the pieces of data in their order."""
     if stem in inside:
         return [stem]
-    numbers = sorted(int(name[len(stem) + 1 :]) for name in inside if re.fullmatch(rf"{re.escape(stem)}-\d+", name))
+    numbers = sorted(
+        int(name[len(stem) + 1 :]) for name in inside if re.fullmatch(rf"{re.escape(stem)}-[0-9]{{1,9}}", name)
+    )
     if not numbers:
         raise broken(path, f"holds no data '{stem}'; record logic lines, not analog ones")
     if numbers != list(range(1, len(numbers) + 1)):
@@ -117,6 +136,8 @@ def _follow(
             for bit, found in zip(bits, changes, strict=True):
                 if bit // 8 == byte:
                     found.append(n_samples + at[(flipped >> (bit % 8)) & 1 == 1])
+                    if sum(map(len, found)) > MOST_CHANGES:
+                        raise too_many_changes(path, f"of bit {bit}")
         last = block[-1].copy()
         n_samples += len(block)
     if first is None:

@@ -15,8 +15,10 @@ from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
+from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
@@ -120,7 +122,7 @@ def _replace_ticks(source: Path, part: Path, ticks: CapturedTicks, *, is_delayed
         raise unwritable(part, error) from error
     values: dict[Field, Any] = {**nominal.streams, **periods, layout.CLOCK_FREQUENCY: float(ticks.clock_frequency_hz)}
     try:
-        with h5py.File(part, "r+") as file:
+        with writing(part, "r+") as (file, _):
             group = file.require_group(layout.TRIGGER_GENERATOR)
             for field in _REPLACED:
                 if field.name in group:
@@ -197,10 +199,11 @@ def _arrays(source: Path) -> dict[str, Any]:
     try:
         if source.suffix.lower() == ".npy":
             return {"frames": np.lib.format.open_memmap(source, mode="r")}
-        with source.open("rb") as file, np.load(file) as archive:
-            arrays = {name: archive[name] for name in _ARRAYS if name in archive}
+        arrays = read_arrays(source, _ARRAYS)
     except FileNotFoundError as error:
         raise ArchiveError(f"{source}: does not exist; check the name") from error
+    except ArchiveError:
+        raise
     except Exception as error:  # of many kinds: numpy, zipfile and zlib each raise their own
         raise ArchiveError(f"{source}: cannot be read as arrays ({error}); save them again with numpy.save") from error
     if "frames" not in arrays:

@@ -2,17 +2,19 @@
 
 import io
 import re
+from array import array
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import BinaryIO, final
 
+import numpy as np
 from vcd.reader import Token, TokenKind, VarDecl, VCDParseError, tokenize
 
+from irtiming.archive.captures.bounds import MOST_CHANGES, MOST_HEADER_BYTES, bounded_lines, too_many_changes
 from irtiming.archive.captures.capture import (
     Capture,
     Line,
-    as_counts,
     broken,
     cut_short,
     find_lines,
@@ -21,7 +23,7 @@ from irtiming.archive.captures.capture import (
     lost,
 )
 
-_BLOCK_BYTES = 2**22
+_MOST_DIGITS = 30
 _UNITS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}
 _RATE_IN_COMMENT = re.compile(r"\bat ([\d.]+ ?[kMG]?Hz)\b", flags=re.IGNORECASE)
 _SKIPPED = (b"$dumpvars", b"$dumpall", b"$dumpon", b"$dumpoff", b"$end")
@@ -31,18 +33,21 @@ _SKIPPED = (b"$dumpvars", b"$dumpall", b"$dumpon", b"$dumpoff", b"$end")
 class _Seen:
     """One line while it is read; its level is None as long as it is unknown."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, path: Path, name: str) -> None:
+        self._path = path
         self.name = name
         self.level: int | None = None
         self.known_from = 0
         self.initial = 0
-        self.changes: list[int] = []
+        self.changes = array("q")
 
     def see(self, level: int, now: int) -> None:
         """Take note of what the line is from now on."""
         if self.level is None:
             self.initial, self.known_from = level, now
         elif level != self.level:
+            if len(self.changes) >= MOST_CHANGES:
+                raise too_many_changes(self._path, self.name)
             self.changes.append(now)
         self.level = level
 
@@ -62,7 +67,7 @@ def read_vcd(path: Path, names: Sequence[str]) -> Capture:
         places = find_lines(
             names, _short_names([one for one, _ in variables], [one for _, one in variables]), path=path
         )
-        seen = {name: _Seen(name) for name in names}
+        seen = {name: _Seen(path, name) for name in names}
         by_code: dict[bytes, list[_Seen]] = {}
         for name, place in places.items():
             _, variable = variables[place]
@@ -71,7 +76,9 @@ def read_vcd(path: Path, names: Sequence[str]) -> Capture:
             by_code.setdefault(variable.id_code.encode(), []).append(seen[name])
         begin, end = _follow(path, _statements(path, _words(path, file)), by_code, per_second)
     return Capture(
-        lines={name: Line(initial=one.initial, changes=as_counts(path, one.changes)) for name, one in seen.items()},
+        lines={
+            name: Line(initial=one.initial, changes=np.frombuffer(one.changes, np.int64)) for name, one in seen.items()
+        },
         counts_per_second=per_second,
         begin=begin,
         end=end,
@@ -82,10 +89,16 @@ def read_vcd(path: Path, names: Sequence[str]) -> Capture:
 def _header(path: Path, file: BinaryIO) -> tuple[Fraction, list[tuple[str, VarDecl]], int | None]:
     """Counts per second, the variables with their scopes, and the sample rate of the declarations."""
     lines = []
-    for line in file:
+    n_bytes = 0
+    for line in bounded_lines(path, file):
         lines.append(line)
+        n_bytes += len(line)
         if b"$enddefinitions" in line:
             break
+        if n_bytes > MOST_HEADER_BYTES:
+            raise broken(
+                path, f"has a header of more than {MOST_HEADER_BYTES} bytes; export fewer lines of the analyser"
+            )
     else:
         raise cut_short(path, "has no $enddefinitions")
     head, keyword, rest = b"".join(lines).partition(b"$enddefinitions")
@@ -126,13 +139,15 @@ def _short_names(scopes: list[str], variables: list[VarDecl]) -> list[str]:
     codes: dict[str, set[str]] = {}
     for variable in variables:
         codes.setdefault(variable.ref_str, set()).add(variable.id_code)
-    names = []
+    names: dict[str, None] = {}
     for scope, variable in zip(scopes, variables, strict=True):
         name = variable.ref_str
         if len(codes[name]) > 1:
             name = f"{scope}.{name}"
-        names.append(f"{name} (again)" if name in names else name)
-    return names
+        while name in names:
+            name += " (again)"
+        names[name] = None
+    return list(names)
 
 
 def _follow(
@@ -143,6 +158,8 @@ def _follow(
     for value, code in statements:
         if value == b"#":
             later = int(code)
+            if later >= 2**63:
+                raise broken(path, f"holds a time of {later} units; more than 63 bits cannot be meant")
             if begin is None:
                 begin = later
             elif later < now:
@@ -165,7 +182,7 @@ def _statements(path: Path, words: Iterator[bytes]) -> Iterator[tuple[bytes, byt
     """Times as ``#`` and digits, changes as value and code of the line."""
     for word in words:
         first, rest = word[:1], word[1:]
-        if first in b"01xXzZ" or (first == b"#" and rest.isdigit()):
+        if first in b"01xXzZ" or (first == b"#" and rest.isdigit() and len(rest) < _MOST_DIGITS):
             yield first, rest
         elif first in b"bBrRsS":
             yield rest, next(words, b"")
@@ -180,9 +197,7 @@ def _statements(path: Path, words: Iterator[bytes]) -> Iterator[tuple[bytes, byt
 def _words(path: Path, file: BinaryIO) -> Iterator[bytes]:
     """Words of the body, block by block."""
     last = b"\n"
-    while lines := file.readlines(_BLOCK_BYTES):
-        last = lines[-1]
-        for line in lines:
-            yield from line.split()
+    for last in bounded_lines(path, file):
+        yield from last.split()
     if not last.endswith(b"\n"):
         raise cut_short(path, "ends in the middle of a line")

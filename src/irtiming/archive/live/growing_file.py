@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from irtiming.archive import layout
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.layout import Field
 from irtiming.archive.live.head import RecordingHead
 from irtiming.archive.live.unfinished import NOT_FINISHED
@@ -45,7 +46,7 @@ def create(part: Path, head: RecordingHead) -> None:
     """Make the file with all that is known beforehand and nothing else in it; it is there as a whole or not at all."""
     beginning = part.with_suffix(".beginning")
     try:
-        with h5py.File(beginning, "w", libver=layout.HDF5_FORMAT) as file:
+        with writing(beginning) as (file, _):
             _fill(file, head)
         beginning.replace(part)
     finally:

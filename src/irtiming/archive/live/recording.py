@@ -11,6 +11,7 @@ import numpy as np
 from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import abandon
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.live import growing_file
@@ -222,6 +223,7 @@ class LiveRecording:
         file = self._opened()
         try:
             conclude(file, ending=ended, frame_number=frame_number)
+            file.flush()
             file.close()
             give_name(self._part, self._path)
         except (Complaint, ArchiveError, *H5_ERRORS) as error:
@@ -283,9 +285,12 @@ class LiveRecording:
 
     def _close(self) -> None:
         """Let go of the file, whatever state it is in; the first error is the one to tell."""
-        if self._file is not None:
-            with suppress(*H5_ERRORS):
+        if self._file is not None and self._file.id.valid:
+            try:
+                self._file.flush()
                 self._file.close()
+            except H5_ERRORS:
+                abandon(self._file)
         self._file = None
         self._datasets = {}
         self._held.close()

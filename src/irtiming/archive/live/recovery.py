@@ -8,7 +8,9 @@ import numpy as np
 
 from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint, archive_error, refuse
+from irtiming.archive.hdf5_bounds import require_few_objects
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
+from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import require_place
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
 from irtiming.archive.live.unfinished import NOT_FINISHED, ending_of, frames_there, is_claimed, summary, unfinished
@@ -89,8 +91,9 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
         if frames_there(file) == 0:
             raise refuse("", f"has {summary(file)}", code="nothing-to-recover", cure="delete it and record again")
         ending = ending_of(file)
+        require_few_objects(file)
         _copy(file, path)
-    with h5py.File(path, "r+", libver=layout.HDF5_FORMAT) as file:
+    with writing(path, "r+") as (file, _):
         _mend(file, progress=progress)
         _forget_unconfirmed(file, ending=ending)
         conclude(file, ending=ending if ending != NOT_FINISHED else KILLED if trust else UNPROVEN)
@@ -99,7 +102,7 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
 def _copy(file: h5py.File, path: Path) -> None:
     """All that is in the file, with the entries of the last frame that are not all there cut off."""
     n_frames = frames_there(file)
-    with h5py.File(path, "w", libver=layout.HDF5_FORMAT) as copy:
+    with writing(path) as (copy, _):
         for name, value in file.attrs.items():
             copy.attrs[name] = value
         file.copy(layout.ENTRY, copy)

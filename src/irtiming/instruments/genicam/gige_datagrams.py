@@ -1,4 +1,4 @@
-"""Datagrams from a socket, many at a time: a packet costs far less, and a busy program does not hold them up."""
+"""Datagrams of one sender from a socket, many at a time: a packet costs far less, and a busy program holds none up."""
 
 import ctypes
 import os
@@ -15,11 +15,12 @@ _WAIT_S = 0.02  # for the first datagram
 _REST_S = 3e-3  # after a batch, so that the next one is worth a call
 _ENOUGH_BYTES = 8 * 2**20  # of the system's queue, to take a rest: at 10 Gbit/s half of it fills meanwhile
 _WISHED_BYTES = 16 * 2**20
+_NAME_BYTES, _ADDRESS = 16, slice(4, 8)  # of an IPv4 sender
 _SO_RCVBUFFORCE, _MSG_WAITFORONE = 33, 0x10000
 
 
 class Datagrams(Protocol):
-    """Datagrams of a socket, in ``packets`` of shape (slot, byte), and their ``lengths``."""
+    """Datagrams of one sender, in ``packets`` of shape (slot, byte), and their ``lengths``; others' are let go."""
 
     packets: NDArray[np.uint8]
     lengths: NDArray[np.uint32]
@@ -50,7 +51,7 @@ def enlarge_queue(opened: socket.socket) -> int:
     return opened.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
 
 
-def datagrams(opened: socket.socket, *, longest: int) -> Datagrams:
+def datagrams(opened: socket.socket, *, longest: int, sender: str) -> Datagrams:
     """Reader of a socket, in the way that is best on this system.
 
     Parameters
@@ -59,19 +60,22 @@ def datagrams(opened: socket.socket, *, longest: int) -> Datagrams:
         Of datagrams.
     longest
         Bytes of a datagram.
+    sender
+        Address, in numbers, from which they come; what anybody else sends is let go.
     """
     slot_bytes = -(-longest // 64) * 64
     if sys.platform == "linux":
-        return ManyAtOnce(opened, slot_bytes=slot_bytes)
-    return OneByOne(opened, slot_bytes=slot_bytes)
+        return ManyAtOnce(opened, slot_bytes=slot_bytes, sender=sender)
+    return OneByOne(opened, slot_bytes=slot_bytes, sender=sender)
 
 
 @final
 class OneByOne:
     """For any system: datagrams of one length, up to the first of another."""
 
-    def __init__(self, opened: socket.socket, *, slot_bytes: int) -> None:
+    def __init__(self, opened: socket.socket, *, slot_bytes: int, sender: str) -> None:
         opened.settimeout(_WAIT_S)
+        self._sender = sender
         self._socket = opened
         self.packets = np.zeros((_SLOTS, slot_bytes), np.uint8)
         self.lengths = np.zeros(_SLOTS, np.uint32)
@@ -80,16 +84,20 @@ class OneByOne:
     def receive(self) -> int:
         """Wait a little for datagrams; how many slots are filled now, 0 if none came."""
         usual = -1
-        for count, slot in enumerate(self._slots):
+        count = 0
+        for _ in self._slots:
             try:
-                length = self._socket.recv_into(slot)
+                length, address = self._socket.recvfrom_into(self._slots[count])
             except TimeoutError:
-                return count
+                break
+            if address[0] != self._sender:
+                continue
             self.lengths[count] = length
+            count += 1
             if usual not in (-1, length):
-                return count + 1
+                break
             usual = length
-        return len(self._slots)
+        return count
 
 
 class _Vector(ctypes.Structure):
@@ -116,7 +124,7 @@ class _MessageOfMany(ctypes.Structure):
 class ManyAtOnce:
     """For Linux: all datagrams that wait, by one call of recvmmsg."""
 
-    def __init__(self, opened: socket.socket, *, slot_bytes: int) -> None:
+    def __init__(self, opened: socket.socket, *, slot_bytes: int, sender: str) -> None:
         opened.settimeout(None)
         opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, np.array([0, int(_WAIT_S * 1e6)], np.int_).tobytes())
         self._socket = opened
@@ -125,7 +133,11 @@ class ManyAtOnce:
         self.packets = np.zeros((_SLOTS, slot_bytes), np.uint8)
         self._vectors = (_Vector * _SLOTS)()
         self._messages = (_MessageOfMany * _SLOTS)()
+        self._names = np.zeros((_SLOTS, _NAME_BYTES), np.uint8)  # family, port and address of each sender
+        self._sender = np.frombuffer(socket.inet_aton(sender), np.uint8)
         for i, slot in enumerate(self.packets):
+            self._messages[i].message.name = self._names[i].ctypes.data
+            self._messages[i].message.name_length = _NAME_BYTES
             self._vectors[i] = _Vector(slot.ctypes.data, slot_bytes)
             self._messages[i].message.vectors = ctypes.addressof(self._vectors[i])
             self._messages[i].message.n_vectors = 1
@@ -145,8 +157,16 @@ class ManyAtOnce:
         count: int = self._receive(self._socket.fileno(), self._messages, _SLOTS, _MSG_WAITFORONE, None)
         self._was_short = 0 < count < _SLOTS
         if count >= 0:
-            return count
+            return self._of_sender(count)
         error = ctypes.get_errno()
         if error in (11, 4):  # none came in time, or a signal did
             return 0
         raise OSError(error, os.strerror(error))
+
+    def _of_sender(self, count: int) -> int:
+        """Keep what the sender sent, in front of the rest; how many slots that fills."""
+        theirs = np.flatnonzero((self._names[:count, _ADDRESS] == self._sender).all(axis=1))
+        if theirs.size < count:
+            self.packets[: theirs.size] = self.packets[theirs]
+            self.lengths[: theirs.size] = self.lengths[theirs]
+        return int(theirs.size)

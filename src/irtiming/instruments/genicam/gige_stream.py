@@ -106,7 +106,7 @@ class GigeStream:
         queue.end(failure)
 
     def _receive_until_quiet(self, assembly: FrameAssembly) -> None:
-        reader = datagrams(self._socket, longest=self.packet_size)
+        reader = datagrams(self._socket, longest=self.packet_size, sender=self._control.address)
         last_s = told_s = time.monotonic()
         was_told = False
         while True:
@@ -150,7 +150,8 @@ class GigeStream:
         while (left := until - time.monotonic()) > 0:
             self._socket.settimeout(left)
             try:
-                if len(self._socket.recv(65536)) == length:
+                packet, (address, _) = self._socket.recvfrom(65536)
+                if len(packet) == length and address == self._control.address:
                     return True
             except TimeoutError:
                 return False

@@ -23,6 +23,7 @@ WORDS = (
 
 _POLL_S = 0.05
 _MOST_BYTES = 4096
+_LARGEST = 1e9
 
 
 @final
@@ -177,7 +178,10 @@ def _converted(text: str, kind: type) -> Any:
         return text.lower() == "true"
     if kind is frozenset:
         return frozenset(int(part) for part in text.replace(",", " ").split())
-    return kind(text)
+    found = kind(text)
+    if kind in (int, float) and not abs(found) <= _LARGEST:
+        raise ValueError(text)
+    return found
 
 
 def _state(bench: Bench) -> dict[str, Any]:

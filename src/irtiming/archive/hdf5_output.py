@@ -1,0 +1,131 @@
+"""HDF5 files being written: a disk that takes no more ends in one error, and never in the HDF5 library.
+
+HDF5 keeps what it could not write and tries again whenever it closes something, at last when the program ends, where it
+crashes. So it does not hear of a write that failed: the rest goes nowhere, and the error is raised when it is asked for.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Literal, Self, final
+
+import h5py
+
+from irtiming.archive import layout
+
+
+@final
+class Output:
+    """A file on the disk as HDF5 writes it; after a failure it takes everything and keeps nothing."""
+
+    def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
+        self.failure: OSError | None = None
+        self._place = 0
+        self._descriptor = os.open(
+            path, os.O_RDWR | (os.O_CREAT if mode == "w" else 0) | getattr(os, "O_BINARY", 0), 0o666
+        )
+        try:
+            _claim(self._descriptor)
+            if mode == "w":
+                os.ftruncate(self._descriptor, 0)
+        except OSError:
+            os.close(self._descriptor)
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        os.close(self._descriptor)
+
+    def require_written(self) -> None:
+        """Raise what the system said to the first write that failed.
+
+        Raises
+        ------
+        OSError
+            Such as that of a full disk.
+        """
+        if self.failure is not None:
+            raise OSError(self.failure.errno, self.failure.strerror) from self.failure
+
+    def write(self, data: memoryview) -> int:
+        """Write at the place, or let it go after a failure."""
+        done = 0
+        with self._remembered():
+            while done < len(data) and self.failure is None:
+                done += os.pwrite(self._descriptor, data[done:], self._place + done)
+        self._place += len(data)
+        return len(data)
+
+    def truncate(self, size: int) -> int:
+        """Make the file so many bytes long."""
+        with self._remembered():
+            if self.failure is None:
+                os.ftruncate(self._descriptor, size)
+        return size
+
+    def read(self, size: int) -> bytes:
+        """Read from the place; by this h5py knows that it may read."""
+        content = bytearray(size)
+        return bytes(content[: self.readinto(memoryview(content))])
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Read from the place."""
+        count = os.preadv(self._descriptor, [buffer], self._place)
+        self._place += count
+        return count
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place."""
+        self._place = offset + (os.fstat(self._descriptor).st_size if whence == os.SEEK_END else 0)
+        return self._place
+
+    def tell(self) -> int:
+        """The place."""
+        return self._place
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+    @contextmanager
+    def _remembered(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.failure = error
+
+
+@contextmanager
+def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[h5py.File, Output]]:
+    """HDF5 file to be written, anew or into one that is there, and what it is written to.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened, another program has it, or not all of it could be written: at the end of the block, where the
+        block does not ask before.
+    """
+    with Output(Path(path), mode) as output:
+        with h5py.File(output, mode, libver=layout.HDF5_FORMAT) as file:
+            yield file, output
+        output.require_written()
+
+
+def abandon(file: h5py.File) -> None:
+    """Close a file that could not be written as if its program had been killed: what is on the disk stays as it is."""
+    with suppress(OSError, RuntimeError, ValueError, AttributeError), ExitStack() as held:
+        sink = os.memfd_create("abandoned")  # where there is none, HDF5 tries the disk once more
+        held.callback(os.close, sink)
+        os.dup2(sink, file.id.get_vfd_handle())
+    with suppress(OSError, RuntimeError, ValueError):
+        file.close()
+
+
+def _claim(descriptor: int) -> None:
+    """As HDF5 does it: one writer, or readers."""
+    with suppress(ImportError):
+        from fcntl import LOCK_EX, LOCK_NB, flock
+
+        flock(descriptor, LOCK_EX | LOCK_NB)

@@ -1,0 +1,19 @@
+"""The first steps of the program: until its parts are loaded Ctrl-C ends it at once, since nothing was begun yet."""
+
+import os
+import signal
+from typing import NoReturn
+
+
+def run() -> None:
+    """Load the command line and run it."""
+    if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
+        signal.signal(signal.SIGINT, _end_at_once)
+    from irtiming.cli.main import run as run_command
+
+    run_command()
+
+
+def _end_at_once(*_: object) -> NoReturn:
+    os.write(2, b"irtiming: stopped before it had begun; nothing was written\n")
+    os._exit(130)

@@ -1,0 +1,48 @@
+"""Ctrl-C and kill -9 at any moment: the exit status that is documented, one line, and each file whole or not there."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from irtiming.archive.verify import verify
+
+_PROGRAM = [sys.executable, "-m", "irtiming"]
+
+
+def _stopped(words: list[str], *, after_s: float, by: signal.Signals) -> tuple[int, list[str]]:
+    """Exit status, and lines on standard error that no progress bar wrote."""
+    with subprocess.Popen([*_PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(after_s)
+        process.send_signal(by)
+        _, said = process.communicate(timeout=60)
+    return process.returncode, [line for line in said.splitlines() if "frames" not in line]
+
+
+@pytest.mark.parametrize("after_s", [0.1, 0.25, 0.45, 0.7])
+def test_ctrl_c_while_the_program_starts(after_s: float) -> None:
+    """Oracle: the documented exit status; a program that is still loading has nothing to undo."""
+    status, lines = _stopped(["doctor"], after_s=after_s, by=signal.SIGINT)
+    assert status == 130
+    assert len(lines) == 1
+    assert lines[0].startswith("irtiming: stopped")
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("after_s", [1.5, 2.5, 3.5])
+def test_a_simulation_that_is_stopped(tmp_path: Path, after_s: float, by: signal.Signals) -> None:
+    """Oracle: the documented exit status; every file with a final name is sound."""
+    words = ["simulate", str(tmp_path / "lab"), "--rows", "48", "--columns", "64", "--frames", "2000", "--runs", "20"]
+    status, lines = _stopped(words, after_s=after_s, by=by)
+    assert status == (130 if by is signal.SIGINT else -signal.SIGKILL)
+    assert len(lines) == (1 if by is signal.SIGINT else 0)
+    for path in tmp_path.rglob("*.nxs"):
+        assert verify(path)[0].severity == "ok"
+    for path in tmp_path.rglob("*.json"):
+        json.loads(path.read_text())
+    if by is signal.SIGINT:
+        assert not list(tmp_path.rglob("*.part"))
