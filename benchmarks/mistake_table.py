@@ -87,6 +87,33 @@ class Case:
 
 
 Mistake: TypeAlias = Callable[[Case], Case]
+ON_TRUST = {
+    "mask-angle-2-degrees-off": "[mask] centre_angle_deg",
+    "whole-slots-one-more": "whole_slots_between",
+    "whole-slots-one-less": "whole_slots_between",
+    "whole-slots-none": "whole_slots_between",
+    "whole-slots-twice": "whole_slots_between",
+    "height-difference-8-for-5.5-mm": "height_difference_mm",
+    "half-separation-is-whole": "half_separation_mm",
+    "lateral-offset-1-mm": "lateral_offset_mm",
+    "latency-of-application-gate-200-us": "[latency]",
+    "latency-of-gates-ms-for-us": "[latency]",
+    "latency-of-trigger-1-ms": "[latency]",
+    "latency-of-trigger-minus-1-ms": "[latency]",
+    "trigger-stamped-at-its-other-edge-1-ms": "that the trigger is stamped at the edge",
+    "trigger-stamped-at-its-other-edge-100-us": "that the trigger is stamped at the edge",
+    "gates-on-another-counter-10-ms": "by the counter that stamps the gates",
+    "control-gate-of-wrong-polarity": "that the control gate stamps the edge",
+    "control-gate-stamped-1-ms-late": "that the control gate stamps the edge",
+    "set-delay-1-ms-not-set": "trigger_delay_time_set",
+    "set-delay-100-us-not-set": "trigger_delay_time_set",
+    "set-delay-of-other-sign": "trigger_delay_time_set",
+    "clock-and-wheel-speed-1.7-percent-off": "clock_frequency",
+    "count-time-500-for-250-us": "count_time",
+    "count-time-200-for-250-us": "count_time",
+}
+"""Mistakes that a recording at one wheel speed cannot show, with the words by which the result lists them as taken on trust."""
+
 MISTAKES: dict[str, tuple[Mistake, tuple[Camera, ...], bool]] = {}
 """By name: the mistake, whose camera makes it, whether it is harmless."""
 

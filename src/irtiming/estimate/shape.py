@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, plate_light, sector_fit
+from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.physics import blurred_sector
@@ -52,7 +52,9 @@ def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: 
         doubts: tuple[Finding, ...] = ()
         try:
             with one_thread():
-                axle = view(_sector(group, wheel, rig=rig), group[0].opening.summed)
+                sector = _sector(group, wheel, rig=rig)
+                axle = view(sector, group[0].opening.summed)
+            doubts = image_doubts.of_image(sector)
         except EstimationError as error:
             doubts = (_no_sector(error),)
         for k in members:
