@@ -266,7 +266,7 @@ def _later(c: Case, seconds: float, *streams: str) -> Case:
     return c.told(**{name: getattr(c.recording, name) + more for name in streams})
 
 
-_GATES = ("control_slot_ticks", "application_slot_ticks")
+_GATES = ("control_slot_ticks", "application_slot_ticks", "application_edge_ticks")
 put("trigger-stamped-at-its-other-edge-1-ms", lambda c: _later(c, 1e-3, "camera_trigger_ticks"))
 put("trigger-stamped-at-its-other-edge-100-us", lambda c: _later(c, 100e-6, "camera_trigger_ticks"))
 put("gates-on-another-counter-10-ms", lambda c: _later(c, 10e-3, *_GATES))

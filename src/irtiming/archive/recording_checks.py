@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 
 def check_recording(recording: Recording) -> tuple[Finding, ...]:
-    """What timestamps, lines and frame numbers say against each other, each finding with the recording's name.
+    """Doubts that timestamps, lines and frame numbers raise about each other, each with the recording's name.
 
-    What `verify` calls an error is a doubt here: what is analysed in spite of it gives a number that may be wrong.
+    What `verify` calls an error is a doubt here: what is analysed in spite of it gives a number that may be wrong. Its warnings
+    are left to the reduction, which says what it made of lost frames and edges.
 
     Parameters
     ----------
@@ -30,6 +31,7 @@ def check_recording(recording: Recording) -> tuple[Finding, ...]:
     }
     contents[layout.FRAMES] = recording.frames.shape
     return tuple(
-        replace(one, recording=recording.name, severity="doubt" if one.severity == "error" else one.severity)
+        replace(one, recording=recording.name, severity="doubt")
         for one in (*check_ticks(contents), *check_lines(contents))
+        if one.severity in ("error", "doubt")
     )
