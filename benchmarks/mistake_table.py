@@ -94,6 +94,7 @@ ON_TRUST = {
     "whole-slots-none": "whole_slots_between",
     "whole-slots-twice": "whole_slots_between",
     "height-difference-8-for-5.5-mm": "height_difference_mm",
+    "height-difference-8-for-5.5-mm-height-by-ruler": "height_difference_mm",
     "half-separation-is-whole": "half_separation_mm",
     "lateral-offset-1-mm": "lateral_offset_mm",
     "latency-of-application-gate-200-us": "[latency]",
