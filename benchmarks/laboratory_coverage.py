@@ -51,14 +51,15 @@ def one_rig(wanted: Wanted, seed: int) -> dict[str, object]:
     rig = draw(wanted, seed=seed)
     truth = rigs.truth(rig.scene)
     try:
-        result = analyse(recordings(rig, wanted, seed=seed), rig.measured).best
+        found = analyse(recordings(rig, wanted, seed=seed), rig.measured)
+        result = found.best
     except (IrTimingError, ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         return line | {"refused": f"{type(error).__name__}: {error}", "seconds": monotonic() - begun}
     return line | {
         "parameters": errors_of(result, truth),
         "withheld": [bound.name for bound in result.bounds],
-        "doubts": sorted({finding.code for finding in result.findings if finding.severity == "doubt"}),
-        "warnings": sorted({finding.code for finding in result.findings if finding.severity == "warning"}),
+        "doubts": sorted({finding.code for finding in found.findings if finding.severity == "doubt"}),
+        "warnings": sorted({finding.code for finding in found.findings if finding.severity == "warning"}),
         "seconds": monotonic() - begun,
     }
 

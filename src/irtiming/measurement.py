@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal, TypeAlias
 
+from irtiming.archive.recording_checks import check_recording
 from irtiming.errors import EstimationError, IrTimingError
 from irtiming.estimate import diagnosis, profiles, timing, two_constants
 from irtiming.estimate.published import procedure
@@ -72,13 +73,14 @@ def reduce(
     Parameters and errors as for `analyse`.
     """
     choices, total = choices or Choices(), recording.frames.shape[0]
+    recording = replace(recording, findings=(*recording.findings, *check_recording(recording)))
     recipes.check_goes_with(recording, before, choices=choices)
 
     def done(n_frames: int) -> None:
         if progress is not None:
             progress(recording.name, n_frames, total)
 
-    with _noted(recording):
+    with _noted(recording), _refused(recording.name):
         return recipes.reduce(
             recording, rig, choices=choices, progress=done, before=before[0].opening if before else None
         )
@@ -101,8 +103,9 @@ def estimate(
     ordered = sorted(
         recordings, key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0)
     )
-    tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
-    found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], rig)
+    with _refused(", ".join(one.name for one in ordered)):
+        tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
+        found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], rig)
     first = found.recordings[0]
     analysis = Analysis(
         camera_type=first.camera_type, readout_mode=first.readout_mode, rig=rig, choices=choices, recordings=found.recordings,
@@ -143,3 +146,17 @@ def _noted(recording: Recording) -> Iterator[None]:
         remarks = [one.sentence() for one in recording.findings]
         error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *remarks]))
         raise
+
+
+@contextmanager
+def _refused(names: str) -> Iterator[None]:
+    """Numbers that no wheel before a camera makes break a computation here or there: that refuses the recording."""
+    try:
+        yield
+    except (ValueError, ArithmeticError, MemoryError) as error:
+        if isinstance(error, IrTimingError):
+            raise
+        raise EstimationError(
+            f"{names}: frames and timestamps fit no wheel before a camera ({type(error).__name__}: {error}); look at the frames, "
+            "and check rig.toml and frame_number against the recording"
+        ) from error

@@ -120,7 +120,7 @@ def _camera_clock(contents: "Contents") -> Iterator[Finding]:
     cure = "two crystals agree better: check timestamp_frequency and clock_frequency, and that triggers make the frames"
     yield Finding(
         code="camera-clock-rate",
-        severity="warning" if is_off else "info",
+        severity="doubt" if is_off else "info",
         where=layout.FRAME_TIMESTAMP.path,
         what=what,
         cure=cure if is_off else "",

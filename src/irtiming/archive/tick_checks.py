@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 
 _OF_THE_GATES = (layout.CONTROL_SLOT, layout.APPLICATION_SLOT)
 _SPEED_TOLERANCE = 0.02
+_LOCKED = 2e-3
+"""Of the wheel's speed: a chopper that is locked to its reference keeps it much better, one that is not is some per cent off."""
+
+_TWO_CRYSTALS = 200e-6
+"""Of the camera period: by as much an interval may be off where another clock made it than the one that stamped it."""
+
 _TRIGGER_TOLERANCE_TICKS = 1
 
 
@@ -87,11 +93,13 @@ def _trigger_intervals(contents: "Contents") -> Iterator[Finding]:
     off = np.abs(np.diff(triggers) - period) > _TRIGGER_TOLERANCE_TICKS
     if n_off := int(np.count_nonzero(off)):
         at = int(np.argmax(off))
-        yield warning_at(
-            layout.CAMERA_TRIGGER.path,
-            f"has {n_off} intervals other than camera_period = {period} ticks, the first of "
-            f"{triggers[at + 1] - triggers[at]} ticks after trigger {at}",
+        far = bool(np.any(np.abs(np.diff(triggers) - period) > _TRIGGER_TOLERANCE_TICKS + _TWO_CRYSTALS * period))
+        yield Finding(
             code="trigger-intervals-odd",
+            severity="doubt" if far else "warning",
+            where=layout.CAMERA_TRIGGER.path,
+            what=f"has {n_off} intervals other than camera_period = {period} ticks, the first of "
+            f"{triggers[at + 1] - triggers[at]} ticks after trigger {at}",
             cure="check the trigger generator; the analysis uses the ticks as they are",
         )
 
@@ -116,6 +124,15 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
             f"= {nominal:g} Hz, but the application slots pass at {speed:.6g} turns per second",
             code="rotation-speed-contradicted",
             cure="correct rotation_speed or clock_frequency; two edges belong to a turn",
+        )
+    elif abs(speed / nominal - 1) > _LOCKED:
+        yield Finding(
+            code="rotation-speed-off",
+            severity="doubt",
+            where=layout.ROTATION_SPEED.path,
+            what=f"= {nominal:g} Hz, but the application slots pass at {speed:.6g} turns per second, "
+            f"{100 * (speed / nominal - 1):+.2f} %: by as much all times are wrong if it is clock_frequency that is wrong",
+            cure="correct clock_frequency or rotation_speed, and see that the chopper is locked",
         )
 
 

@@ -9,7 +9,8 @@ from irtiming.physics.covariance import inverse
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
-from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit, Result
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -43,7 +44,7 @@ def of_edges(u_edge_rad: float) -> tuple[Finding, ...]:
 
 
 def of_window(estimate: Estimate) -> tuple[Finding, ...]:
-    """Where a camera seems to expose before its trigger.
+    """Where a camera seems to expose before its trigger: a doubt beyond what the uncertainty allows, since no camera can.
 
     Parameters
     ----------
@@ -56,15 +57,16 @@ def of_window(estimate: Estimate) -> tuple[Finding, ...]:
     return (
         Finding(
             code="delay-negative",
-            severity="warning",
+            severity="doubt" if delay_s < -_CONTRADICTS * float(estimate.standard_uncertainties[0]) else "warning",
             what=f"the trigger delay is negative ({1e3 * delay_s:.3f} ms): integration would start before the trigger",
-            cure="check [beams] whole_slots_between, [mask] centre_angle_deg and the trigger's edge",
+            cure="check frame_number, [beams] whole_slots_between, [mask] centre_angle_deg, trigger_delay_time_set, the "
+            "trigger's edge, and that application_slot holds edges 0 and 2",
         ),
     )
 
 
 def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
-    """Where every row seems to be read before the trigger.
+    """Where a row seems to be read before the trigger: a doubt beyond what the uncertainty allows, since no camera can.
 
     Parameters
     ----------
@@ -77,14 +79,52 @@ def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
         return ()
     first = estimate.value("trigger_delay")
     last = first + (n_rows - 1) * (estimate.value("row_delay") if "row_delay" in estimate else 0.0)
-    if max(first, last) >= 0:
+    earliest, u = min(first, last), estimate.u("trigger_delay")
+    if earliest >= 0:
         return ()
     return (
         Finding(
             code="rows-read-before-trigger",
-            severity="warning",
-            what=f"every row would be read before the trigger (the last at {1e3 * max(first, last):.3f} ms)",
-            cure="check [beams] whole_slots_between, [mask] centre_angle_deg and the trigger's edge",
+            severity="doubt" if earliest < -_CONTRADICTS * u else "warning",
+            what=f"rows would be read before the trigger, the first at {1e3 * earliest:.3f} ms",
+            cure="check frame_number, [beams] whole_slots_between, [mask] centre_angle_deg, trigger_delay_time_set, the "
+            "trigger's edge, and that application_slot holds edges 0 and 2",
+        ),
+    )
+
+
+def of_next_trigger(result: Result, *, recordings: Sequence[ReducedRecording]) -> tuple[Finding, ...]:
+    """Where the first row is read when the next trigger has already come.
+
+    A camera may do so, but then nothing in the frames says which trigger made them: a camera that missed its first trigger, or a
+    frame number that is one off, looks the same. The bound is the shortest time between two triggers.
+
+    Parameters
+    ----------
+    result
+        Of the delays.
+    recordings
+        With their triggers, and the rows of their images.
+    """
+    name = next((name for name in ("trigger_delay", "exposure_midpoint_delay") if name in result.estimate), None)
+    triggers = [one for one in recordings if one.trigger_ticks.size > 1]
+    if name is None or not triggers:
+        return ()
+    period_s = min(float(np.diff(one.trigger_ticks).min()) / one.track.clock_frequency_hz for one in triggers)
+    n_rows, row_s = recordings[0].opening.mask.shape[0], 0.0
+    if "row_delay" in result.estimate:
+        row_s = result.estimate.value("row_delay")
+    earliest_s = result.estimate.value(name) + min(0.0, (n_rows - 1) * row_s)
+    if earliest_s < period_s:
+        return ()
+    return (
+        Finding(
+            code="delay-beyond-next-trigger",
+            severity="doubt",
+            what=f"the first row is read {1e3 * earliest_s:.3f} ms after its trigger, but the next trigger comes after "
+            f"{1e3 * period_s:.3f} ms: frames may belong to another trigger, and the delay be whole frame periods off",
+            cure="check frame_number, and that application_slot holds edges 0 and 2; the camera's own time stamps, or a trigger "
+            "left out on purpose, prove which trigger made which frame",
         ),
     )
 
@@ -105,10 +145,10 @@ def of_angles(joint: JointFit) -> tuple[Finding, ...]:
     return (
         Finding(
             code="speeds-contradict-rig",
-            severity="warning",
+            severity="doubt",
             what=f"the wheel speeds agree on edges that come {1e3 * found:+.2f} mrad early, rig.toml allows u = "
             f"{1e3 * allowed:.2f} mrad",
-            cure="check [mask] centre_angle_deg and [beams]",
+            cure="check [mask] centre_angle_deg, [beams], and that trigger and gates are stamped at the right edge",
         ),
     )
 

@@ -90,7 +90,7 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
         Finding(
             code="image-not-explained",
             severity="doubt",
-            what=f"the contrast image is no blurred sector behind this lens: {reason}; the light of the rows may lie elsewhere",
+            what=f"the contrast image is no blurred sector behind this lens: {reason}; its light may lie elsewhere",
             cure="focus the camera on the mask, shade it from stray light, and look at the contrast image in the report",
         ),
     )

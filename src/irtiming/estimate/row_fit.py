@@ -197,7 +197,9 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
         return None
     undone, sway = _to_undo(start), start.sway
     if (undone > 0) == (start.undone > 0):
-        pixels = light.pixels / light.harmonics[:, 0].real
+        pixels = np.interp(
+            start.row_px, light.row_px, light.pixels / light.harmonics[:, 0].real
+        )  # lit rows may have changed
         sway = row_sway.chosen(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment, pixels=pixels)
     return replace(start, undone=undone, sway=sway)
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, plate_light, sector_fit
+from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.physics import blurred_sector
@@ -52,12 +52,24 @@ def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: 
         doubts: tuple[Finding, ...] = ()
         try:
             with one_thread():
-                axle = view(_sector(group, wheel, rig=rig), group[0].opening.summed)
+                sector = _sector(group, wheel, rig=rig)
+                axle = view(sector, group[0].opening.summed)
+            doubts = image_doubts.of_image(sector)
         except EstimationError as error:
-            doubts = (Finding(code="no-sector", severity="warning", what=str(error)),)
+            doubts = (_no_sector(error),)
         for k in members:
             found[k] = replace(recordings[k], axle=axle, findings=recordings[k].findings + doubts)
     return tuple(found)
+
+
+def _no_sector(error: EstimationError) -> Finding:
+    """A doubt: then the image checks neither rotation nor mask, and the light is taken to lie about the mask's bisector."""
+    return Finding(
+        code="no-sector",
+        severity="doubt",
+        what=f"{error}; the image therefore checks neither the mask's angle nor the rotation",
+        cure="check [wheel] rotation, that the image is not mirrored, focus, and that frames belong to their triggers",
+    )
 
 
 def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> SectorFit:

@@ -14,6 +14,7 @@ from irtiming.estimate import (
     image_doubts,
     joint,
     measurands,
+    on_trust,
     own_noise,
     pixel_numbers,
     pixel_sums,
@@ -119,18 +120,22 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
     ]
     combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
-    found = _by_file(combined, recordings)
+    found = _of_recordings(combined, recordings, rig)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found
     )
 
 
-def _by_file(found: Combination, recordings: Sequence[ReducedRecording]) -> Combination:
-    """The same with each recording's file beside its relative delay."""
-    delays = [
-        replace(delay, file=one.file) for delay, one in zip(found.result.relative_delays, recordings, strict=True)
-    ]
-    return replace(found, result=replace(found.result, relative_delays=tuple(delays)))
+def _of_recordings(found: Combination, recordings: Sequence[ReducedRecording], rig: Rig) -> Combination:
+    """The same with each recording's file beside its relative delay, and with what only the recordings tell of the result."""
+    result = found.result
+    findings = (
+        *result.findings,
+        *doubts.of_next_trigger(result, recordings=recordings),
+        *on_trust.of(recordings, rig=rig),
+    )
+    delays = [replace(delay, file=one.file) for delay, one in zip(result.relative_delays, recordings, strict=True)]
+    return replace(found, result=replace(result, relative_delays=tuple(delays), findings=findings))
 
 
 def of_pixel_fits(
@@ -241,7 +246,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
             _exact(fit.holding(row_sum.BLADE), model, names=names).widened(float(scale) * fit.widening)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
-        found=_by_file(found, recordings),
+        found=_of_recordings(found, recordings, rig),
     )
 
 

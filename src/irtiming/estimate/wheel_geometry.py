@@ -21,7 +21,10 @@ DISTANCE, HEIGHT, BESIDE = (
 )
 """Sources of a budget that were measured as lengths."""
 
-_LARGEST_ROLL_RAD = 0.5
+_LARGEST_ROLL_RAD = np.radians(
+    5.0
+)  # a camera that is set up by eye stands straighter; a bubble level tells a tenth of it
+_RULER_M = 2e-3  # half of what one slot more between the gates makes; a ruler in a hand is better
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
 
@@ -72,7 +75,7 @@ def geometry(
     if u_shift is not None:
         budget.append(("mask beside the axle (image)", "A", u_shift))
     roll = _camera_roll(recordings, opening.centre_angle_rad.value)
-    findings += _doubts(rig, roll if off_axle_mask else None)
+    findings += (*_doubts(rig, roll if slots == "learned" else None), *_of_height(beams, gates))
     return WheelGeometry(
         model=model,
         gates=gates,
@@ -123,13 +126,29 @@ def _doubts(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:
         doubts.append(
             Finding(
                 code="mask-not-where-stated",
-                severity="warning",
-                what=f"the mask stands {np.degrees(roll_rad):+.0f} deg beside its place in rig.toml, more than a rolled camera "
-                "explains",
-                cure="check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored",
+                severity="doubt",
+                what=f"the mask stands {np.degrees(roll_rad):+.1f} deg beside its place in rig.toml: the camera is rolled "
+                f"by more than {np.degrees(_LARGEST_ROLL_RAD):g} deg, or centre_angle_deg is as wrong, and the delay with it",
+                cure="set the camera upright, check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored",
             )
         )
     return tuple(doubts)
+
+
+def _of_height(beams: LightGates, gates: GateAngles) -> tuple[Finding, ...]:
+    """Where the beams' depth below the axle, which follows from the slots between them, is not what a ruler says."""
+    ruler_m = beams.height_m
+    if ruler_m is None or abs(gates.height_m - ruler_m) <= _RULER_M:
+        return ()
+    return (
+        Finding(
+            code="height-contradicts-ruler",
+            severity="doubt",
+            what=f"by the slots between the gates the application beam lies {1e3 * gates.height_m:.1f} mm below the axle, by "
+            f"the ruler {1e3 * ruler_m:g} mm: more than {1e3 * _RULER_M:g} mm apart, and the delay is wrong with it",
+            cure="check [beams] half_separation_mm, height_difference_mm, height_mm, and the control gate's edge",
+        ),
+    )
 
 
 def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None, str, tuple[Finding, ...]]:

@@ -30,6 +30,7 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
+from irtiming.errors import GeometryError
 from irtiming.physics import gaussian_spread
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
@@ -38,6 +39,7 @@ from irtiming.records.row_timing import SectorShape
 
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
 _MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
+_MOST_NODES = 5000  # of a quadrature: the sharpest opening that fills 4000 pixels asks for fewer
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
 """Of the sector's border; the wheel's edges come to the first radial edge first."""
@@ -183,6 +185,11 @@ def _widest(shape: SectorShape, projection: Projection) -> float:
 @lru_cache(maxsize=256)
 def _gauss_legendre(n: int) -> tuple[Array, Array]:
     """Nodes and weights; a search asks for the same few numbers of them hundreds of times."""
+    if n > _MOST_NODES:
+        raise GeometryError(
+            f"a sector that is {n} times as wide as its blur lets through was tried, at most {_MOST_NODES} can be: the image "
+            "shows no such opening; check [wheel] rotation, that the image is not mirrored, and that frames have their triggers"
+        )
     return np.polynomial.legendre.leggauss(n)
 
 

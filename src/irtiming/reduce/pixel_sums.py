@@ -15,7 +15,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, PixelSums, ReducedRecording, ShutterEvent
 from irtiming.records.rig import Rig
-from irtiming.reduce import frame_pass, nonuniformity, remarks
+from irtiming.reduce import frame_pass, nonuniformity, remarks, steadiness
 from irtiming.reduce.accumulators.counts import Counts
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.pixel_sum import PixelSum
@@ -92,7 +92,7 @@ def reduce(
         },
         references=nonuniformity.fingerprint(recording),
         shutter_events=_shutter_events(judge),
-        findings=(*sighting.findings, *dropped),
+        findings=(*sighting.findings, *dropped, *steadiness.findings(angles, rig, light_dn=sums.total_dn)),
     )
 
 

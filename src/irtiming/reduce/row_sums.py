@@ -13,7 +13,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording, RowSums, ShutterEvent
 from irtiming.records.rig import Rig
-from irtiming.reduce import drift, frame_pass, nonuniformity, remarks, shutter
+from irtiming.reduce import drift, frame_pass, nonuniformity, remarks, shutter, steadiness
 from irtiming.reduce.accumulators import row_sums
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.quiet_level import QuietLevel
@@ -100,7 +100,7 @@ def reduce(
         ),
         pixel_maps={"mean_dn": contrast_image.mean_dn(projection, found, correct=correct)},
         shutter_events=events,
-        findings=(*sighting.findings, *dropped),
+        findings=(*sighting.findings, *dropped, *steadiness.findings(angles, rig, light_dn=rows.mask_dn.sum(axis=1))),
     )
 
 

@@ -79,9 +79,26 @@ def test_an_interval_may_be_off_by_one_tick(off, n_told):
 def test_speeds_may_differ_by_two_per_cent(hz, n_told):
     """Oracle: by hand; the edges pass at 3 Hz, and so does the wheel's period."""
     told = _told(ROTATION_SPEED=hz)
-    assert [(severity, where) for severity, where, _ in told] == [
-        ("error", layout.ROTATION_SPEED.path), ("warning", layout.WHEEL_PERIOD.path)
-    ][: 2 * n_told]  # fmt: skip
+    assert [(severity, where) for severity, where, _ in told] == (
+        [("error", layout.ROTATION_SPEED.path), ("warning", layout.WHEEL_PERIOD.path)]
+        if n_told
+        else [("doubt", layout.ROTATION_SPEED.path)]
+    )
+
+
+@pytest.mark.parametrize(("hz", "n_told"), [(3.0 / 1.0019, 0), (3.0 / 1.0021, 1), (3.0 / 0.9981, 0), (3.0 / 0.9979, 1)])
+def test_a_speed_two_per_mille_off_is_a_doubt(hz, n_told):
+    """Oracle: by hand; the edges pass at 3 Hz, which a chopper that is locked keeps better."""
+    assert [severity for severity, *_ in _told(ROTATION_SPEED=hz)] == ["doubt"] * n_told
+
+
+@pytest.mark.parametrize(("off", "severity"), [(2, "warning"), (14_001, "warning"), (14_002, "doubt")])
+def test_intervals_that_no_two_crystals_make_are_a_doubt(off, severity):
+    """Oracle: by hand; 200 ppm of 70 million ticks and one tick more are 14 001."""
+    triggers = 100_000 * TRIGGERS
+    triggers[40:] += off
+    told = _told(CAMERA_TRIGGER=triggers, CAMERA_PERIOD=70_000_000, APPLICATION_SLOT=None, CONTROL_SLOT=None)
+    assert [one for one, *_ in told] == [severity]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 
 TURN = 2 * np.pi
 ROLL = float(np.radians(-1.2))
-UNSTATED = {"latency-not-stated", "clock-not-stated", "lateral-offset-not-stated"}
+UNSTATED = {"latency-not-stated", "clock-not-stated", "lateral-offset-not-stated", "taken-on-trust"}
 FILTER = "share of the frame before in each frame"
 NAMES = ("trigger_delay", "time_constant", "row_delay", "recursive_filter")
 

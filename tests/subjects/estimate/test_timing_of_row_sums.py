@@ -334,7 +334,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"six": SIX - 9e-3 * IS_EDGE}, "every row would be read before the trigger (the last at -4.600 ms)"),
+        ({"six": SIX - 9e-3 * IS_EDGE}, "rows would be read before the trigger, the first at -6.700 ms"),
         ({"widening": 9.0}, "residuals of 1 of 1 recordings are correlated.*widened by up to 3.0"),
         (
             {"row_delay": 61e-6},
@@ -357,11 +357,17 @@ def test_doubts_are_told(fits, geometry, sector, change, says):
 
 
 def test_a_camera_that_reads_its_last_row_first_is_not_doubted(fits, geometry, sector):
-    """Oracle: by hand; row 0 at 2 ms, row 35 at 2.3 - 35 * 0.06 = 0.2 ms: after the trigger. A row 0 before it is fine, too."""
-    for delay, t_row in ((2.3e-3, -60e-6), (-1e-3, 60e-6)):
-        six = np.array([delay] * 4 + [6e-3, t_row])
-        image = replace(sector, row_delay_s=t_row)
-        assert _estimate(fits([six]), geometry(), image).findings == (KNOWN,)
+    """Oracle: by hand; row 0 at 2 ms, row 35 at 2.3 - 35 * 0.06 = 0.2 ms: after the trigger."""
+    six = np.array([2.3e-3] * 4 + [6e-3, -60e-6])
+    assert _estimate(fits([six]), geometry(), replace(sector, row_delay_s=-60e-6)).findings == (KNOWN,)
+
+
+@pytest.mark.parametrize(("delay_s", "t_row_s"), [(-1e-3, 60e-6), (1.1e-3, -60e-6)])
+def test_a_row_that_is_read_before_the_trigger_is_a_doubt(fits, geometry, sector, delay_s, t_row_s):
+    """Oracle: by hand; row 0 at -1 ms, or row 35 at 1.1 - 35 * 0.06 = -1 ms: no camera knows of a trigger that is to come."""
+    six = np.array([delay_s] * 4 + [6e-3, t_row_s])
+    found = _estimate(fits([six]), geometry(), replace(sector, row_delay_s=t_row_s), n_rows=36).findings
+    assert [(one.code, one.severity) for one in found[1:]] == [("rows-read-before-trigger", "doubt")]
 
 
 def test_each_blackbody_has_a_time_constant_of_its_own(fits, geometry, sector):

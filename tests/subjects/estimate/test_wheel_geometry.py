@@ -12,6 +12,7 @@ from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 
 D, DH, H = 12e-3, 7e-3, 16e-3  # gates at atan(3/4) and atan(4/3): 90 deg apart
 BETA_1 = atan(0.75)
+EDGES = (Measured(0.0), Measured(1.57), Measured(3.14), Measured(4.71))
 
 
 @pytest.fixture
@@ -194,3 +195,30 @@ def test_the_lateral_offset_is_a_line_of_the_budget(rig, recording):
     assert u == pytest.approx(abs(ahead - behind) / 2e-6 * 6e-5, rel=1e-5)
     assert at(1e-4).measured["lateral offset of the beams"] == (6e-5, "m")
     assert at(1e-3, slots="equal").gates.application_rad == pytest.approx(BETA_1)
+
+
+@pytest.mark.parametrize(
+    ("off_deg", "codes"), [(4.9, []), (-4.9, []), (5.1, ["mask-not-where-stated"]), (-90, ["mask-not-where-stated"])]
+)
+def test_a_mask_that_no_upright_camera_sees_there_is_a_doubt(rig, recording, off_deg, codes):
+    """Oracle: by hand; the image has it at -1.5 rad, and 5 degrees are the most that a camera is rolled."""
+    stated = Measured(-1.5 - radians(off_deg), 5e-4)
+    known = replace(
+        rig, mask_opening=replace(rig.mask_opening, centre_angle_rad=stated), wheel=Wheel(cutout_edges_rad=EDGES)
+    )
+    for off_axle_mask in (True, False):
+        found = geometry([recording(axle=_axle(0.0))], known, slots="learned", off_axle_mask=off_axle_mask).findings
+        assert [one.code for one in found if one.severity == "doubt"] == codes
+
+
+@pytest.mark.parametrize(("ruler_m", "codes"), [(H, []), (H + 1.9e-3, []), (H - 2.1e-3, ["height-contradicts-ruler"])])
+def test_a_ruler_that_says_otherwise_is_a_doubt(rig, recording, ruler_m, codes):
+    """Oracle: two 3-4-5 triangles give 16 mm, and slots of 45 degrees leave no other number."""
+    stated = replace(
+        rig,
+        light_gates=replace(rig.light_gates, height_m=ruler_m),
+        wheel=Wheel(control_slots=8, cutout_edges_rad=EDGES),
+    )
+    stated = replace(stated, light_gates=replace(stated.light_gates, whole_slots_between=2))
+    found = geometry([recording()], stated, slots="learned", off_axle_mask=False).findings
+    assert [one.code for one in found] == codes

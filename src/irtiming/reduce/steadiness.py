@@ -1,0 +1,127 @@
+"""Whether the whole run tells one story: the light follows the wheel equally late, and from one place, in all its parts.
+
+A frame that was lost and not numbered, timestamps that jump, a disk that slips on its axle: from then on the light comes earlier
+or later by the same amount. Each quarter of the run has its own fit of the light's waves over the wheel's angle, and the phase of
+the wave with which the two cutouts pass tells when. A phase needs no model of wheel, mask or lag, and levels that drift leave it
+where it is.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.wheel import TURN
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.finding import Finding
+from irtiming.records.rig import Rig
+from irtiming.reduce.wheel.frame_angles import FrameAngles
+
+_PARTS = 4
+_ORDERS = (1, 2, 3, *range(4, 17, 2))  # waves a turn: of two cutouts, and what tells them apart
+_PASSING = 2
+_CORNERS = tuple(
+    range(18, 49, 2)
+)  # what the corners of the slopes add: of the whole run, since a part has too few frames for them
+_FRAMES_PER_NUMBER = 3
+_FAR = 6.0  # standard uncertainties, which take for noise what waves of higher order leave; by chance never
+_OUTLIER = 6.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lateness:
+    """By how much the light comes later in each part of a run than on average, and its standard uncertainty, rad of the wheel.
+
+    Shapes (n_part,); ``first_frame`` is where each part begins.
+    """
+
+    first_frame: tuple[int, ...]
+    angle_rad: Array
+    u_rad: Array
+
+
+def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
+    """Of the parts of a run; None where it is too short to have any.
+
+    Parameters
+    ----------
+    light_dn
+        Shape (n_frame,); light of the opening in each frame.
+    wheel_angle_rad
+        Shape (n_frame,), at the trigger; nan where unknown.
+    """
+    known = np.flatnonzero(np.isfinite(wheel_angle_rad) & np.isfinite(light_dn))
+    parts = np.array_split(known, _PARTS)
+    if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
+        return None
+    light_dn = _without_corners(light_dn, wheel_angle_rad, known=known)
+    found = [_phase(light_dn[part], wheel_angle_rad[part]) for part in parts]
+    waves, u_rad = np.array([wave for wave, _ in found]), np.array([u for _, u in found])
+    middle = np.sum(waves / np.abs(waves))
+    angle_rad = -np.angle(waves / middle) / _PASSING
+    return Lateness(first_frame=tuple(int(part[0]) for part in parts), angle_rad=angle_rad, u_rad=u_rad)
+
+
+def _waves(angle: Array, orders: tuple[int, ...]) -> Array:
+    """Level, straight line over time, and cosine and sine of each order, shape (n_frame, 2 + 2 n_order)."""
+    waves = [wave for order in orders for wave in (np.cos(order * angle), np.sin(order * angle))]
+    return np.stack([np.ones(angle.size), np.linspace(-1.0, 1.0, angle.size), *waves], axis=1)
+
+
+def _without_corners(light: Array, angle: Array, *, known: Ticks) -> Array:
+    columns = _waves(angle[known], _ORDERS + _CORNERS)
+    found = np.linalg.lstsq(columns, light[known], rcond=None)[0]
+    first = columns.shape[1] - 2 * len(_CORNERS)
+    less = np.full(light.size, np.nan)
+    less[known] = light[known] - columns[:, first:] @ found[first:]
+    return less
+
+
+def _phase(light: Array, angle: Array) -> tuple[complex, float]:
+    """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part."""
+    columns = _waves(angle, _ORDERS)
+    kept = np.ones(light.size, bool)
+    at = 2 + 2 * _ORDERS.index(_PASSING)
+    for _ in range(3):
+        found = np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
+        left = light - columns @ found
+        usual = 1.4826 * float(np.median(np.abs(left[kept])))
+        kept = np.abs(left) <= _OUTLIER * usual
+    variance = float(np.sum(left[kept] ** 2)) / max(1, int(kept.sum()) - columns.shape[1])
+    covariance = np.linalg.pinv(columns[kept].T @ columns[kept])[at : at + 2, at : at + 2] * variance
+    wave = complex(found[at], -found[at + 1])
+    size = max(abs(wave), float(np.finfo(float).tiny))
+    return wave or 1.0, float(np.sqrt(np.trace(covariance) / 2)) / size / _PASSING
+
+
+def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding, ...]:
+    """A doubt where parts of the run are late by more than their noise, and by more than the stated angle of the mask may be off.
+
+    Parameters
+    ----------
+    angles, rig
+        Of the recording's frames, and what the owner of the rig says of the mask's.
+    light_dn
+        Shape (n_frame,); light of the opening in each frame of the recording.
+    """
+    recording = angles.recording
+    late = lateness(light_dn, angles.angle_rad)
+    if late is None:
+        return ()
+    first, last = int(np.argmin(late.angle_rad)), int(np.argmax(late.angle_rad))
+    apart, u = float(np.ptp(late.angle_rad)), float(np.hypot(late.u_rad[first], late.u_rad[last]))
+    if apart <= max(_FAR * u, 2 * rig.mask_opening.centre_angle_rad.standard_uncertainty):
+        return ()
+    apart_ms, u_ms = (1e3 * angle / (TURN * recording.rotation_speed_hz) for angle in (apart, u))
+    return (
+        Finding(
+            code="run-not-steady",
+            severity="doubt",
+            recording=recording.name,
+            what=f"the light follows the wheel {apart_ms:.3g} ms later in the part of the run from frame "
+            f"{late.first_frame[last]} on than in that from frame {late.first_frame[first]} on (u = {u_ms:.2g} ms): "
+            "frames were lost and renumbered, timestamps jump, or disk, mask or camera moved",
+            cure="check frame_number and the trigger generator, see that nothing is loose, and record again",
+        ),
+    )

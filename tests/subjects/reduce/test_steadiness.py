@@ -1,0 +1,80 @@
+"""Whether all parts of a run tell one story: light of a wheel that is made point by point, late from some frame on."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+from irtiming.reduce import steadiness
+
+TURN, HZ = 2 * np.pi, 3.0
+RIG = Rig(
+    light_gates=LightGates(half_separation_m=Measured(13e-3), height_difference_m=Measured(5e-3), whole_slots_between=9),
+    mask_opening=MaskOpening(opening_angle_rad=Measured(1.3), centre_angle_rad=Measured(-1.57, 5e-4)),
+)  # fmt: skip
+
+
+def _angle(n=500):
+    return TURN * 49 / 500 * np.arange(n)
+
+
+def _light(angle, *, noise=1e-3, seed=0):
+    """Of 75 degrees behind two cutouts of a quarter turn, counted at 2000 places of the opening."""
+    places = np.radians(75) * (np.arange(2000) / 2000 - 0.5)
+    open_ = np.mod(angle[:, None] - places, TURN / 2) < TURN / 4
+    return open_.mean(axis=1) + np.random.default_rng(seed).normal(0, noise, angle.size)
+
+
+def _found(light, angle):
+    recording = SimpleNamespace(name="run", rotation_speed_hz=HZ)
+    return steadiness.findings(SimpleNamespace(recording=recording, angle_rad=angle), RIG, light_dn=light)
+
+
+@pytest.mark.parametrize("late_rad", [3e-3, -3e-3, 0.62])
+def test_light_that_is_late_from_the_middle_on_is_measured(late_rad):
+    """Oracle: the angle by which it was made late: 3 mrad, and one frame of a tenth of a turn."""
+    angle = _angle()
+    late = steadiness.lateness(_light(angle - late_rad * (np.arange(angle.size) >= 250)), angle)
+    assert late.angle_rad[2:].mean() - late.angle_rad[:2].mean() == pytest.approx(late_rad, abs=6 * late.u_rad.max())
+    assert late.u_rad.max() < 1.5e-3
+    assert late.first_frame == (0, 125, 250, 375)
+
+
+def test_late_light_is_a_doubt_that_says_how_much_and_from_where():
+    """Oracle: by hand; a frame of 49/500 turn at 3 Hz is 32.7 ms."""
+    angle = _angle()
+    (one,) = _found(
+        np.roll(_light(angle), -1) * (np.arange(500) >= 250) + _light(angle) * (np.arange(500) < 250), angle
+    )
+    assert (one.code, one.severity, one.recording) == ("run-not-steady", "doubt", "run")
+    assert "32.7 ms later in the part of the run from frame" in one.what
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda light, share: light,
+        lambda light, share: light + 0.3 * share,
+        lambda light, share: light * (1 - 0.3 * share),
+        lambda light, share: np.where((share > 0.4) & (share < 0.42), 0.0, light),
+        lambda light, share: light + 0.5 * (share > 0.5),
+    ],
+    ids=["nothing", "drift", "contrast", "shutter", "jump"],
+)
+def test_levels_that_change_are_no_lateness(changed):
+    """Oracle: what was changed is when no edge passes."""
+    for seed in range(20):
+        light = changed(_light(_angle(), seed=seed), np.linspace(0, 1, 500))
+        assert _found(light, _angle()) == ()
+
+
+def test_less_than_the_mask_may_be_off_is_no_doubt():
+    """Oracle: rig.toml; twice 0.5 mrad between two parts is as much as the whole run may be off."""
+    angle = _angle()
+    assert _found(_light(angle - 0.9e-3 * (np.arange(500) >= 250), noise=1e-5), angle) == ()
+
+
+def test_a_short_run_has_no_parts():
+    """Oracle: by hand; too few frames for four fits."""
+    assert steadiness.lateness(_light(_angle(200)), _angle(200)) is None
