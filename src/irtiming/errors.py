@@ -15,7 +15,8 @@ IrTimingError
 A message says what is, what must be and what to do, in one line. The command line prints it and exits with 2.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 _LONGEST, _HEAD, _TAIL = 2000, 1400, 500
 
@@ -98,3 +99,23 @@ class ReductionError(IrTimingError):
 
 class EstimationError(IrTimingError):
     """Reduced data that do not determine the measurand."""
+
+
+@contextmanager
+def computing(names: str) -> Iterator[None]:
+    """Numbers that no wheel before a camera makes break a computation here or there: that refuses the recordings of these names.
+
+    Raises
+    ------
+    EstimationError
+        In place of what numpy and scipy raise.
+    """
+    try:
+        yield
+    except (ValueError, ArithmeticError) as error:
+        if isinstance(error, IrTimingError):
+            raise
+        raise EstimationError(
+            f"{names}: frames and timestamps fit no wheel before a camera ({type(error).__name__}: {error}); look at the frames, "
+            "and check rig.toml and frame_number against the recording"
+        ) from error

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from irtiming.archive.recording_checks import check_recording
-from irtiming.errors import EstimationError, IrTimingError
+from irtiming.errors import EstimationError, IrTimingError, computing
 from irtiming.estimate import diagnosis, profiles, timing, two_constants
 from irtiming.estimate.published import procedure
 from irtiming.estimate.timing import Timing
@@ -80,7 +80,7 @@ def reduce(
         if progress is not None:
             progress(recording.name, n_frames, total)
 
-    with _noted(recording), _refused(recording.name):
+    with _noted(recording), computing(recording.name):
         return recipes.reduce(
             recording, rig, choices=choices, progress=done, before=before[0].opening if before else None
         )
@@ -103,7 +103,7 @@ def estimate(
     ordered = sorted(
         recordings, key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0)
     )
-    with _refused(", ".join(one.name for one in ordered)):
+    with computing(", ".join(one.name for one in ordered)):
         tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
         found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], rig)
     first = found.recordings[0]
@@ -146,17 +146,3 @@ def _noted(recording: Recording) -> Iterator[None]:
         remarks = [one.sentence() for one in recording.findings]
         error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *remarks]))
         raise
-
-
-@contextmanager
-def _refused(names: str) -> Iterator[None]:
-    """Numbers that no wheel before a camera makes break a computation here or there: that refuses the recording."""
-    try:
-        yield
-    except (ValueError, ArithmeticError, MemoryError) as error:
-        if isinstance(error, IrTimingError):
-            raise
-        raise EstimationError(
-            f"{names}: frames and timestamps fit no wheel before a camera ({type(error).__name__}: {error}); look at the frames, "
-            "and check rig.toml and frame_number against the recording"
-        ) from error
