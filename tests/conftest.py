@@ -7,8 +7,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from irtiming.records.exposed import ExposedRows
+
+settings.register_profile("compiled", deadline=None)  # what is compiled takes its time at the first call
+settings.load_profile("compiled")
 
 _ROOT = Path(__file__).resolve().parent.parent
 

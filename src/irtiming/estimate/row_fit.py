@@ -260,12 +260,24 @@ def _linearised(task: _Task, found: Solution) -> tuple[ComplexArray, ComplexArra
     return whole, slopes[[task.model.names.index(name) for name in found.minimum.free]]
 
 
-def _swaying(task: _Task, model: Array) -> Array:
-    """What the amounts of a sway do to the rows over their gain, shape (k, n, n_row)."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Swaying:
+    """What a sway does to the rows over their gain: by its amounts, (k, n, n_row), and in each row for itself, (n, n_row)."""
+
+    shared: Array
+    own: Array
+
+
+def _swaying(task: _Task, model: Array) -> _Swaying:
     if task.sway is None:
-        return np.zeros((0, *model.shape))
-    pixels = np.asarray(task.model.before_blades[:, 0].real, dtype=float)
-    return row_sway.columns(task.sway.of(task.kept), model, pixels=pixels, stretches=task.stretches)
+        return _Swaying(shared=np.zeros((0, *model.shape)), own=np.zeros(model.shape))
+    sway, pixels = task.sway.of(task.kept), np.asarray(task.model.before_blades[:, 0].real, dtype=float)
+    own = row_sway.own_columns(sway, model, stretches=task.stretches)
+    shared = row_sway.columns(sway, model, pixels=pixels, stretches=task.stretches)
+    for part in task.stretches:
+        shared[:, part] -= np.einsum("jny,ny->jy", shared[:, part], own[part])[:, None] * own[part]
+    return _Swaying(shared=shared, own=own)
 
 
 @final
@@ -282,11 +294,12 @@ class _Scores:
     sway_step: Array
 
 
-def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, swaying: Array) -> _Scores:
-    """Gain and offset of the rows are projected out; ``swaying`` (j, n, n_row) is what a sway's amounts do."""
+def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, swaying: _Swaying) -> _Scores:
+    """Gain and offset of the rows are projected out, and what a sway does to each row for itself."""
     shape, slopes = (packed(one) for one in _linearised(task, found))
-    scores, beside = np.zeros((residual.shape[0], len(slopes))), np.zeros((residual.shape[0], len(swaying)))
-    mixed, own = np.zeros((len(slopes), len(swaying))), np.zeros((len(swaying), len(swaying)))
+    n_sway = len(swaying.shared)
+    scores, beside = np.zeros((residual.shape[0], len(slopes))), np.zeros((residual.shape[0], n_sway))
+    mixed, own, lost = np.zeros((len(slopes), n_sway)), np.zeros((n_sway, n_sway)), np.zeros(2 * (len(slopes),))
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
         weight = gain / found.variance
         weighted = np.ascontiguousarray((residual[part] * weight).T, dtype=np.float32)
@@ -294,16 +307,21 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, sway
         through = shape @ data.gram
         norm = np.einsum("yp,yp->y", through, shape)
         mean = waves[:, part].mean(axis=1)
-        sways = (swaying[:, part] * (weight * gain)).transpose(0, 2, 1)
-        beside[part] = np.einsum("jny,ny->nj", swaying[:, part], residual[part] * weight)
-        own += np.einsum("jyn,lny->jl", sways, swaying[:, part])
+        shared, alone = swaying.shared[:, part], swaying.own[part].T.astype(np.float32)
+        sways = (shared * (weight * gain)).transpose(0, 2, 1)
+        beside[part] = np.einsum("jny,ny->nj", shared, residual[part] * weight)
+        own += np.einsum("jyn,lny->jl", sways, shared)
+        taken = np.zeros((len(slopes), residual.shape[1]))
         for k, slope in enumerate(slopes):
             free = slope - (np.einsum("yp,yp->y", through, slope) / norm)[:, None] * shape
             free[:, 0] -= free @ mean
             seen = free.astype(np.float32) @ own_waves
+            taken[k] = np.einsum("yn,yn->y", seen, alone)
+            seen -= taken[k][:, None].astype(np.float32) * alone
             scores[part, k] = np.einsum("yn,yn->n", seen, weighted)
             mixed[k] += np.einsum("jyn,yn->j", sways, seen)
-    return _without_sway(scores, beside, normal=found.normal, mixed=mixed, own=own)
+        lost += (taken * weight * gain) @ taken.T
+    return _without_sway(scores, beside, normal=found.normal - lost, mixed=mixed, own=own)
 
 
 def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array) -> _Scores:

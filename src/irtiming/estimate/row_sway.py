@@ -100,6 +100,34 @@ def columns(sway: Sway, model: Array, *, pixels: Array, stretches: Sequence[Mask
     return out
 
 
+def own_columns(sway: Sway, model: Array, *, stretches: Sequence[Mask]) -> Array:
+    """The gain's curve in each row, gain and offset of the row projected out: pixels have levels of their own, which it moves.
+
+    Parameters
+    ----------
+    sway
+        Of the frames that are fitted.
+    model
+        What the rows show, shape (n, n_row).
+    stretches
+        Frames between two shutter events, each of shape (n,); in each the column has a unit length, or none.
+
+    Returns
+    -------
+    Shape (n, n_row).
+    """
+    out = np.zeros(model.shape)
+    for part in (
+        stretches if sway.n_looks >= _LOOKS else ()
+    ):  # a curve that is still looked for must not take anything away
+        curve = sway.relative_gain[part]
+        if np.ptp(curve) > 0:
+            light, own = _centred(model[part]), _centred(np.repeat(curve[:, None], model.shape[1], axis=1))
+            own = own - _products(own, light) / _products(light, light) * light
+            out[part] = own / np.sqrt(_products(own, own))
+    return out
+
+
 def steadied(row_sums: Array, expected: Array, *, sway: Sway, pixels: Array, stretches: Sequence[Mask]) -> Array:
     """Row sums as if gain and offset had not changed.
 
@@ -124,7 +152,15 @@ def steadied(row_sums: Array, expected: Array, *, sway: Sway, pixels: Array, str
         if np.ptp(change[part]) > 0:
             seen = _centred(expected[part] + change[part])
             found[part] -= _products(seen, _centred(row_sums[part])) / _products(seen, seen) * change[part]
-    return found
+    return found - _along(own_columns(sway, expected, stretches=stretches), found, stretches=stretches)
+
+
+def _along(own: Array, values: Array, *, stretches: Sequence[Mask]) -> Array:
+    """The part of values (n, n_row) along columns of the same shape, stretch by stretch."""
+    out = np.zeros_like(values)
+    for part in stretches:
+        out[part] = own[part] * _products(own[part], values[part])
+    return out
 
 
 def _centred(columns: Array) -> Array:
