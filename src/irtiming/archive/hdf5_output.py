@@ -2,9 +2,12 @@
 
 HDF5 keeps what it could not write and tries again whenever it closes something, at last when the program ends, where it
 crashes. So it does not hear of a write that failed: the rest goes nowhere, and the error is raised when it is asked for.
+Ctrl-C waits for the same reason: an exception in the middle of a write would be one that failed.
 """
 
 import os
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -21,6 +24,7 @@ class Output:
 
     def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
         self.failure: OSError | None = None
+        self.is_stopped = False
         self._place = 0
         self._descriptor = os.open(
             path, os.O_RDWR | (os.O_CREAT if mode == "w" else 0) | getattr(os, "O_BINARY", 0), 0o666
@@ -39,6 +43,10 @@ class Output:
     def __exit__(self, *_: object) -> None:
         os.close(self._descriptor)
 
+    def stop(self, *_: object) -> None:
+        """Take note of Ctrl-C."""
+        self.is_stopped = True
+
     def require_written(self) -> None:
         """Raise what the system said to the first write that failed.
 
@@ -46,7 +54,12 @@ class Output:
         ------
         OSError
             Such as that of a full disk.
+        KeyboardInterrupt
+            If Ctrl-C was pressed since the file was opened.
         """
+        if self.is_stopped:
+            self.is_stopped = False  # said once: what tidies up afterwards must not be stopped by the same
+            raise KeyboardInterrupt
         if self.failure is not None:
             raise OSError(self.failure.errno, self.failure.strerror) from self.failure
 
@@ -107,10 +120,24 @@ def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[
         If it cannot be opened, another program has it, or not all of it could be written: at the end of the block, where the
         block does not ask before.
     """
-    with Output(Path(path), mode) as output:
+    with Output(Path(path), mode) as output, _noting_interrupts(output):
         with h5py.File(output, mode, libver=layout.HDF5_FORMAT) as file:
             yield file, output
         output.require_written()
+
+
+@contextmanager
+def _noting_interrupts(output: Output) -> Iterator[None]:
+    """Ctrl-C is noted, to be raised between two writes; other threads than the main one never see it."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(before):
+        yield
+        return
+    signal.signal(signal.SIGINT, output.stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def abandon(file: h5py.File) -> None:

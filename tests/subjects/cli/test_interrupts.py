@@ -19,14 +19,18 @@ def _stopped(words: list[str], *, after_s: float, by: signal.Signals) -> tuple[i
     with subprocess.Popen([*_PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         time.sleep(after_s)
         process.send_signal(by)
-        _, said = process.communicate(timeout=60)
+        try:
+            _, said = process.communicate(timeout=8)
+        except subprocess.TimeoutExpired:  # numba drops what is raised while it loads a kernel: a person presses again
+            process.send_signal(by)
+            _, said = process.communicate(timeout=60)
     return process.returncode, [line for line in said.splitlines() if "frames" not in line]
 
 
 @pytest.mark.parametrize("after_s", [0.1, 0.25, 0.45, 0.7])
-def test_ctrl_c_while_the_program_starts(after_s: float) -> None:
+def test_ctrl_c_while_the_program_starts(tmp_path: Path, after_s: float) -> None:
     """Oracle: the documented exit status; a program that is still loading has nothing to undo."""
-    status, lines = _stopped(["doctor"], after_s=after_s, by=signal.SIGINT)
+    status, lines = _stopped(["simulate", str(tmp_path / "lab"), "--runs", "20"], after_s=after_s, by=signal.SIGINT)
     assert status == 130
     assert len(lines) == 1
     assert lines[0].startswith("irtiming: stopped")
