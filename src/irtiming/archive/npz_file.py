@@ -1,8 +1,9 @@
-"""Arrays of an ``.npz`` file, held against bounds before they are unpacked into memory."""
+"""Arrays of an ``.npz`` file, held against bounds before they are unpacked, and of an ``.npy``, which stays on the disk."""
 
 import math
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,18 +26,36 @@ def read_arrays(path: Path, names: Sequence[str]) -> dict[str, Any]:
     ArchiveError
         If the file does not exist, cannot be read, or unpacks into more than the bounds; the message ends with what was wrong.
     """
-    try:
+    with _refused(path, saved_by="numpy.savez"):
         with zipfile.ZipFile(path) as archive:
             there = [name for name in names if f"{name}.npy" in archive.namelist()]
             _require_bounded(path, archive, there)
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in there}
+
+
+def open_array(path: Path) -> Any:
+    """Array of an ``.npy``, which stays in the file until it is asked for.
+
+    Raises
+    ------
+    ArchiveError
+        As for `read_arrays`.
+    """
+    with _refused(path, saved_by="numpy.save"):
+        return np.lib.format.open_memmap(path, mode="r")
+
+
+@contextmanager
+def _refused(path: Path, *, saved_by: str) -> Iterator[None]:
+    try:
+        yield
     except FileNotFoundError as error:
         raise ArchiveError(f"{path}: does not exist; check the name") from error
     except ArchiveError:
         raise
     except Exception as error:  # of many kinds: numpy, zipfile and zlib each raise their own
-        raise ArchiveError(f"{path}: cannot be read as arrays ({error}); save them again with numpy.savez") from error
+        raise ArchiveError(f"{path}: cannot be read as arrays ({error}); save them again with {saved_by}") from error
 
 
 def _require_bounded(path: Path, archive: zipfile.ZipFile, names: Sequence[str]) -> None:

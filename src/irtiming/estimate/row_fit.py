@@ -197,9 +197,8 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
         return None
     undone, sway = _to_undo(start), start.sway
     if (undone > 0) == (start.undone > 0):
-        pixels = np.interp(
-            start.row_px, light.row_px, light.pixels / light.harmonics[:, 0].real
-        )  # lit rows may have changed
+        per_light = light.pixels / light.harmonics[:, 0].real
+        pixels = np.interp(start.row_px, light.row_px, per_light)  # lit rows may have changed
         sway = row_sway.chosen(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment, pixels=pixels)
     return replace(start, undone=undone, sway=sway)
 
@@ -275,9 +274,7 @@ def _swaying(task: _Task, model: Array) -> _Swaying:
     sway, pixels = task.sway.of(task.kept), np.asarray(task.model.before_blades[:, 0].real, dtype=float)
     own = row_sway.own_columns(sway, model, stretches=task.stretches)
     shared = row_sway.columns(sway, model, pixels=pixels, stretches=task.stretches)
-    for part in task.stretches:
-        shared[:, part] -= np.einsum("jny,ny->jy", shared[:, part], own[part])[:, None] * own[part]
-    return _Swaying(shared=shared, own=own)
+    return _Swaying(shared=row_sway.without(own, shared, stretches=task.stretches), own=own)
 
 
 @final

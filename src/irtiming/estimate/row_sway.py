@@ -117,9 +117,9 @@ def own_columns(sway: Sway, model: Array, *, stretches: Sequence[Mask]) -> Array
     Shape (n, n_row).
     """
     out = np.zeros(model.shape)
-    for part in (
-        stretches if sway.n_looks >= _LOOKS else ()
-    ):  # a curve that is still looked for must not take anything away
+    if sway.n_looks < _LOOKS:
+        return out  # a curve that is still looked for must not take anything away
+    for part in stretches:
         curve = sway.relative_gain[part]
         if np.ptp(curve) > 0:
             light, own = _centred(model[part]), _centred(np.repeat(curve[:, None], model.shape[1], axis=1))
@@ -152,14 +152,29 @@ def steadied(row_sums: Array, expected: Array, *, sway: Sway, pixels: Array, str
         if np.ptp(change[part]) > 0:
             seen = _centred(expected[part] + change[part])
             found[part] -= _products(seen, _centred(row_sums[part])) / _products(seen, seen) * change[part]
-    return found - _along(own_columns(sway, expected, stretches=stretches), found, stretches=stretches)
+    return without(own_columns(sway, expected, stretches=stretches), found, stretches=stretches)
 
 
-def _along(own: Array, values: Array, *, stretches: Sequence[Mask]) -> Array:
-    """The part of values (n, n_row) along columns of the same shape, stretch by stretch."""
-    out = np.zeros_like(values)
+def without(own: Array, values: Array, *, stretches: Sequence[Mask]) -> Array:
+    """Values less their part along each row's own column, stretch by stretch.
+
+    Parameters
+    ----------
+    own
+        From `own_columns`, shape (n, n_row).
+    values
+        Shape (.., n, n_row).
+    stretches
+        Frames between two shutter events, each of shape (n,).
+
+    Returns
+    -------
+    Shape of the values.
+    """
+    out = values.copy()
     for part in stretches:
-        out[part] = own[part] * _products(own[part], values[part])
+        along = np.einsum("...ny,ny->...y", values[..., part, :], own[part])
+        out[..., part, :] -= along[..., None, :] * own[part]
     return out
 
 

@@ -18,7 +18,7 @@ from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
-from irtiming.archive.npz_file import read_arrays
+from irtiming.archive.npz_file import open_array, read_arrays
 from irtiming.archive.reader import check_version, reduce_reference
 from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
@@ -196,16 +196,9 @@ def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
 
 def _arrays(source: Path) -> dict[str, Any]:
     """Arrays of a file; those of an ``.npy`` stay in it until they are asked for."""
-    try:
-        if source.suffix.lower() == ".npy":
-            return {"frames": np.lib.format.open_memmap(source, mode="r")}
-        arrays = read_arrays(source, _ARRAYS)
-    except FileNotFoundError as error:
-        raise ArchiveError(f"{source}: does not exist; check the name") from error
-    except ArchiveError:
-        raise
-    except Exception as error:  # of many kinds: numpy, zipfile and zlib each raise their own
-        raise ArchiveError(f"{source}: cannot be read as arrays ({error}); save them again with numpy.save") from error
+    if source.suffix.lower() == ".npy":
+        return {"frames": open_array(source)}
+    arrays = read_arrays(source, _ARRAYS)
     if "frames" not in arrays:
         raise ArchiveError(f"{source}: holds no array 'frames'; save it with numpy.savez(file, frames=...)")
     return arrays
