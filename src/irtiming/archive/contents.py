@@ -9,6 +9,8 @@ from irtiming.archive import consistency, layout
 from irtiming.archive.fields import near_misses, read_field, read_temperature
 from irtiming.archive.finding import Complaint
 from irtiming.archive.frame_status import leave_out
+from irtiming.archive.hdf5_file import damage_at
+from irtiming.records.camera_frame import SIMULATED_VENDOR
 from irtiming.records.finding import Finding
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ class Checked:
 
     ``stored_shape`` is that of all frames, whole or not; ``kept`` are the indices of the whole ones, None: all of them.
     ``temperatures`` are those of the reference stacks, K. ``findings`` are warnings: they do not stop an analysis.
+    ``is_simulated``: the truth of a simulation stands beside the data, or the camera says that it is the simulated one.
     """
 
     contents: "Contents"
@@ -31,6 +34,7 @@ class Checked:
     kept: "Ticks | None"
     temperatures: "dict[Field, float | None]"
     findings: tuple[Finding, ...]
+    is_simulated: bool
 
 
 def read_contents(file: h5py.File) -> "Contents":
@@ -69,4 +73,11 @@ def checked(file: h5py.File, contents: "Contents") -> Checked:
         kept=kept,
         temperatures=temperatures,
         findings=tuple(finding for finding in findings if finding.severity in ("warning", "doubt")),
+        is_simulated=_is_simulated(file, contents),
     )
+
+
+def _is_simulated(file: h5py.File, contents: "Contents") -> bool:
+    """What says so is written by this program alone."""
+    with damage_at(layout.TRUTH):
+        return layout.TRUTH in file or contents[layout.CAMERA_VENDOR] == SIMULATED_VENDOR

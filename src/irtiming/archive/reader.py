@@ -87,6 +87,7 @@ def recording_of(path: str | Path, found: Checked, *, sha256: str = "", is_growi
         nonuniformity=nonuniformity,
         sha256=sha256,
         findings=found.findings,
+        is_simulated=found.is_simulated,
     )
 
 

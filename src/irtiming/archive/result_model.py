@@ -9,7 +9,7 @@ from irtiming.records.finding import Severity
 from irtiming.records.recording import CameraType, ReadoutMode
 
 FORMAT = "irtiming-result"
-VERSION = "1.0"
+VERSION = "1.1"
 """A reader takes any file of its own major version: a later minor one has more keys, which it leaves out."""
 
 Real = float | None
@@ -174,6 +174,22 @@ class ShutterEvent(Part):
     kind: str
 
 
+class Item(Part):
+    """Which camera it is, as its recordings say; null where none does."""
+
+    manufacturer: str | None = None
+    model: str | None = None
+    serial_number: str | None = None
+    firmware: str | None = None
+
+
+class Image(Part):
+    """Pixels of a frame."""
+
+    rows: int
+    columns: int
+
+
 class Input(Part):
     """One recording, and what its reduction took."""
 
@@ -192,6 +208,12 @@ class Input(Part):
     blackbody_is_colder: bool | None = None
     shutter_events: list[ShutterEvent] = Field([])
     axle_row_column_px: list[float] | None
+    image: Image | None = None
+    frame_period: Real = Field(None, description="s, from trigger to trigger")
+    bit_depth: int | None = None
+    start_time: str | None = Field(None, description="ISO 8601; null: the recording does not say")
+    item: Item | None = Field(None, description="the camera that this recording names; null: none")
+    simulated: bool = False
 
 
 class Source(Part):
@@ -199,6 +221,21 @@ class Source(Part):
 
     file: str
     sha256: str
+
+
+class RigValue(Part):
+    """One number or word of rig.toml, by section and key."""
+
+    name: str
+    value: float | str
+    standard_uncertainty: Real = Field(None, description="null: none was stated, the number counts as exact")
+    unit: str = ""
+
+
+class RigSource(Source):
+    """rig.toml, and what it says."""
+
+    values: list[RigValue] = Field([])
 
 
 class ResultFinding(Part):
@@ -219,6 +256,8 @@ class Result(Core):
     version: str = Field(VERSION, pattern=r"^\d+\.\d+$")
     camera: CameraType
     readout_mode: ReadoutMode | None = None
+    item: Item = Item()
+    simulated: bool = Field(False, description="whether a recording says of itself that no camera made it")
     headline: str = Field("", description="the result in one sentence, with what its uncertainties do not hold")
     findings: list[ResultFinding] = Field([])
     joint_fit: Evidence | None = None
@@ -235,5 +274,5 @@ class Result(Core):
     published_fits: list[Evidence] = Field([])
     choices: Evidence
     inputs: list[Input]
-    rig: Source
+    rig: RigSource
     software: dict[str, str]

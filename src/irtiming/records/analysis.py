@@ -1,8 +1,9 @@
 """Everything that a report needs: the result, and what led to it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TypeAlias, final
 
+from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.choices import Choices
 from irtiming.records.diagnosis import Diagnosis
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit
@@ -84,6 +85,21 @@ class Analysis:
     def result(self) -> Result:
         """By the method that was chosen."""
         return self.published.result if self.choices.method == "published" and self.published else self.best
+
+    @property
+    def item(self) -> CameraIdentity:
+        """Which camera it is, each word from the first recording that has it; empty where none has."""
+        said = [one.camera for one in self.recordings if one.camera is not None]
+        words = {
+            one.name: next((word for camera in said if (word := getattr(camera, one.name))), "")
+            for one in fields(CameraIdentity)
+        }
+        return CameraIdentity(**words)
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether a recording says of itself that no camera made it."""
+        return any(one.is_simulated for one in self.recordings)
 
     @property
     def findings(self) -> tuple[Finding, ...]:

@@ -5,6 +5,9 @@ from typing import final
 
 from irtiming.records.arrays import Pixels
 
+SIMULATED_VENDOR = "irtiming"
+"""Maker of every camera that this program simulates; no other camera names it."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, Protocol, final
 
+import numpy as np
+
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
@@ -67,6 +69,7 @@ class Recording:
     ``frame_timestamp_ticks`` of the camera's own clock of ``timestamp_frequency_hz``, and ``frame_host_time_s``.
     ``ending`` is "complete", or why the recording ended early; empty where unknown. ``findings``
     are the warnings of its file, which do not stop an analysis.
+    ``is_simulated`` says that no camera made it, as far as the file tells.
     """
 
     name: str
@@ -99,6 +102,15 @@ class Recording:
     start_time: str = ""
     ending: str = ""
     program_version: str = ""
+    is_simulated: bool = False
     source: str = ""
     sha256: str = ""
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def frame_period_s(self) -> float | None:
+        """Nominal time from trigger to trigger, s: as stated, else the median of the timestamps; None of a single one."""
+        if self.camera_period_ticks is not None:
+            return self.camera_period_ticks / self.clock_frequency_hz
+        steps = np.diff(self.camera_trigger_ticks)
+        return float(np.median(steps)) / self.clock_frequency_hz if steps.size else None

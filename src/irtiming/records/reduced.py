@@ -6,6 +6,7 @@ from typing import Literal, TypeAlias, final
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
+from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.wheel_track import WheelTrack
@@ -267,8 +268,8 @@ class ReducedRecording:
         Fingerprint of the non-uniformity references; empty without.
     axle
         Wheel centre and mask in the image; None where they were not, or are not yet, found.
-    integration_time_s, blackbody_temperature_k
-        As the recording tells them; None where it does not.
+    integration_time_s, blackbody_temperature_k, frame_period_s, bit_depth, camera, start_time, is_simulated
+        As the recording tells them; None, or empty, where it does not.
     """
 
     name: str
@@ -295,6 +296,11 @@ class ReducedRecording:
     trigger_delay_time_set_s: float
     rotation_speed_hz: float
     blackbody_temperature_k: float | None = None
+    frame_period_s: float | None = None
+    bit_depth: int | None = None
+    camera: CameraIdentity | None = None
+    start_time: str = ""
+    is_simulated: bool = False
     findings: tuple[Finding, ...] = ()
 
     @property

@@ -65,7 +65,8 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
     Raises
     ------
     EstimationError
-        If it is one of them again, of another size, or has a reference edge named that may be another one in it.
+        If it is one of them again, of another camera, of another size, or has a reference edge named that may be another
+        one in it.
     """
     size = recording.frames.shape[1:]
     same = next((other for other in before if recording.sha256 and other.sha256 == recording.sha256), None)
@@ -74,6 +75,8 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
             f"{recording.source} and {same.source} are the same recording (sha256 {recording.sha256[:12]}…): counted twice it "
             "would make the uncertainty too small; name each recording once"
         )
+    for other in before:
+        _refuse_another_camera(recording, other)
     if before and choices.reference_edge != "automatic":
         raise EstimationError(
             f"the {choices.reference_edge} application edge was named as reference, which may be another edge in "
@@ -85,3 +88,16 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
             f"{before[0].opening.mask.shape[0]} x {before[0].opening.mask.shape[1]}: all must be of one camera with one window; "
             "analyse them apart"
         )
+
+
+def _refuse_another_camera(recording: Recording, other: ReducedRecording) -> None:
+    """Refuse where both say which camera made them, and differ; what a recording does not say is no difference."""
+    if recording.camera is None or other.camera is None:
+        return
+    for name in ("vendor", "model", "serial_number", "firmware"):
+        here, there = getattr(recording.camera, name), getattr(other.camera, name)
+        if here and there and here != there:
+            raise EstimationError(
+                f"{recording.name} is of a camera with {name.replace('_', ' ')} '{here}', {other.name} of one with '{there}': "
+                "all must be of one camera, with one firmware; analyse them apart"
+            )

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from irtiming.records.analysis import Analysis
-from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import Contribution, Result
-from irtiming.report import budget, camera_noise, result_of_fits, result_of_wheel
+from irtiming.report import budget, camera_noise, result_of_fits, result_of_inputs, result_of_wheel
 from irtiming.report.combination import combined
 from irtiming.report.meanings import (
     RELATIVE_SIGN,
@@ -42,6 +41,8 @@ def result(analysis: Analysis) -> dict[str, Any]:
         "method": analysis.result.method,
         "camera": analysis.camera_type,
         "readout_mode": analysis.readout_mode,
+        "item": result_of_inputs.item(analysis.item),
+        "simulated": analysis.is_simulated,
         **core,
         "parameters": core["parameters"] | result_of_fits.two_constant_parameters(two),
         "headline": verdict(analysis).sentence,
@@ -67,8 +68,8 @@ def result(analysis: Analysis) -> dict[str, Any]:
         "wheel": result_of_wheel.calibration(analysis.wheel),
         "opening": result_of_fits.opening(analysis.sectors[0]) if analysis.sectors else {},
         "choices": _choices(analysis),
-        "inputs": [_input(recording) for recording in analysis.recordings],
-        "rig": {"file": analysis.rig.source, "sha256": analysis.rig.sha256},
+        "inputs": [result_of_inputs.of_recording(recording) for recording in analysis.recordings],
+        "rig": result_of_inputs.rig(analysis.rig),
         "software": versions(),
     }  # fmt: skip
 
@@ -296,28 +297,4 @@ def _choices(analysis: Analysis) -> dict[str, Any]:
         "wheel_temperature": chosen.wheel_temperature_k,
         "search_started_at": [start for start, _ in fits],
         "fit_arrived_at": [end for _, end in fits],
-    }
-
-
-def _input(recording: ReducedRecording) -> dict[str, Any]:
-    opening, view = recording.opening, recording.axle
-    return {
-        "file": recording.file,
-        "sha256": recording.sha256,
-        "frames": recording.n_frames,
-        "frames_used": int(recording.frame_index.size),
-        "trigger_delay_time_set": recording.trigger_delay_time_set_s,
-        "integration_time": recording.integration_time_s,
-        "rotation_speed": recording.rotation_speed_hz,
-        "blackbody_temperature": recording.blackbody_temperature_k,
-        "roi": list(opening.roi),
-        "threshold": None if opening.histogram is None else float(opening.histogram.threshold_dn),
-        "border_px": opening.border_px,
-        "bad_pixels": opening.n_bad_pixels,
-        "blackbody_is_colder": bool(opening.blackbody_is_colder),
-        "shutter_events": [
-            {"first_frame": int(event.first_frame), "end_frame": int(event.end_frame), "kind": event.kind}
-            for event in recording.shutter_events
-        ],
-        "axle_row_column_px": None if view is None else [view.row_px, view.column_px],
     }

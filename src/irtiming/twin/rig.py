@@ -10,6 +10,7 @@ import numpy as np
 
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Ticks
+from irtiming.records.camera_frame import SIMULATED_VENDOR, CameraIdentity
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 from irtiming.twin import window
@@ -239,8 +240,18 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         wheel_period_ticks=trigger.turn_period_ticks,
         blackbody_temperature_k=scene.radiance.blackbody_k,
         nonuniformity=_reference(scene.radiance, scene.detector, _reference_seed(scene, seed)) if referenced else None,
+        camera=_identity(scene, photon=photon),
+        is_simulated=True,
         source=f"twin, seed {seed}",
     )
+
+
+def _identity(scene: Scene, *, photon: bool) -> CameraIdentity:
+    """The camera is the one with this pattern of gains and offsets."""
+    return CameraIdentity(
+        vendor=SIMULATED_VENDOR, model="Twin photon camera" if photon else "Twin microbolometer",
+        serial_number=f"SIM{scene.detector.pattern_seed}", firmware="1.0", address="",
+    )  # fmt: skip
 
 
 def _frames(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> SimulatedFrames | ProcessedFrames:

@@ -56,7 +56,7 @@ def test_a_result_is_written_with_its_format_and_read_back(tmp_path: Path) -> No
     write_result(LEAST | {"parameters": {"trigger_delay": _DELAY | {"value": float("nan")}}}, path)
     content = json.loads(path.read_text())
     assert list(content) == ["format", "version", *LEAST]
-    assert (content["format"], content["version"]) == ("irtiming-result", "1.0")
+    assert (content["format"], content["version"]) == ("irtiming-result", "1.1")
     assert {key: content[key] for key in LEAST if key != "parameters"} == {
         key: value for key, value in LEAST.items() if key != "parameters"
     }
@@ -91,7 +91,7 @@ def test_a_later_minor_version_is_read_without_its_further_keys(tmp_path: Path) 
     write_result(LEAST, path)
     _change(path, version="1.7", colour=1, rig=LEAST["rig"] | {"owner": "me"})
     assert read_result(path).rig.file == "rig.toml"
-    _change(path, version="1.0")
+    _change(path, version="1.1")
     with pytest.raises(ArchiveError, match=r"(colour|owner) is unknown"):
         read_result(path)
 
@@ -101,7 +101,7 @@ def test_a_later_minor_version_is_read_without_its_further_keys(tmp_path: Path) 
     [
         ({"format": "irtiming wheel calibration"}, "is no result (its format must be 'irtiming-result')"),
         ({"format": ...}, "is no result"),
-        ({"version": "2.0"}, "version is 2.0, this irtiming knows 1.0: update it"),
+        ({"version": "2.0"}, "version is 2.0, this irtiming knows 1.1: update it"),
         ({"version": "new"}, "version is 'new'"),
         ({"inputs": 3}, "inputs is 3, must be a list"),
         ({"inputs": [{"file": 1}]}, "inputs[0]: file is 1, must be text"),
@@ -118,3 +118,12 @@ def test_what_is_no_result_is_refused_with_its_cure(tmp_path: Path, change: dict
     assert str(caught.value).startswith(f"{path}: ")
     assert said in str(caught.value)
     assert "irtiming analyse --json" in str(caught.value)
+
+
+def test_a_result_of_version_1_0_is_still_read(tmp_path: Path) -> None:
+    """Oracle: the keys of 1.0, which knew neither item nor rig.values; these are then as if nobody had said anything."""
+    path = tmp_path / "result.json"
+    write_result(LEAST, path)
+    _change(path, version="1.0")
+    found = read_result(path)
+    assert (found.item.serial_number, found.simulated, found.rig.values) == (None, False, [])

@@ -65,6 +65,11 @@ class FrameAngles:
             trigger_delay_time_set_s=one.trigger_delay_time_set_s,
             rotation_speed_hz=one.rotation_speed_hz,
             blackbody_temperature_k=one.blackbody_temperature_k,
+            frame_period_s=one.frame_period_s,
+            bit_depth=one.bit_depth,
+            camera=one.camera,
+            start_time=one.start_time,
+            is_simulated=one.is_simulated,
             **(found | {"findings": (*read, *found["findings"])}),
         )
 

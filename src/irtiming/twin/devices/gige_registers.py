@@ -11,6 +11,8 @@ from importlib.resources import files
 from ipaddress import IPv4Address
 from typing import final
 
+from irtiming.records.camera_frame import SIMULATED_VENDOR
+
 XML_ADDRESS = 0xA0000
 _XML_NAME = "irtiming_twin_camera.xml"
 _MEMORY_BYTES = 0x9000
@@ -294,7 +296,7 @@ class Registers:
         self.put_number(Address.EXPOSURE_TIME, (identity.integration_time_s or 0.0) * 1e6)
         self.put_number(Address.TEMPERATURE, 35.0)
         texts = {
-            Address.MANUFACTURER: "irtiming",
+            Address.MANUFACTURER: SIMULATED_VENDOR,
             Address.MODEL: identity.model,
             Address.DEVICE_VERSION: "1.0",
             Address.MANUFACTURER_INFO: "simulated camera of the digital twin",
