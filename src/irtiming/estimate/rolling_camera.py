@@ -32,7 +32,7 @@ _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.1  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them, after the last: an image that is told to less than that goes to and fro
-_FIRST_RESPONSE_S = 1e-4  # the first contrast image is fitted as if pixels answered at once
+_FIRST_RESPONSE_S = 1e-4  # of pixels that answer at once, nearly: with it a sector is guessed
 
 
 @final
@@ -123,8 +123,7 @@ def _in_turns(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
     )
-    at_once = dict.fromkeys(timing_names(kind), 0.0) | {kind.response.PARAMETER: _FIRST_RESPONSE_S}
-    timings: list[Timing] = [at_once] * len(groups)
+    timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
     views: list[_View] = []
     fits: tuple[RowTimingFit, ...] = ()
     for n_round in range(_MOST_ROUNDS):
@@ -159,6 +158,23 @@ def _in_turns(
         f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * timings[0][kind.response.PARAMETER]:.3f} ms); "
         "the recordings must show the whole opening and nothing else that turns with the wheel"
     )
+
+
+def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig) -> Timing:
+    """What the rows say in a sector that is but guessed; where they say nothing, pixels that answer at once.
+
+    The search for the sector depends on it: where the response turns the phases of unlike pixels by unlike amounts, it may end in
+    a sector that there is not.
+    """
+    kind = camera(members[0].camera_type, members[0].readout_mode)
+    at_once = dict.fromkeys(timing_names(kind), 0.0) | {kind.response.PARAMETER: _FIRST_RESPONSE_S}
+    sector = sector_fit.guess(members, model, rig=rig, timing=at_once)
+    try:
+        lights = [row_light.row_light(one.row_sums.row_px, sector, n_harmonics=kind.n_harmonics) for one in members]
+        fits = [row_fit.fit(one, model, light=light) for one, light in zip(members, lights, strict=True)]
+    except EstimationError:
+        return at_once
+    return _mean([fit.timing for fit in fits])
 
 
 def _blade(fits: Sequence[RowTimingFit], model: WheelModel) -> float:

@@ -274,7 +274,7 @@ def _swaying(task: _Task, model: Array) -> _Swaying:
     sway, pixels = task.sway.of(task.kept), np.asarray(task.model.before_blades[:, 0].real, dtype=float)
     own = row_sway.own_columns(sway, model, stretches=task.stretches)
     shared = row_sway.columns(sway, model, pixels=pixels, stretches=task.stretches)
-    return _Swaying(shared=row_sway.without(own, shared, stretches=task.stretches), own=own)
+    return _Swaying(shared=row_sway.beside_own(own, shared, stretches=task.stretches), own=own)
 
 
 @final

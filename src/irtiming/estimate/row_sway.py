@@ -15,7 +15,8 @@ from irtiming.inference import drifting_levels
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.row_timing import RowTimingFit, Sway
 
-_FEWEST_FRAMES = 100  # of a stretch
+_FEWEST_FRAMES = 24  # of a stretch: offset, gain and one number more, at eight frames for each
+_SPANNED = 1e-9  # relative: less than this of a column's square is rounding
 _LOOKS = 2
 
 
@@ -175,6 +176,31 @@ def without(own: Array, values: Array, *, stretches: Sequence[Mask]) -> Array:
     for part in stretches:
         along = np.einsum("...ny,ny->...y", values[..., part, :], own[part])
         out[..., part, :] -= along[..., None, :] * own[part]
+    return out
+
+
+def beside_own(own: Array, shared: Array, *, stretches: Sequence[Mask]) -> Array:
+    """Columns of a sway less what rows have of their own; zero where that is all of a column.
+
+    An offset whose curve is that of the gain is in the span of the rows' own columns. What is then left of it is rounding, by
+    which no amount may be found.
+
+    Parameters
+    ----------
+    own
+        From `own_columns`, shape (n, n_row).
+    shared
+        From `columns`, shape (k, n, n_row).
+    stretches
+        Frames between two shutter events, each of shape (n,).
+
+    Returns
+    -------
+    Shape (k, n, n_row).
+    """
+    out = without(own, shared, stretches=stretches)
+    left, whole = (np.einsum("jny,jny->j", one, one) for one in (out, shared))
+    out[left <= _SPANNED * whole] = 0.0
     return out
 
 

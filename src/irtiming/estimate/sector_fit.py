@@ -132,6 +132,18 @@ def fit(
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
 
 
+def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing) -> SectorFit:
+    """The sector with which a search would begin, for a first look at the rows; its covariance is zero.
+
+    Parameters as for `fit`.
+    """
+    images = _images(recordings, wheel, rig=rig, timing=timing, known=None)
+    known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
+    numbers = sector_image.first_guess(images.seen[0], images.view) | known.start
+    none = np.zeros((len(NUMBERS), len(NUMBERS)))
+    return replace(_told(images, numbers, known=(none, 1.0)), n_rounds=0)
+
+
 def _signs(known: LensKnowledge, start: SectorFit | None) -> list[dict[str, float]]:
     """Distortions with which a search begins once the rest is known roughly.
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import sector_fit
+from irtiming.estimate import row_fit, sector_fit
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
@@ -57,6 +57,17 @@ def test_the_sector_comes_back(plain, camera):
     assert plain.u_row_delay_s < 2e-6
     assert plain.reduced_chi_square == pytest.approx(1, abs=0.15)
     assert plain.n_rounds == 3
+
+
+def test_rows_in_a_guessed_sector_tell_the_lag(camera, lag, brute_rows, rig_with):
+    """Oracle: the camera's lag and delay; a sector to a pixel or two tells them to a quarter of the lag."""
+    rows = brute_rows(camera, noise_dn=6.0, seed=3)
+    guessed = sector_fit.guess([rows], camera.model, rig=rig_with(), timing=AT_ONCE)
+    assert guessed.n_rounds == 0
+    assert not guessed.covariance.any()
+    seen = row_fit.fit(rows, camera.model, light=row_light(rows.row_sums.row_px, guessed, n_harmonics=HARMONICS))
+    assert seen.timing["time_constant"] == pytest.approx(lag["time_constant"], rel=0.25)
+    assert seen.timing["edge_delay_0"] == pytest.approx(lag["edge_delay_0"], abs=0.25 * lag["time_constant"])
 
 
 @pytest.mark.parametrize("mirror", [False, True])
