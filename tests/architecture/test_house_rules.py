@@ -12,6 +12,11 @@ SOURCES = sorted((ROOT / "src" / "irtiming").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("test_*.py"))
 HOMES = {
     "GTC": "report",
+    "astropy": "archive",
+    "av": "archive",
+    "fasthcc": "archive",
+    "imagecodecs": "archive",
+    "tifffile": "archive",
     "genicam": "instruments",
     "h5py": "archive",
     "hdf5plugin": "archive",
@@ -39,6 +44,7 @@ COMMANDS = (
     "analyse",
     "import_capture",
     "export_vcd",
+    "info",
     "demo",
     "build",
     "firmware",

@@ -85,6 +85,38 @@ def require_few_objects(file: h5py.File) -> None:
         _refuse_much(beyond, "is one object too many", f"there may be {MOST_OBJECTS}, {DEEPEST} groups deep")
 
 
+def require_bounded_stack(path: str, dataset: h5py.Dataset) -> None:
+    """Refuse a stack of frames, wherever it stands in a file, that lies elsewhere or asks for more than frames can.
+
+    Raises
+    ------
+    Complaint
+        If it does.
+    """
+    _Look().dataset(path, dataset.id, layout.FRAMES)
+
+
+def stack_in(file: h5py.File) -> str | None:
+    """Place of the frames: that of a recording, else the largest stack of numbers of three axes; None where there is none.
+
+    Raises
+    ------
+    Complaint
+        If the file names too many objects to look at.
+    """
+    require_few_objects(file)
+    found: dict[str, int] = {}
+
+    def see(name: str, there: object) -> None:
+        if isinstance(there, h5py.Dataset) and there.ndim == 3 and there.dtype.kind in "uif":
+            found[f"/{name}"] = math.prod(there.shape)
+
+    if isinstance(file.get(layout.FRAMES.path), h5py.Dataset):
+        return layout.FRAMES.path
+    file.visititems(see)
+    return max(found, key=found.__getitem__) if found else None
+
+
 @final
 @dataclass
 class _Look:

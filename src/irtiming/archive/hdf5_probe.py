@@ -15,7 +15,7 @@ import h5py
 
 from irtiming.archive import layout
 from irtiming.archive.finding import refuse
-from irtiming.archive.hdf5_bounds import H5_ERRORS, require_bounded
+from irtiming.archive.hdf5_bounds import H5_ERRORS, require_bounded, stack_in
 
 LONGEST_CPU_S = 5
 _LONGEST_WAIT_S = 30.0
@@ -66,6 +66,8 @@ def _look_and_leave(path: Path) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         with h5py.File(path, "r") as file:
             require_bounded(file)
+            with suppress(*H5_ERRORS):
+                stack_in(file)
             for one in layout.FIELDS:
                 with suppress(*H5_ERRORS):
                     dataset = file[one.path]

@@ -21,6 +21,7 @@ from irtiming.cli.doctor_command import doctor
 from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.import_capture_command import import_capture
+from irtiming.cli.info_command import info
 from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
@@ -40,7 +41,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, import_capture,
-    export_vcd, demo,
+    export_vcd, info, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

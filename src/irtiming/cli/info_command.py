@@ -1,0 +1,53 @@
+"""`irtiming info`: what a file of frames holds, whatever program wrote it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from irtiming.archive.json_file import require_place, write_json
+from irtiming.cli.screen import say
+from irtiming.units import readable_time
+
+_PLAIN = ("format", "frames", "rows", "columns", "dtype", "unit", "bit_depth", "start_time", "first_frame_sha256")
+
+
+def info(
+    file: Annotated[
+        Path, typer.Argument(help="File of frames of any format that is known, or a folder with one for each frame.")
+    ],
+    json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write all of it there.")] = None,
+) -> None:
+    """Say what a file of frames holds: size, type, camera, times, integration time.
+
+    It reads recordings (NeXus), any HDF5 stack, TIFF, NumPy, raw with JSON, ENVI, FITS, FFV1 video, Telops HCC, FLIR SFMOV, FFF,
+    SEQ and CSQ, FLIR/Cedip PTW, InfraTec IRB, Norpix SEQ, and folders of pictures.
+    """
+    from irtiming.session.frame_files import look_into
+
+    if json is not None:
+        require_place(json, besides=[file])
+    found = look_into(file)
+    for name in _PLAIN:
+        if found[name] not in (None, ""):
+            say(f"{name.replace('_', ' ')}: {found[name]}")
+    _say_times(found)
+    for name, value in {**(found["camera"] or {}), **found["more"]}.items():
+        if value not in (None, ""):
+            say(f"{name.replace('_', ' ')}: {value}")
+    if json is not None:
+        write_json(found, json)
+
+
+def _say_times(found: Mapping[str, Any]) -> None:
+    for name in ("integration_time", "frame_period"):
+        if found[name] is not None:
+            say(f"{name.replace('_', ' ')}: {readable_time(found[name]['value'])}")
+    for name in ("frame_times", "trigger_times"):
+        if found[name] is not None:
+            times = found[name]
+            scale = f" ({times['scale']})" if times.get("scale") else ""
+            each = times["median_interval"]
+            between = "" if each is None else f", every {readable_time(each)}"
+            say(f"{name.replace('_', ' ')}: from {times['first']:.9g} s to {times['last']:.9g} s{between}{scale}")

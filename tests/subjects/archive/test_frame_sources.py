@@ -1,0 +1,182 @@
+"""Frames of files that other programs write: each file is made by a library that shares nothing with the package."""
+
+import json
+import struct
+
+import h5py
+import numpy as np
+import pytest
+import tifffile
+
+from irtiming.archive.frames.opening import open_frames, reader_of, readers
+from irtiming.errors import ArchiveError
+
+STACK = np.random.default_rng(3).integers(0, 2**14, (7, 24, 30), dtype=np.uint16)
+
+
+def _all(source):
+    """Every frame of a source, block by block, and picked."""
+    blocks = np.concatenate([block.copy() for _, block in source.blocks()])
+    picked = source.pick([source.shape[0] - 1, 0])
+    assert np.array_equal(picked, blocks[[-1, 0]])
+    assert blocks.shape == source.shape
+    assert blocks.dtype.name == source.facts.dtype
+    return blocks
+
+
+def _pages(path):
+    with tifffile.TiffWriter(path) as writer:
+        for frame in STACK:
+            writer.write(frame, contiguous=False)
+
+
+def _hdf5(path):
+    with h5py.File(path, "w") as file:
+        file["measurement/counts"] = STACK
+        file["measurement/dark"] = STACK[:2]
+
+
+def _raw(path):
+    path.write_bytes(b"12" + b"".join(frame.astype(">u2").tobytes() + b"gap" for frame in STACK))
+    told = {"rows": 24, "columns": 30, "byte_order": "big", "header_bytes": 2, "between_frames_bytes": 3}
+    told |= {"integration_time_s": 250e-6, "times_s": [0.1 * i for i in range(7)], "time_scale": "camera clock"}
+    path.with_suffix(".json").write_text(json.dumps(told))
+
+
+def _envi(path, interleave):
+    axes = {"bsq": (0, 1, 2), "bil": (1, 0, 2), "bip": (1, 2, 0)}[interleave]
+    path.write_bytes(b"x" * 10 + STACK.astype(">u2").transpose(axes).tobytes())
+    head = "ENVI\nsamples = 30\nlines = 24\nbands = 7\nheader offset = 10\ndata type = 12\n"
+    head += (
+        f"interleave = {interleave}\nbyte order = 1\nfps = 50\nsensor type = some camera\ndescription = {{\nlines\n}}\n"
+    )
+    path.with_suffix(".hdr").write_text(head)
+
+
+WRITERS = {
+    "stack.tif": lambda path: tifffile.imwrite(path, STACK),
+    "big-endian.tif": lambda path: tifffile.imwrite(path, STACK, byteorder=">", imagej=True),
+    "packed.tif": lambda path: tifffile.imwrite(
+        path, STACK, bigtiff=True, compression="zlib", photometric="minisblack"
+    ),
+    "pages.tif": _pages,
+    "array.npy": lambda path: np.save(path, STACK.astype(">u2")),
+    "arrays.npz": lambda path: np.savez_compressed(path, frames=STACK),
+    "other.h5": _hdf5,
+    "bare.raw": _raw,
+    "lines.bsq": lambda path: _envi(path, "bsq"),
+    "lines.bil": lambda path: _envi(path, "bil"),
+    "lines.bip": lambda path: _envi(path, "bip"),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_frames_come_out_as_they_were_put_in(name, tmp_path):
+    """Oracle: the array that an independent writer was given."""
+    WRITERS[name](tmp_path / name)
+    source = open_frames(tmp_path / name)
+    assert np.array_equal(_all(source), STACK)
+    assert source.facts.dtype == "uint16"
+
+
+@pytest.mark.parametrize("kind", ["uint8", "int16", "float32", "float64"])
+def test_other_types_of_pixels_stay_what_they_are(kind, tmp_path):
+    """Oracle: the array that was written; bytes and temperatures are read like counts."""
+    values = (STACK % 200).astype(kind)
+    np.save(tmp_path / "a.npy", values)
+    tifffile.imwrite(tmp_path / "a.tif", values)
+    for name in ("a.npy", "a.tif"):
+        source = open_frames(tmp_path / name)
+        assert source.facts.dtype == kind
+        assert np.array_equal(_all(source), values)
+
+
+def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path):
+    """Oracle: the array whose frames were written one by one; frame 10 comes after frame 2."""
+    many = np.concatenate([STACK, STACK[::-1]])
+    for i, frame in enumerate(many):
+        tifffile.imwrite(tmp_path / f"frame{i}.tif", frame)
+    assert np.array_equal(_all(open_frames(tmp_path)), many)
+
+
+def test_pictures_are_frames(tmp_path):
+    """Oracle: the array; PGM written by hand after its description, PNG by imagecodecs."""
+    imagecodecs = pytest.importorskip("imagecodecs")
+    (tmp_path / "a.pgm").write_bytes(b"P5\n# made\n30 24\n16383\n" + STACK[0].astype(">u2").tobytes())
+    (tmp_path / "b.png").write_bytes(imagecodecs.png_encode(STACK[1]))
+    assert np.array_equal(_all(open_frames(tmp_path / "a.pgm")), STACK[:1])
+    assert np.array_equal(_all(open_frames(tmp_path / "b.png")), STACK[1:2])
+
+
+def test_facts_beside_a_raw_file_are_taken(tmp_path):
+    """Oracle: the JSON that was written."""
+    _raw(tmp_path / "a.raw")
+    facts = open_frames(tmp_path / "a.raw").facts
+    assert facts.integration_time_s == 250e-6
+    assert facts.times_s is not None
+    assert facts.times_s.tolist() == [0.1 * i for i in range(7)]
+    assert facts.time_scale == "camera clock"
+
+
+def test_what_a_recording_tells(hand_made):
+    """Oracle: the numbers that the fixture writes with plain h5py."""
+    facts = open_frames(hand_made()).facts
+    assert facts.integration_time_s == 250e-6
+    assert facts.bit_depth == 14
+    assert facts.trigger_times_s is not None
+    assert facts.trigger_times_s[0] == (7_000_000 + 16_384_000) / 49_152_000
+    assert facts.frame_period_s == 1_622_016 / 49_152_000
+
+
+def _cut(path):
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) - 1000])
+
+
+@pytest.mark.parametrize(
+    "name", ["stack.tif", "packed.tif", "array.npy", "arrays.npz", "other.h5", "bare.raw", "lines.bil"]
+)
+def test_a_file_that_is_cut_is_refused_in_one_line(name, tmp_path):
+    """Oracle: the class of the error and the name of the file in its one line."""
+    WRITERS[name](tmp_path / name)
+    _cut(tmp_path / name)
+    with pytest.raises(ArchiveError, match=name) as caught:
+        _all(open_frames(tmp_path / name))
+    assert "\n" not in str(caught.value)
+
+
+def test_sizes_that_a_file_cannot_hold_are_refused_before_anything_is_made(tmp_path):
+    """Oracle: the size of the file; 2 EB are declared."""
+    head = "{'descr': '<u2', 'fortran_order': False, 'shape': (4000000, 500000, 500000)}".ljust(117).encode() + b"\n"
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head + b"12")
+    with pytest.raises(ArchiveError, match="4000000 frames of 500000 x 500000"):
+        open_frames(tmp_path / "a.npy")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("a.txt", b"hello", "is no file of frames that is known"),
+        ("a.tif", b"", "is empty"),
+        ("a.npy", b"\x93NUMPY\x01\x00", "cannot be read as NumPy"),
+        ("a.nxs", b"\x89HDF\r\n\x1a\n" + bytes(100), "a.nxs"),
+    ],
+)
+def test_what_is_no_file_of_frames_is_refused(name, content, says, tmp_path):
+    """Oracle: the message says what is wrong."""
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ArchiveError, match=says):
+        open_frames(tmp_path / name)
+
+
+def test_colours_are_refused(tmp_path):
+    """Oracle: three values for a pixel are no counts of a detector."""
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((20, 30, 3), np.uint8), photometric="rgb")
+    with pytest.raises(ArchiveError, match="3 values for each pixel"):
+        open_frames(tmp_path / "a.tif")
+
+
+def test_a_format_is_told_from_the_content_not_from_the_name(tmp_path):
+    """Oracle: the reader that takes it."""
+    tifffile.imwrite(tmp_path / "a.npy", STACK)
+    assert reader_of(tmp_path / "a.npy") is readers()["tiff"]
