@@ -21,8 +21,7 @@ def info(
 ) -> None:
     """Say what a file of frames holds: size, type, camera, times, integration time.
 
-    It reads recordings (NeXus), any HDF5 stack, TIFF, NumPy, raw with JSON, ENVI, FITS, FFV1 video, Telops HCC, FLIR SFMOV, FFF,
-    SEQ and CSQ, FLIR/Cedip PTW, InfraTec IRB, Norpix SEQ, and folders of pictures.
+    Which formats are read stands in docs/reference/frame-files.md; a format is told from the content, not from the name.
     """
     from irtiming.session.frame_files import look_into
 
