@@ -31,6 +31,7 @@ HOMES = {
     "rich": "cli",
     "serial": "instruments",
     "typer": "cli",
+    "uncertainties": "report",
     "vcd": "archive",
 }
 COMMANDS = (

@@ -20,9 +20,24 @@ def write_result(result: Mapping[str, Any], path: str | Path) -> None:
     ArchiveError
         If the file cannot be written, or the result has a key that `Result` does not know, lacks one, or has another value.
     """
-    content = {"format": FORMAT, "version": VERSION, **plain(result)}
+    content = _content(result)
     fitted(content, Result, path=Path(path), kind=_KIND)
     write_json(content, path)
+
+
+def checked_result(result: Mapping[str, Any]) -> Result:
+    """The same in memory, as `read_result` would give it back.
+
+    Raises
+    ------
+    ArchiveError
+        As `write_result` does for what is no result.
+    """
+    return fitted(_content(result), Result, path=Path("result"), kind=_KIND)
+
+
+def _content(result: Mapping[str, Any]) -> dict[str, Any]:
+    return {"format": FORMAT, "version": VERSION, **plain(result)}
 
 
 def read_result(path: str | Path) -> Result:

@@ -15,6 +15,7 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import JointFit, Profile, Result
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.short_repr import short_repr
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_geometry import WheelGeometry
@@ -31,6 +32,8 @@ class Published:
     ``result`` is empty and there are no ``fits``, one per nominal delay and wheel speed, where it could not be run; ``geometry``
     is that with equal slots, which the fits used.
     """
+
+    __repr__ = short_repr
 
     result: Result
     fits: tuple[PublishedFit, ...] | tuple[PublishedLagFit, ...]
@@ -63,6 +66,8 @@ class Analysis:
     published, profiles, prediction, two_constants, diagnosis
         Made on request; None or empty where nobody asked, or none could be made.
     """
+
+    __repr__ = short_repr
 
     camera_type: CameraType
     readout_mode: ReadoutMode

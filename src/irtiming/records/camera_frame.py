@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Pixels
+from irtiming.records.short_repr import short_repr
 
 SIMULATED_VENDOR = "irtiming"
 """Maker of every camera that this program simulates; no other camera names it."""
@@ -49,6 +50,8 @@ class CameraFrame:
     on the wire: a gap is a frame of which nothing arrived. ``device_timestamp_ticks`` are of the camera's clock, 0 where
     it has none. ``host_time_s`` is this computer's monotonic clock when the last of the frame had come.
     """
+
+    __repr__ = short_repr
 
     pixels: Pixels
     frame_id: int

@@ -7,6 +7,7 @@ import numpy as np
 
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.exposed import ExposedFraction
+from irtiming.records.short_repr import short_repr
 
 EDGE_DELAYS = ("edge_delay_0", "edge_delay_1", "edge_delay_2", "edge_delay_3")
 """Local numbers that every recording tells: delay as the passing of each wheel edge gives it, s."""
@@ -76,6 +77,8 @@ class SlopeLine:
     angles unwrapped around ``centre_rad``.
     """
 
+    __repr__ = short_repr
+
     edge: int
     centre_rad: float
     u_centre_rad: float
@@ -89,6 +92,8 @@ class SlopeLine:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PublishedFit:
     """The averaged data of one nominal delay and the four lines through its slopes, in the order of edges 0..3."""
+
+    __repr__ = short_repr
 
     data: ExposedFraction
     lines: tuple[SlopeLine, SlopeLine, SlopeLine, SlopeLine]
@@ -197,6 +202,8 @@ class EdgeDelayFit:
         By how much the covered level of the second blade lies above that of the first, and its standard uncertainty; opening
         fractions.
     """
+
+    __repr__ = short_repr
 
     name: str
     trigger_delay_time_set_s: float

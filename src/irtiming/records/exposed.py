@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -15,6 +16,8 @@ class ExposedFraction:
     ``names`` and ``files`` are those of the recordings.
     ``plateaus`` are the angle intervals used for normalisation: (start, end, level 0 or 1).
     """
+
+    __repr__ = short_repr
 
     trigger_delay_time_set_s: float
     rotation_speed_hz: float
@@ -38,6 +41,8 @@ class ExposedRows:
     ``u_fraction`` (n,) and ``u_row_fraction`` (n_row, n) standard uncertainties of the means, None with a single run.
     ``row_px`` (n_row,). ``names`` and ``files`` are those of the recordings. ``mask`` is the binary mask (row, column).
     """
+
+    __repr__ = short_repr
 
     trigger_delay_time_set_s: float
     rotation_speed_hz: float

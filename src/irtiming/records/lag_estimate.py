@@ -7,6 +7,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.exposed import ExposedRows
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rotation
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -63,6 +64,8 @@ class PublishedLagFit:
     n_simulations
         Simulations that it took.
     """
+
+    __repr__ = short_repr
 
     data: ExposedRows
     timing: LagTiming

@@ -9,6 +9,7 @@ import numpy as np
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
+from irtiming.records.short_repr import short_repr
 
 CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
@@ -45,6 +46,8 @@ class NonuniformityReference:
     ``low_frames`` and ``high_frames`` are the raw stacks, where they are at hand: an archive is written from them.
     """
 
+    __repr__ = short_repr
+
     low_dn: Array
     high_dn: Array
     low_noise_dn: Array
@@ -71,6 +74,8 @@ class Recording:
     are the warnings of its file, which do not stop an analysis.
     ``is_simulated`` says that no camera made it, as far as the file tells.
     """
+
+    __repr__ = short_repr
 
     name: str
     camera_type: CameraType

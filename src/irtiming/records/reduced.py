@@ -9,6 +9,7 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
 from irtiming.records.recording import CameraType, ReadoutMode
+from irtiming.records.short_repr import short_repr
 from irtiming.records.wheel_track import WheelTrack
 
 Region: TypeAlias = tuple[int, int, int, int]
@@ -29,6 +30,8 @@ class Histogram:
     bin_edges_dn, count
         Bin edges (n + 1,), DN, and pixels per bin (n,).
     """
+
+    __repr__ = short_repr
 
     threshold_dn: float
     plate_dn: float
@@ -65,6 +68,8 @@ class Opening:
     histogram
         Where pixels are counted above a threshold; None elsewhere.
     """
+
+    __repr__ = short_repr
 
     roi: Region
     open_frame_dn: Array
@@ -151,6 +156,8 @@ class ContrastPairs:
         Shape (n,), complex; as of the contrast image, over these frames alone, 0 for the others.
     """
 
+    __repr__ = short_repr
+
     projection_dn: ComplexArray
     before_dn: ComplexArray
     frame_weight: ComplexArray
@@ -181,6 +188,8 @@ class ContrastImage:
         The same of frames that followed each other; None where it was not made.
     """
 
+    __repr__ = short_repr
+
     projection_dn: ComplexArray
     frame_weight: ComplexArray
     u_dn: float
@@ -201,6 +210,8 @@ class PixelSums:
     pixel_count
         Shape (n,); pixels on the open side of the threshold.
     """
+
+    __repr__ = short_repr
 
     pixel_sum: Array
     pixel_count: Array
@@ -226,6 +237,8 @@ class RowSums:
         A frame in which an edge crosses the middle of the opening, as recorded, shape (row, column), and its place among the
         kept frames: to look at.
     """
+
+    __repr__ = short_repr
 
     row_px: Ticks
     row_sum_dn: Array
@@ -271,6 +284,8 @@ class ReducedRecording:
     integration_time_s, blackbody_temperature_k, frame_period_s, bit_depth, camera, start_time, is_simulated
         As the recording tells them; None, or empty, where it does not.
     """
+
+    __repr__ = short_repr
 
     name: str
     source: str

@@ -7,6 +7,7 @@ from typing import Literal, final
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
+from irtiming.records.short_repr import short_repr
 
 Method = Literal["pixel-sum", "row-sum", "published"]
 """The project's best method by what it sums, and the procedure of Schatz 2023 step by step."""
@@ -76,6 +77,8 @@ class EffectiveTimeConstants:
     covered to open, negative for a blackbody colder than the wheel. ``covariance_s2`` (k, k).
     """
 
+    __repr__ = short_repr
+
     blackbody_temperature_k: Array
     time_constant_s: Array
     covariance_s2: Array
@@ -98,6 +101,8 @@ class Profile:
     lower, upper
         Where the deviation reaches 1; None where the parameter's bound comes first.
     """
+
+    __repr__ = short_repr
 
     name: str
     unit: str
@@ -138,6 +143,8 @@ class JointFit:
     decrement
         What a further Newton step would move, in standard uncertainties.
     """
+
+    __repr__ = short_repr
 
     parameters: Estimate
     start: Mapping[str, float]
@@ -182,6 +189,8 @@ class Result:
     midpoint_leads
         Whether the middle of the integration window is to be told before its start, whose distance nobody knows well.
     """
+
+    __repr__ = short_repr
 
     method: Method
     estimate: Estimate

@@ -8,6 +8,7 @@ import numpy as np
 
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.estimate import Estimate
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -125,6 +126,8 @@ class SectorFit:
     n_rounds
         How often it was fitted, each time with the timing of the last.
     """
+
+    __repr__ = short_repr
 
     shape: SectorShape
     names: tuple[str, ...]
@@ -250,6 +253,8 @@ class RowTimingFit:
     blackbody_temperature_k
         As the recording tells it; None where it does not.
     """
+
+    __repr__ = short_repr
 
     name: str
     trigger_delay_time_set_s: float

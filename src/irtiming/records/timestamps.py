@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Ticks
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -15,6 +16,8 @@ class Timestamps:
     nominal triggers, ``camera_trigger_delayed_ticks`` the edges that the camera got. ``lost_after_ticks`` has one entry
     for every hole: the last time that is known before records were lost; empty if nothing was.
     """
+
+    __repr__ = short_repr
 
     clock_frequency_hz: int
     camera_trigger_ticks: Ticks

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.arrays import Array
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -79,6 +80,8 @@ class WheelCalibration:
     warnings
         What does not fit together.
     """
+
+    __repr__ = short_repr
 
     slot_deviation_rad: Array
     order_variance_rad2: Array

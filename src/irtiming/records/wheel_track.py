@@ -5,6 +5,7 @@ from typing import final
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
+from irtiming.records.short_repr import short_repr
 
 
 @final
@@ -41,6 +42,8 @@ class WheelTrack:
     register_rad_per_s
         Mean angular frequency of the wheel in the recordings that told ``gate_separation_rad``; None where it is this one alone.
     """
+
+    __repr__ = short_repr
 
     edge_ticks: Ticks
     edge_angle_rad: Array

@@ -7,6 +7,7 @@ from typing import final
 
 import GTC
 
+from irtiming.errors import UnitError
 from irtiming.records.result import Contribution, Result
 from irtiming.report.rounding import significant, uncertainty_text
 
@@ -83,9 +84,17 @@ def add(lines: Sequence[Line]) -> Budget:
     )
 
 
-def coverage_factor(degrees_of_freedom: float) -> float:
-    """Factor k of the expanded uncertainty U = k u, by Student's t."""
-    return float(GTC.reporting.k_factor(degrees_of_freedom, COVERAGE_PERCENT))
+def coverage_factor(degrees_of_freedom: float, *, probability: float = COVERAGE_PERCENT / 100) -> float:
+    """Factor k of the expanded uncertainty U = k u, by Student's t.
+
+    Raises
+    ------
+    UnitError
+        If the probability is not between 0 and 1.
+    """
+    if not 0 < probability < 1:
+        raise UnitError(f"the probability is {probability}, must be between 0 and 1: 0.95 of value ± U")
+    return float(GTC.reporting.k_factor(degrees_of_freedom, 100 * probability))
 
 
 @final

@@ -1,0 +1,85 @@
+"""Analyse recordings, and simulate some to play with."""
+
+from collections.abc import Collection, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from irtiming import measurement
+from irtiming.archive import reader, result_file, rig_file
+from irtiming.interface.timing_result import TimingResult
+from irtiming.interface.wishes import sorted_into
+from irtiming.measurement import Extra, Progress
+from irtiming.records.choices import Choices
+from irtiming.records.recording import Recording
+from irtiming.records.rig import Rig
+from irtiming.report import result
+from irtiming.session import simulation
+from irtiming.session.simulation import CameraOrder, Simulated, SimulationOrder
+from irtiming.twin.defects import Defects
+
+
+def analyse(
+    recordings: str | Path | Recording | Iterable[str | Path | Recording], rig: str | Path | Rig, *,
+    choices: Choices | None = None, extras: Collection[Extra] = (), progress: Progress | None = None,
+) -> TimingResult:  # fmt: skip
+    """Timing of a camera from its recordings.
+
+    Parameters
+    ----------
+    recordings
+        Files, or what `open_recording` gave; one, or several of one camera on one rig.
+    rig
+        rig.toml, or what `read_rig` gave.
+    choices
+        What to decide by hand; left out, everything is chosen automatically.
+    extras
+        What to make beside the estimate: ``"published"``, ``"profiles"``, ``"prediction"``, ``"diagnosis"``.
+    progress
+        Called with the recording's name, frames done and frames in all.
+
+    Raises
+    ------
+    IrTimingError
+        If a file cannot be read, or the data do not determine the timing.
+    """
+    several = [recordings] if isinstance(recordings, str | Path | Recording) else recordings
+    measured = rig if isinstance(rig, Rig) else rig_file.read_rig(Path(rig))
+    chosen = choices or Choices()
+    found = measurement.analyse(_opened(several, chosen), measured, choices=chosen, progress=progress, extras=extras)
+    return TimingResult(result_file.checked_result(result.result(found)), analysis=found)
+
+
+def _opened(recordings: Iterable[str | Path | Recording], choices: Choices) -> Iterator[Recording]:
+    """One after the other; a choice that means nothing for its kind of camera is refused."""
+    for one in recordings:
+        recording = one if isinstance(one, Recording) else reader.read(one)
+        choices.check_for(recording)
+        yield recording
+
+
+def simulate(folder: str | Path, *, progress: Progress | None = None, **wishes: Any) -> Simulated:
+    """Recordings of a simulated camera on a simulated rig, with rig.toml and truth.json beside them.
+
+    Parameters
+    ----------
+    folder
+        For the files; made if it is not there.
+    progress
+        Called with the folder, frames done and frames in all.
+    wishes
+        Fields of `SimulationOrder`, `CameraOrder` and `Defects`, by name: ``camera="microbolometer"``, ``frames=400``,
+        ``delay_s=(0.0, 0.025)``, ``seed=3``; the rest is as usual, or drawn by the seed.
+
+    Returns
+    -------
+    Paths of the ``recordings``, of ``rig`` and of ``truth``.
+
+    Raises
+    ------
+    IrTimingError
+        If a wish is not known, this camera or rig cannot be, or a file cannot be written.
+    """
+    of_camera, of_order, of_defects = sorted_into(wishes, CameraOrder, SimulationOrder, Defects)
+    own: dict[str, Any] = {"camera": CameraOrder(**of_camera), "defects": Defects(**of_defects)} | of_order
+    order = SimulationOrder(folder=Path(folder), **own)
+    return simulation.simulate(order, progress=progress)

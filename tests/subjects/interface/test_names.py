@@ -1,0 +1,49 @@
+"""The names that ``import irtiming`` gives: there at once, loaded when asked for, and refusing what they do not know."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import irtiming
+from irtiming.errors import PlanError
+from irtiming.records.recording import Recording
+
+HEAVY = ("numpy", "scipy", "numba", "matplotlib", "pandas", "GTC", "h5py", "rich", "typer")
+
+
+def test_importing_loads_no_library() -> None:
+    """Oracle: the modules of a fresh interpreter after the import."""
+    code = "import irtiming, sys; print([name for name in sys.argv[1:] if name in sys.modules], dir(irtiming))"
+    done = subprocess.run([sys.executable, "-c", code, *HEAVY], capture_output=True, text=True, check=True)
+    assert done.stdout == f"[] {irtiming.__all__}\n"
+
+
+def test_the_folder_of_planning_can_be_called() -> None:
+    """Oracle: section 2.3 of the paper: 49.152 MHz, 3 Hz and 30.303 Hz make 1000 samples with T = 16384000, C = 1622016."""
+    from irtiming.plan import search
+
+    assert search.search
+    scheme = irtiming.plan(clock_hz=49_152_000, wheel_hz=3, frame_hz=30.303, samples=1000).best.schemes[0]
+    assert (scheme.turn_period_ticks, scheme.camera_period_ticks) == (16_384_000, 1_622_016)
+
+
+def test_a_wish_that_nobody_knows_is_refused(tmp_path: Path) -> None:
+    """Oracle: one letter changed; the nearest name is said, and nothing is written."""
+    with pytest.raises(PlanError, match="'framse' is no wish; did you mean frames"):
+        irtiming.simulate(tmp_path / "made", framse=100)
+    with pytest.raises(PlanError, match="did you mean wheel_hz"):
+        irtiming.plan(whel_hz=3)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(AttributeError, match="no attribute 'analyze'"):
+        _ = irtiming.analyze
+
+
+def test_a_recording_shows_itself_in_one_line(hand_made) -> None:
+    """Oracle: shapes of the file by hand; no pixel value and no tick is among it."""
+    found = irtiming.open_recording(hand_made())
+    assert isinstance(found, Recording)
+    assert "frames=<20×4×6>" in repr(found)
+    assert len(repr(found)) < 400
+    assert "array(" not in repr(found)
