@@ -92,7 +92,7 @@ class TimingResult(Mapping[str, Quantity]):
     @property
     def findings(self) -> tuple[Finding, ...]:
         """Everything that is odd or to be known, with code, severity and cure."""
-        return tuple(Finding(**one.model_dump()) for one in self.content.findings)
+        return tuple(Finding.read_back(one.model_dump()) for one in self.content.findings)
 
     def to_gtc(self) -> dict[str, Any]:
         """Uncertain numbers of the GUM Tree Calculator, correlated as the parameters are.

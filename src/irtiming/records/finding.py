@@ -1,7 +1,8 @@
 """One finding about a file, a recording or a result: what is, what it is about, and what to do."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Any, Literal, Self, final
 
 from irtiming.errors import one_line
 
@@ -25,6 +26,11 @@ class Finding:
     what: str
     cure: str = ""
     recording: str = ""
+
+    @classmethod
+    def read_back(cls, words: Mapping[str, Any]) -> Self:
+        """The finding that was written with these fields."""
+        return cls(**words)
 
     def sentence(self) -> str:
         """The finding in one line."""
