@@ -17,7 +17,7 @@ from irtiming.records.finding import Finding
 from irtiming.report.quantity import Quantity
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from irtiming.report.budget_figure import Drawn
 
 
 @final
@@ -127,7 +127,7 @@ class TimingResult(Mapping[str, Quantity]):
 
         return data_frame(list(self.values()))
 
-    def plot(self, name: str = "", *, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, name: str = "", *, axes: "Drawn | None" = None) -> "Drawn":
         """Draw what the standard uncertainty of a parameter consists of.
 
         Parameters

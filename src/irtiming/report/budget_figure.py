@@ -1,6 +1,7 @@
 """A parameter's uncertainty budget as bars, for notebooks."""
 
 from collections.abc import Mapping
+from typing import TypeAlias
 
 from matplotlib.axes import Axes
 
@@ -9,6 +10,9 @@ from irtiming.report.quantity import Quantity
 from irtiming.report.rounding import time_unit
 
 _MOST = 12
+
+Drawn: TypeAlias = Axes
+"""Axes of matplotlib, for those who may not load it."""
 
 
 def draw(name: str, quantity: Quantity, *, parts: Mapping[str, float], axes: Axes | None = None) -> Axes:
