@@ -86,8 +86,8 @@ def pulls(found: Analysis, truth: dict[str, object]) -> dict[str, list[float]]:
         if isinstance(true, float) and u > 0:
             known[name] = [1e6 * (float(value) - true), 1e6 * float(u)]
     for one in found.best.relative_delays[1:]:
-        if one.standard_uncertainty > 0:
-            known["relative_delay"] = [1e6 * (one.value - one.nominal), 1e6 * one.standard_uncertainty]
+        if one.standard_uncertainty_s > 0:
+            known["relative_delay"] = [1e6 * (one.value_s - one.nominal_s), 1e6 * one.standard_uncertainty_s]
     return known
 
 

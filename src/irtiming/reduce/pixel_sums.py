@@ -22,11 +22,12 @@ from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import contrast_image, in_plateau_frames, steady_levels
+from irtiming.reduce.opening import contrast_image, in_plateau_frames, motion, steady_levels
 from irtiming.reduce.opening.in_plateau_frames import Sighting
 from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.wheel import frame_angles, nominal_angles
+from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
@@ -92,8 +93,13 @@ def reduce(
         },
         references=nonuniformity.fingerprint(recording),
         shutter_events=_shutter_events(judge),
-        findings=(*sighting.findings, *dropped, *steadiness.findings(angles, rig, light_dn=sums.total_dn)),
+        findings=(*sighting.findings, *dropped, *_of_run(angles, rig, sighting=sighting, light_dn=sums.total_dn)),
     )
+
+
+def _of_run(angles: FrameAngles, rig: Rig, *, sighting: Sighting, light_dn: Array) -> tuple[Finding, ...]:
+    moved = motion.findings(sighting.places, rig, name=angles.recording.name)
+    return (*steadiness.findings(angles, rig, light_dn=light_dn), *moved)
 
 
 def _box(found: Opening) -> tuple[slice, slice]:

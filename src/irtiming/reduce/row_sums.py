@@ -20,7 +20,7 @@ from irtiming.reduce.accumulators.quiet_level import QuietLevel
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.drift import Drift
 from irtiming.reduce.frame_pass import SHORTEST, Stretches
-from irtiming.reduce.opening import contrast_image, in_contrast
+from irtiming.reduce.opening import contrast_image, in_contrast, motion
 from irtiming.reduce.opening.in_contrast import Sighting
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.shutter import Watch
@@ -100,7 +100,12 @@ def reduce(
         ),
         pixel_maps={"mean_dn": contrast_image.mean_dn(projection, found, correct=correct)},
         shutter_events=events,
-        findings=(*sighting.findings, *dropped, *steadiness.findings(angles, rig, light_dn=rows.mask_dn.sum(axis=1))),
+        findings=(
+            *sighting.findings,
+            *dropped,
+            *steadiness.findings(angles, rig, light_dn=rows.mask_dn.sum(axis=1)),
+            *motion.findings(sighting.places, rig, name=recording.name),
+        ),
     )
 
 

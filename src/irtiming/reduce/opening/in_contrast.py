@@ -13,8 +13,9 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import dead_pixels, expected_level, mask_shape, sample_frames, wheel_contrast
+from irtiming.reduce.opening import dead_pixels, expected_level, mask_shape, motion, sample_frames, wheel_contrast
 from irtiming.reduce.opening.expected_level import ExpectedLevel
+from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.sample_frames import SampleFrames
 from irtiming.reduce.opening.wheel_contrast import Outline
 from irtiming.reduce.remarks import doubt
@@ -39,13 +40,14 @@ class Sighting:
 
     ``quiet`` are the pixels that see no more of the wheel than there must be, shape (row, column), none where there are too
     few; ``expected`` the level of the opening over them (over zero where there are none); ``noise_dn`` of one pixel from frame
-    to frame.
+    to frame; ``places`` where the opening lies in each part of the run, None where too few frames tell.
     """
 
     opening: Opening
     quiet: Mask
     expected: ExpectedLevel
     noise_dn: float
+    places: Places | None
     findings: tuple[Finding, ...]
 
 
@@ -96,18 +98,19 @@ def find(
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
     bright, dark = _extreme_frames(seen, expected.good, outline.mask & ~bad)
     opening = Opening(
-        roi=roi,
-        open_frame_dn=dark if colder else bright,
-        covered_frame_dn=bright if colder else dark,
-        mask=outline.mask,
-        summed=summed,
-        weight=dead_pixels.row_weights(summed, bad),
-        border_px=border,
-        bad=bad,
-        blackbody_is_colder=bool(colder),
-    )
+        roi=roi, open_frame_dn=dark if colder else bright, covered_frame_dn=bright if colder else dark, mask=outline.mask,
+        summed=summed, weight=dead_pixels.row_weights(summed, bad), border_px=border, bad=bad, blackbody_is_colder=bool(colder),
+    )  # fmt: skip
     noise, found = sample_frames.noise_dn(live, ~summed), _doubts(recording, summed, bad)
-    return Sighting(opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found)
+    return Sighting(
+        opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found,
+        places=motion.places(_sampled(seen, expected.good, n_frames=recording.frames.shape[0]), opening),
+    )  # fmt: skip
+
+
+def _sampled(seen: SampleFrames, good: Mask, *, n_frames: int) -> SampledFrames:
+    index = np.rint(seen.place * n_frames).astype(np.int64)
+    return SampledFrames(values=seen.values, angle_rad=seen.wheel_angle_rad, index=index, good=good)
 
 
 def _quiet(outline: Outline) -> Mask:

@@ -13,7 +13,8 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Histogram, Opening
 from irtiming.reduce.nonuniformity import Correction, corrected
-from irtiming.reduce.opening import dead_pixels, mask_shape, never_open, sample_frames, steady_levels
+from irtiming.reduce.opening import dead_pixels, mask_shape, motion, never_open, sample_frames, steady_levels
+from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.steady_levels import SteadyLevels
 from irtiming.reduce.remarks import doubt
 
@@ -25,12 +26,13 @@ _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sample:
-    """A sample of frames, which of them show the opening wholly open and wholly covered, and what their levels do.
+    """A sample of frames, which they are, which show the opening wholly open and wholly covered, and what their levels do.
 
     ``steady`` is None where they do not follow a wheel, or no angle is known.
     """
 
     raw: Pixels
+    index: Ticks
     seeds: Mask
     open_frames: Mask
     covered_frames: Mask
@@ -43,7 +45,7 @@ class Sighting:
     """The opening, the histogram that its threshold stands in, and what is doubtful about them.
 
     ``noise_dn`` is that of one raw pixel from frame to frame; ``steady`` what the levels of the sample frames do, None where they
-    do not follow a wheel.
+    do not follow a wheel; ``places`` where the opening lies in each part of the run, None where nothing tells.
     """
 
     opening: Opening
@@ -51,6 +53,7 @@ class Sighting:
     noise_dn: float
     findings: tuple[Finding, ...]
     steady: SteadyLevels | None = None
+    places: Places | None = None
 
 
 def find(
@@ -98,21 +101,23 @@ def find(
     histogram = _histogram(open_dn, mask, in_roi=in_roi, choices=choices, bad=correct.bad)
     summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
     found = Opening(
-        roi=roi,
-        open_frame_dn=open_dn,
-        covered_frame_dn=covered_dn,
-        mask=mask,
-        summed=summed,
-        weight=dead_pixels.weights(summed, correct.bad),
-        border_px=border_px,
-        bad=correct.bad,
-        blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn,
-        histogram=histogram,
-    )
+        roi=roi, open_frame_dn=open_dn, covered_frame_dn=covered_dn, mask=mask, summed=summed,
+        weight=dead_pixels.weights(summed, correct.bad), border_px=border_px, bad=correct.bad,
+        blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn, histogram=histogram,
+    )  # fmt: skip
     noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
     return Sighting(
-        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=seen.steady
-    )
+        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=seen.steady,
+        places=_places(seen, found, correct, wheel_angle_rad),
+    )  # fmt: skip
+
+
+def _places(seen: _Sample, found: Opening, correct: Correction, wheel_angle_rad: Array | None) -> Places | None:
+    if wheel_angle_rad is None:
+        return None
+    good = np.ones(seen.index.size, bool) if seen.steady is None else ~seen.steady.is_odd
+    sampled = SampledFrames(values=seen.raw, angle_rad=wheel_angle_rad[seen.index], index=seen.index, good=good)
+    return motion.places(sampled, found, gain=correct.gain)
 
 
 def _histogram(open_dn: Array, mask: Mask, *, in_roi: Mask, choices: Choices, bad: Mask) -> Histogram:
@@ -168,6 +173,7 @@ def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | 
     tops, bottoms = _level_part(tops, level), _level_part(bottoms, level)
     return _Sample(
         raw=raw,
+        index=picked,
         seeds=seeds,
         open_frames=tops if bright_when_open else bottoms,
         covered_frames=bottoms if bright_when_open else tops,
