@@ -11,9 +11,9 @@ import numpy as np
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Ticks
 from irtiming.records.camera_frame import SIMULATED_VENDOR, CameraIdentity
-from irtiming.records.recording import NonuniformityReference, Recording
+from irtiming.records.recording import FrameStack, NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.twin import window
+from irtiming.twin import kept_frames, window
 from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
 from irtiming.twin.defects import defects_of
 from irtiming.twin.frames import SimulatedFrames, nonuniformity_reference
@@ -254,16 +254,18 @@ def _identity(scene: Scene, *, photon: bool) -> CameraIdentity:
     )  # fmt: skip
 
 
-def _frames(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> SimulatedFrames | ProcessedFrames:
+def _frames(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> FrameStack:
     """Frames that arrive; where each has something of those before it, all are made."""
     size = (scene.detector.rows, scene.detector.columns)
     if scene.in_camera.is_plain:
-        return SimulatedFrames(shape=(kept.size, *size), make=wheel_shots(scene, motion, kept=kept, seed=seed))
+        return kept_frames.kept(
+            SimulatedFrames(shape=(kept.size, *size), make=wheel_shots(scene, motion, kept=kept, seed=seed)),
+            one_by_one=True,
+        )
     all_triggers = np.arange(scene.trigger.n_triggers, dtype=np.int64)
     shots = wheel_shots(scene, motion, kept=all_triggers, seed=seed)
-    return ProcessedFrames(
-        detector=SimulatedFrames(shape=(all_triggers.size, *size), make=shots), kept=kept, in_camera=scene.in_camera
-    )
+    detector = SimulatedFrames(shape=(all_triggers.size, *size), make=shots)
+    return kept_frames.kept(ProcessedFrames(detector=detector, kept=kept, in_camera=scene.in_camera), one_by_one=False)
 
 
 def _stated_window_s(timing: Timing) -> float | None:
