@@ -49,4 +49,4 @@ def _say_times(found: Mapping[str, Any]) -> None:
             scale = f" ({times['scale']})" if times.get("scale") else ""
             each = times["median_interval"]
             between = "" if each is None else f", every {readable_time(each)}"
-            say(f"{name.replace('_', ' ')}: from {times['first']:.9g} s to {times['last']:.9g} s{between}{scale}")
+            say(f"{name.replace('_', ' ')}: from {times['first']:.6f} s to {times['last']:.6f} s{between}{scale}")

