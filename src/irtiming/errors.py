@@ -11,6 +11,7 @@ IrTimingError
     ArchiveError         a file that cannot be read or written
     ReductionError       a recording that cannot be reduced
     EstimationError      reduced data that do not determine the measurand
+    ConditionError       a result that does not hold for what it should be applied to
 
 A message says what is, what must be and what to do, in one line. The command line prints it and exits with 2.
 """
@@ -99,6 +100,10 @@ class ReductionError(IrTimingError):
 
 class EstimationError(IrTimingError):
     """Reduced data that do not determine the measurand."""
+
+
+class ConditionError(IrTimingError):
+    """A result that does not hold for what it should be applied to."""
 
 
 @contextmanager

@@ -43,6 +43,7 @@ COMMANDS = (
     "gates",
     "loopback",
     "analyse",
+    "time",
     "import_capture",
     "export_vcd",
     "info",

@@ -12,6 +12,7 @@ from typing import NoReturn
 import typer
 
 from irtiming.cli.analyse_command import analyse
+from irtiming.cli.apply_command import app as apply
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.camera_command import camera
 from irtiming.cli.clock_command import clock
@@ -45,6 +46,7 @@ COMMANDS = (
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(apply)
 app.add_typer(latency)
 app.add_typer(gateware)
 

@@ -1,0 +1,271 @@
+"""The camera of a result, as far as it is applied to other frames: its timing with covariance, and for what it holds.
+
+Moments of a row are sums of parameters; `Moment` has the factor of each, so that uncertainties and correlations follow from the
+covariance alone.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import Literal, final
+
+import numpy as np
+
+from irtiming.apply.frames import Readout
+from irtiming.apply.inverse_lag import Response
+from irtiming.archive.result_model import Result
+from irtiming.errors import EstimationError
+from irtiming.physics.response.two_constants import REFERENCE_TEMPERATURE_K, TwoConstants
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import Estimate
+from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
+
+MomentName = Literal["start", "middle", "end", "reading", "effective"]
+MOMENTS: tuple[MomentName, ...] = ("start", "middle", "end", "reading", "effective")
+MEANINGS: Mapping[MomentName, str] = {
+    "start": "start of integration",
+    "middle": "middle of integration",
+    "end": "end of integration",
+    "reading": "reading of the row",
+    "effective": "the scene is seen as it was then, to first order",
+}
+"""What happens at each moment."""
+
+_TAKEN = (
+    "trigger_delay", "exposure_midpoint_delay", "integration_time", "row_delay", "time_constant", "recursive_filter",
+    "pixel_memory",
+)  # fmt: skip
+_SURE = 2.0  # standard uncertainties, from which a share of the frame before counts as there
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """For which camera and settings a result holds; None or empty: the result does not say."""
+
+    camera_type: CameraType
+    readout_mode: ReadoutMode
+    serial_number: str = ""
+    model: str = ""
+    integration_time_s: float | None = None
+    rows: int | None = None
+    columns: int | None = None
+    frame_period_s: float | None = None
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Moment:
+    """A moment of row 0 after the trigger edge: a constant plus factors times parameters; each row adds its row delay."""
+
+    name: MomentName
+    factors: Mapping[str, float]
+    constant_s: float = 0.0
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CameraTiming:
+    """Timing of a camera as a result states it.
+
+    ``estimate`` has what of the parameters the result holds, with covariance; ``not_in_uncertainty`` are the result's own words.
+    """
+
+    conditions: Conditions
+    estimate: Estimate
+    two_constants: TwoConstants | None = None
+    substrate_temperature_k: float | None = None
+    not_in_uncertainty: tuple[str, ...] = ()
+    simulated: bool = False
+
+    @property
+    def has_lag(self) -> bool:
+        """Whether pixels follow the scene with a lag instead of integrating it."""
+        return self.conditions.camera_type == "microbolometer"
+
+    @property
+    def row_delay_s(self) -> float:
+        """From the reading of a row to that of the row below it; 0 where all are read at once."""
+        return self.estimate.value("row_delay") if "row_delay" in self.estimate else 0.0
+
+    @property
+    def response(self) -> Response:
+        """What lies between scene and frames; a share of the frame before only where it is more than two of its uncertainties."""
+        return Response(
+            time_constant_s=self.estimate.value("time_constant") if self.has_lag else 0.0,
+            recursive_filter=self._sure("recursive_filter"),
+            pixel_memory=self._sure("pixel_memory"),
+        )
+
+    @property
+    def readout(self) -> Readout:
+        """For `frames.scenes`."""
+        return Readout(response=self.response, row_delay_s=self.row_delay_s)
+
+    def moments(self, frame_period_s: float | None) -> tuple[Moment, ...]:
+        """The moments that the camera has, those of row 0.
+
+        Parameters
+        ----------
+        frame_period_s
+            Between frames, for what a share of the frame before does to the effective moment; None where it is not known.
+        """
+        if self.has_lag:
+            reading = Moment(name="reading", factors={"trigger_delay": 1.0})
+            effective = _sum(reading, {"time_constant": -1.0})
+            return reading, self._of_frames_before(effective, frame_period_s)
+        both = {"trigger_delay", "exposure_midpoint_delay"} <= set(self.estimate.names)
+        window_s = self.conditions.integration_time_s
+        if both:
+            start = Moment(name="start", factors={"trigger_delay": 1.0})
+            middle = Moment(name="middle", factors={"exposure_midpoint_delay": 1.0})
+            end = Moment(name="end", factors={"exposure_midpoint_delay": 2.0, "trigger_delay": -1.0})
+        elif "exposure_midpoint_delay" in self.estimate or window_s is None:
+            only = "exposure_midpoint_delay" if "exposure_midpoint_delay" in self.estimate else "trigger_delay"
+            middle = Moment(name="middle", factors={only: 1.0})
+            return middle, self._of_frames_before(middle, frame_period_s)
+        else:
+            start = Moment(name="start", factors={"trigger_delay": 1.0})
+            middle = Moment(name="middle", factors=start.factors, constant_s=window_s / 2)
+            end = Moment(name="end", factors=start.factors, constant_s=window_s)
+        return start, middle, end, self._of_frames_before(middle, frame_period_s)
+
+    def offset_s(self, moment: Moment, row_px: Array) -> Array:
+        """How much after the trigger edge the moment is, of each row, s; both shape (row,)."""
+        at = moment.constant_s + sum(factor * self.estimate.value(name) for name, factor in moment.factors.items())
+        return at + np.asarray(row_px, dtype=np.float64) * self.row_delay_s
+
+    def covariance_s2(self, one: Moment, other: Moment, *, one_row_px: Array, other_row_px: Array) -> Array:
+        """Covariance of `offset_s` of two moments, row by row, s^2; all shape (row,)."""
+        left, right = self._factors(one, one_row_px), self._factors(other, other_row_px)
+        return np.asarray(np.einsum("ri,ij,rj->r", left, self.estimate.covariance, right))
+
+    def u_s(self, moment: Moment, row_px: Array) -> Array:
+        """Standard uncertainty of `offset_s`, shape (row,)."""
+        power = self.covariance_s2(moment, moment, one_row_px=row_px, other_row_px=row_px)
+        return np.sqrt(np.maximum(power, 0))
+
+    def _factors(self, moment: Moment, row_px: Array) -> Array:
+        found = np.zeros((np.size(row_px), len(self.estimate.names)))
+        for name, factor in moment.factors.items():
+            found[:, self.estimate.names.index(name)] = factor
+        if "row_delay" in self.estimate:
+            found[:, self.estimate.names.index("row_delay")] += row_px
+        return found
+
+    def _of_frames_before(self, moment: Moment, frame_period_s: float | None) -> Moment:
+        """The effective moment: a share k of the frame before puts it k / (1 - k) frames back, a memory s by s frames."""
+        factors, constant_s = dict(moment.factors), moment.constant_s
+        for name in ("recursive_filter", "pixel_memory"):
+            if name not in self.estimate or frame_period_s is None:
+                continue
+            share = self.estimate.value(name)
+            back, slope = (share / (1 - share), (1 - share) ** -2) if name == "recursive_filter" else (share, 1.0)
+            factors[name] = -slope * frame_period_s
+            constant_s += (slope * share - back) * frame_period_s
+        return Moment(name="effective", factors=factors, constant_s=constant_s)
+
+    def _sure(self, name: str) -> float:
+        if name not in self.estimate:
+            return 0.0
+        value, u = self.estimate.value(name), self.estimate.u(name)
+        return value if abs(value) > _SURE * u else 0.0
+
+
+def _sum(moment: Moment, more: Mapping[str, float]) -> Moment:
+    return Moment(name="effective", factors={**moment.factors, **more}, constant_s=moment.constant_s)
+
+
+def of_result(result: Result) -> CameraTiming:
+    """The camera of a result.
+
+    Raises
+    ------
+    EstimationError
+        If it has no trigger delay, or one of its numbers or their correlations is missing.
+    """
+    names = tuple(name for name in _TAKEN if name in result.parameters)
+    delays = {"trigger_delay", "exposure_midpoint_delay"} & set(names)
+    needed = {"time_constant"} if result.camera == "microbolometer" else set()
+    if not delays or not needed <= set(names):
+        have = ", ".join(names) or "none"
+        raise EstimationError(
+            f"the result has no trigger delay that can be applied (it has {have}); analyse recordings that determine it"
+        )
+    values = np.array([result.parameters[name].value for name in names], dtype=np.float64)
+    u = np.array([result.parameters[name].standard_uncertainty for name in names], dtype=np.float64)
+    lacking = [
+        name for name, one, other in zip(names, values, u, strict=True) if not (isfinite(one) and isfinite(other))
+    ]
+    if lacking:
+        raise EstimationError(f"the result does not know {', '.join(lacking)}; analyse recordings that determine it")
+    estimate = Estimate(
+        names=names,
+        units=tuple(result.parameters[name].unit for name in names),
+        values=values,
+        covariance=_correlation(result, names) * np.outer(u, u),
+    )
+    two, substrate_k = _two_constants(result)
+    return CameraTiming(
+        conditions=_conditions(result),
+        estimate=estimate,
+        two_constants=two,
+        substrate_temperature_k=substrate_k,
+        not_in_uncertainty=tuple(result.not_in_uncertainty),
+        simulated=result.simulated,
+    )
+
+
+def _correlation(result: Result, names: tuple[str, ...]) -> Array:
+    """Of these parameters; those that the matrix of the result lacks count as uncorrelated with the others."""
+    known = result.correlation.names
+    found = np.eye(len(names))
+    for i, one in enumerate(names):
+        for k, other in enumerate(names):
+            if i != k and one in known and other in known:
+                coefficient = result.correlation.matrix[known.index(one)][known.index(other)]
+                if coefficient is None or not -1.0001 <= coefficient <= 1.0001:
+                    raise EstimationError(f"the correlation of {one} and {other} is {coefficient}, must be within ±1")
+                found[i, k] = coefficient
+    return found
+
+
+def _conditions(result: Result) -> Conditions:
+    images = {(one.image.rows, one.image.columns) for one in result.inputs if one.image is not None}
+    periods = {one.frame_period for one in result.inputs if one.frame_period}
+    windows = {one.integration_time for one in result.inputs if one.integration_time}
+    rows, columns = images.pop() if len(images) == 1 else (None, None)
+    return Conditions(
+        camera_type=result.camera,
+        readout_mode=result.readout_mode or USUAL_READOUT[result.camera],
+        serial_number=result.item.serial_number or "",
+        model=result.item.model or "",
+        integration_time_s=windows.pop() if len(windows) == 1 else None,
+        rows=rows,
+        columns=columns,
+        frame_period_s=periods.pop() if len(periods) == 1 else None,
+    )
+
+
+def _two_constants(result: Result) -> tuple[TwoConstants | None, float | None]:
+    """Constants of a wide temperature range and the substrate's temperature, where the result has both constants."""
+    both = [result.parameters.get(name) for name in ("substrate_time_constant", "scene_time_constant")]
+    around = (result.two_constants or {}).get("substrate_temperature")
+    kelvin = around.get("value") if isinstance(around, dict) else None
+    substrate, scene = both
+    if (
+        substrate is None
+        or scene is None
+        or not substrate.value
+        or not scene.value
+        or not isinstance(kelvin, float | int)
+    ):
+        return None, None
+    at = scene.reference_temperature
+    reference_k = at.value if at is not None and at.value else REFERENCE_TEMPERATURE_K
+    constants = TwoConstants(
+        substrate_time_constant_s=substrate.value,
+        scene_time_constant_s=scene.value,
+        reference_temperature_k=reference_k,
+    )
+    return constants, float(kelvin)

@@ -1,0 +1,81 @@
+"""Whether a result holds for other frames: it does for the camera and the settings that were measured, and for no other."""
+
+from irtiming.apply.camera_timing import Conditions
+from irtiming.errors import ConditionError
+from irtiming.records.recording import Recording
+
+_SAME_WINDOW = 1e-3  # relative, within which two integration times are one setting
+
+
+def of_recording(recording: Recording) -> Conditions:
+    """What a recording says of its camera."""
+    _, rows, columns = recording.frames.shape
+    camera = recording.camera
+    return Conditions(
+        camera_type=recording.camera_type,
+        readout_mode=recording.readout_mode,
+        serial_number="" if camera is None else camera.serial_number,
+        model="" if camera is None else camera.model,
+        integration_time_s=recording.integration_time_s,
+        rows=rows,
+        columns=columns,
+    )
+
+
+def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str, ...]:
+    """Refuse frames for which a result does not hold.
+
+    Parameters
+    ----------
+    measured
+        For what the result holds.
+    found
+        What is said of the frames.
+    where
+        Their file.
+
+    Returns
+    -------
+    What could not be compared, since one of both does not say it.
+
+    Raises
+    ------
+    ConditionError
+        If they differ in serial number, model, kind of detector, readout mode, integration time or image size.
+    """
+    told = (
+        ("serial number", measured.serial_number, found.serial_number),
+        ("model", measured.model, found.model),
+        ("image size", _size(measured), _size(found)),
+        ("integration time", _window(measured), _window(found)),
+    )
+    kinds = (
+        ("detector", measured.camera_type, found.camera_type),
+        ("readout mode", measured.readout_mode, found.readout_mode),
+    )
+    is_photon = measured.camera_type == "photon"
+    for what, ours, theirs in (*kinds, *told):
+        if what == "integration time" and (not is_photon or _same_window(measured, found)):
+            continue
+        if ours and theirs and ours != theirs:
+            raise ConditionError(
+                f"its {what} is {theirs}, the result was measured with {ours} and holds for that alone: measure this camera "
+                "as it is set, or give its own result",
+                where=where,
+            )
+    wanted = [what for what, ours, theirs in told if not (ours and theirs) and what != "model"]
+    return tuple(f"{what} was not compared" for what in wanted if what != "integration time" or is_photon)
+
+
+def _size(one: Conditions) -> str:
+    return f"{one.rows} x {one.columns}" if one.rows is not None and one.columns is not None else ""
+
+
+def _window(one: Conditions) -> str:
+    return "" if one.integration_time_s is None else f"{1e6 * one.integration_time_s:.3f} µs"
+
+
+def _same_window(one: Conditions, other: Conditions) -> bool:
+    if one.integration_time_s is None or other.integration_time_s is None:
+        return False
+    return abs(one.integration_time_s - other.integration_time_s) <= _SAME_WINDOW * one.integration_time_s

@@ -1,0 +1,138 @@
+"""Times of frames and rows written: as CSV, or into a copy of the recording as NeXus fields."""
+
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, final
+
+import numpy as np
+
+from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import writing
+from irtiming.archive.json_file import unwritable
+from irtiming.archive.layout import ENTRY
+from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Array, Ticks
+
+FRAME_TIMES = f"{ENTRY}/frame_times"
+"""Group of the times in a copy of a recording."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimesToWrite:
+    """What is written: of each moment the time after the trigger edge, its uncertainty and correlations, all shape (row,).
+
+    ``trigger_s`` has the triggers, shape (n_frame,), since ``origin_s``; ``frames`` their numbers, ``rows`` the rows, both whole.
+    ``head`` are lines of what the numbers mean.
+    """
+
+    frames: Ticks
+    trigger_s: Array
+    origin_s: int
+    rows: Ticks
+    offset_s: Mapping[str, Array]
+    u_s: Mapping[str, Array]
+    correlation: Mapping[str, Array]
+    correlation_of_rows: Mapping[str, Array]
+    head: tuple[str, ...]
+
+
+def write_csv(times: TimesToWrite, path: str | Path) -> None:
+    """One line per frame and row, to the nanosecond; a file of that name is replaced when the new one is whole.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(f"{target.name}.part")
+    try:
+        with part.open("w", encoding="utf-8", newline="\n") as file:
+            _write_lines(times, file)
+        part.replace(target)
+    except OSError as error:
+        raise unwritable(target, error) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _write_lines(times: TimesToWrite, file: IO[str]) -> None:
+    file.writelines(f"# {line}\n" for line in times.head)
+    names = list(times.offset_s)
+    columns = ["frame", "row"]
+    for name in names:
+        columns += [f"{name}_s", f"u_{name}_s", f"r_{name}"]
+    file.write(",".join(columns) + "\n")
+    fixed = [
+        [f",{times.u_s[name][row]:.4g},{times.correlation[name][row]:.6f}" for row in range(times.rows.size)]
+        for name in names
+    ]
+    for frame, trigger_s in zip(times.frames.tolist(), times.trigger_s.tolist(), strict=True):
+        late = {name: _nanoseconds(times.origin_s, trigger_s + times.offset_s[name]) for name in names}
+        file.writelines(
+            f"{frame},{row}" + "".join(f",{late[name][place]}{fixed[k][place]}" for k, name in enumerate(names)) + "\n"
+            for place, row in enumerate(times.rows.tolist())
+        )
+
+
+def _nanoseconds(origin_s: int, since_s: Array) -> list[str]:
+    """Seconds with nine decimals, exact for any whole origin, shape (row,)."""
+    whole = np.floor(since_s)
+    nanos = np.rint((since_s - whole) * 1e9).astype(np.int64)
+    total = (origin_s + whole.astype(np.int64)) * 10**9 + nanos
+    return [f"{'-' if one < 0 else ''}{abs(one) // 10**9}.{abs(one) % 10**9:09d}" for one in total.tolist()]
+
+
+def write_into_copy(times: TimesToWrite, recording: str | Path, *, path: str | Path) -> None:
+    """Copy a recording and add the times to the copy: per moment ``NAME_time`` with ``NAME_time_errors``, as NeXus names them.
+
+    Parameters
+    ----------
+    times
+        Of its frames.
+    recording
+        The file to copy; it is left as it is.
+    path
+        The copy; a file of that name is replaced when the new one is whole.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be written, or already holds times.
+    """
+    target = Path(path)
+    part = target.with_name(f"{target.name}.part")
+    try:
+        shutil.copyfile(recording, part)
+        with writing(part, "r+") as (file, _):
+            if FRAME_TIMES in file:
+                raise ArchiveError(f"{recording}: already holds {FRAME_TIMES}; give the recording as it was made")
+            group = file.create_group(FRAME_TIMES)
+            group.attrs["NX_class"] = "NXcollection"
+            group.attrs["description"] = "\n".join(times.head)
+            for name, values in _fields(times):
+                field = group.create_dataset(name, data=values)
+                if name.endswith(("time", "errors", "origin")):
+                    field.attrs["units"] = "s"
+        part.replace(target)
+    except OSError as error:
+        raise unwritable(target, error) from error
+    except H5_ERRORS as error:
+        raise ArchiveError(f"{target}: cannot be written ({reason_of(error)}); is the disk full?") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _fields(times: TimesToWrite) -> Iterator[tuple[str, object]]:
+    yield "frame", times.frames
+    yield "row", times.rows
+    yield "time_origin", times.origin_s
+    yield "trigger_time", times.trigger_s
+    for name, offset in times.offset_s.items():
+        yield f"{name}_time", times.trigger_s[:, None] + offset
+        yield f"{name}_time_errors", times.u_s[name]
+        yield f"{name}_correlation_of_frames", times.correlation[name]
+        yield f"{name}_correlation_with_first_row", times.correlation_of_rows[name]

@@ -1,0 +1,120 @@
+"""Times of frames and rows: a result put onto the stamps of a recording, of any file of frames or of a CSV."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from irtiming.apply import camera_timing, frame_times
+from irtiming.apply.camera_timing import MEANINGS, CameraTiming
+from irtiming.apply.frame_times import FrameTimes
+from irtiming.apply.stamps import TriggerTimes
+from irtiming.archive import layout
+from irtiming.archive.frame_times_file import TimesToWrite, write_csv, write_into_copy
+from irtiming.archive.json_file import require_place
+from irtiming.archive.nexus import program_version
+from irtiming.archive.result_file import read_result
+from irtiming.archive.result_model import Result
+from irtiming.errors import ArchiveError
+from irtiming.session import frame_stamps
+from irtiming.session.frame_stamps import Stamped, StampsWanted
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TimeOrder:
+    """What a person wants: a result, the stamps it is applied to, the rows that count (None: all) and the file to write."""
+
+    result: Path
+    stamps: StampsWanted
+    out: Path
+    rows: tuple[int, ...] | None = None
+
+
+def read_camera(path: Path) -> CameraTiming:
+    """The camera of a result file.
+
+    Raises
+    ------
+    IrTimingError
+        If the file is no result, or its numbers cannot be applied; names the file.
+    """
+    return camera_timing.of_result(read_result(path))
+
+
+def clock_of(result: Result) -> TriggerTimes | None:
+    """Rate of the trigger generator's clock as rig.toml stated it; None where it did not."""
+    for one in result.rig.values:
+        if one.name == "clock.relative_error" and isinstance(one.value, float | int):
+            return TriggerTimes(
+                time_s=np.zeros(1), relative_rate=float(one.value), u_rate=one.standard_uncertainty or 0.0, scale=""
+            )
+    return None
+
+
+def apply_time(order: TimeOrder) -> FrameTimes:
+    """When each row of each frame was exposed or read; written as CSV, or into a copy of the recording.
+
+    Raises
+    ------
+    IrTimingError
+        If a file cannot be read or written, or the result does not hold for these frames.
+    """
+    taken = [order.result, order.stamps.source]
+    require_place(order.out, besides=[*taken, *([order.stamps.calibrated_by] if order.stamps.calibrated_by else [])])
+    is_copy = order.out.suffix.lower() == layout.SUFFIX
+    if is_copy and order.stamps.source.suffix.lower() != layout.SUFFIX:
+        raise ArchiveError(
+            "holds frames with their times, so the stamps must be those of a recording; write a .csv",
+            where=str(order.out),
+        )
+    result = read_result(order.result)
+    camera = camera_timing.of_result(result)
+    stamped = frame_stamps.read(order.stamps, camera, clock=clock_of(result))
+    rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
+    times = frame_times.apply(camera, stamped.triggers, rows_px=rows)
+    written = _to_write(times, stamped, order)
+    if is_copy:
+        write_into_copy(written, order.stamps.source, path=order.out)
+    else:
+        write_csv(written, order.out)
+    return times
+
+
+def _to_write(times: FrameTimes, stamped: Stamped, order: TimeOrder) -> TimesToWrite:
+    names = [one.name for one in times.moments]
+    return TimesToWrite(
+        frames=stamped.frames,
+        trigger_s=stamped.triggers.time_s,
+        origin_s=stamped.triggers.origin_s,
+        rows=times.rows_px.astype(np.int64),
+        offset_s={name: times.offset_s(name) for name in names},
+        u_s={name: times.u_s(name) for name in names},
+        correlation={name: times.correlation(name) for name in names},
+        correlation_of_rows={name: times.correlation_of_rows(name) for name in names},
+        head=tuple(head(times, order)),
+    )
+
+
+def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
+    """Lines that say what the numbers are: events, signs, uncertainties, and what they do not hold."""
+    camera = times.camera
+    told = camera.conditions
+    yield f"{program_version()}: times of the frames of {order.stamps.source.name} by {order.result.name}"
+    which = f"{told.model or 'model not said'}, serial number {told.serial_number or 'not said'}"
+    yield f"camera: {told.camera_type}, {told.readout_mode}, {which}"
+    yield f"scale: {times.triggers.scale}"
+    yield "reference event: the trigger edge that the camera accepts; a time is that edge plus a delay, positive after it"
+    for one in times.moments:
+        yield f"{one.name}: {MEANINGS[one.name]}"
+    if told.readout_mode == "snapshot":
+        yield "row: all rows are read at once; row 0 stands for all"
+    yield "u: standard uncertainty (k = 1) of a time; r: correlation coefficient of the times of one row in two frames"
+    for remark in times.triggers.remarks:
+        yield f"not in the uncertainties: {remark}" if "nobody said" in remark else f"note: {remark}"
+    for words in camera.not_in_uncertainty:
+        yield f"not in the uncertainties: {words}"
+    if camera.simulated:
+        yield "SIMULATED: the result is not of a real camera"

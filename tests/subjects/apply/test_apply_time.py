@@ -1,0 +1,128 @@
+"""`irtiming apply time` from files to files: numbers by hand, copies of recordings, and what is refused."""
+
+import csv
+import json
+
+import h5py
+import numpy as np
+import pytest
+from made_up_result import BOLOMETER, COOLED, made_up_result
+
+from irtiming.archive import reader
+from irtiming.archive.result_file import write_result
+from irtiming.cli.main import run
+
+CLOCK_HZ = 49_152_000
+
+
+@pytest.fixture
+def told(tmp_path, monkeypatch, capsys):
+    """The command line with words: told("apply", ...) gives exit status, output and the error."""
+
+    def words(*arguments):
+        monkeypatch.setattr("sys.argv", ["irtiming", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ending:
+            run()
+        shown = capsys.readouterr()
+        return ending.value.code or 0, shown.out, shown.err
+
+    return words
+
+
+def _result(tmp_path, *camera, **fields):
+    path = tmp_path / "result.json"
+    content = made_up_result(*camera, **fields).model_dump(mode="json")
+    write_result({key: value for key, value in content.items() if key not in ("format", "version")}, path)
+    return path
+
+
+def _lines(path):
+    with path.open() as file:
+        text = [line for line in file if not line.startswith("#")]
+    return [{name: float(value) for name, value in line.items()} for line in csv.DictReader(text)]
+
+
+def test_times_of_a_recording_are_trigger_plus_set_delay_plus_delay(tmp_path, hand_made, told):
+    """Oracle: by hand; frame n of the recording was triggered at 7 000 000 + one turn + n periods, and 25 ms were set."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)
+    content = json.loads(result.read_text())
+    content["inputs"][0]["image"] = {"rows": 4, "columns": 6}
+    result.write_text(json.dumps(content))
+    recording = hand_made()
+    status, said, _ = told("apply", "time", result, recording, "--out", tmp_path / "times.csv")
+    assert status == 0
+    assert "times of 20 frames, 1 rows each" in said
+    found = _lines(tmp_path / "times.csv")
+    for n, line in enumerate(found):
+        trigger_s = (7_000_000 + 16_384_000 + 1_622_016 * n) / CLOCK_HZ + 0.025
+        assert line["frame"] == n
+        assert line["start_s"] == pytest.approx(trigger_s + 4e-4, abs=2e-9)
+        assert line["end_s"] == pytest.approx(trigger_s + 6.5e-4, abs=2e-9)
+    head = (tmp_path / "times.csv").read_text()
+    assert "# reference event: the trigger edge that the camera accepts" in head
+    assert "# middle: middle of integration" in head
+
+    status, _, _ = told("apply", "time", result, recording, "--out", tmp_path / "with.nxs")
+    assert status == 0
+    with h5py.File(tmp_path / "with.nxs") as file:
+        times = file["entry/frame_times"]
+        assert times["start_time"][3, 0] == pytest.approx(found[3]["start_s"], abs=2e-9)
+        assert times["start_time"].attrs["units"] == "s"
+        assert times["start_time_errors"][0] == pytest.approx(found[0]["u_start_s"], rel=1e-3)
+    assert np.array_equal(reader.read(tmp_path / "with.nxs").frame_number, np.arange(20))
+
+
+def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path, told):
+    """Oracle: by hand; frames every 33 ms that arrive 12 ms late, every tenth 5 ms later still."""
+    stamps = tmp_path / "stamps.csv"
+    rng = np.random.default_rng(4)
+    arrival = 0.033 * np.arange(200) + 0.012 + rng.normal(0, 2e-5, 200) + 5e-3 * (np.arange(200) % 10 == 7)
+    nanos = 1_700_000_000 * 10**9 + np.rint(arrival * 1e9).astype(np.int64)
+    stamps.write_text("stamp_ns\n" + "\n".join(map(str, nanos.tolist())) + "\n")
+    result = _result(tmp_path, "microbolometer", "rolling", BOLOMETER)
+    status, said, _ = told(
+        "apply", "time", result, stamps, "--out", tmp_path / "times.csv", "--kind", "arrival", "--rows", "0,100",
+        "--latency", "12 ms", "--latency-u", "100 us",
+    )  # fmt: skip
+    assert status == 0
+    assert "10.0 % are left out as late" in said
+    text = next(line for line in (tmp_path / "times.csv").read_text().splitlines() if line.startswith("7,100,"))
+    whole, nano = text.split(",")[2].split(".")
+    since_s = int(whole) - 1_700_000_000 + int(nano) * 1e-9
+    assert since_s == pytest.approx(0.033 * 7 + 4e-3 + 100 * 4e-5, abs=2e-5)
+    assert float(text.split(",")[3]) == pytest.approx(np.sqrt(1e-4**2 + 3e-5**2 + (100 * 2e-7) ** 2), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--out", "times.csv"), "its detector is photon, the result was measured with microbolometer"),
+        (("--out", "times.csv", "--rows", "a"), "--rows a are no image rows"),
+        (("--out", "recording"), "would be overwritten"),
+        (("--out", "times.csv", "--latency", "3"), "'3' has no unit"),
+    ],
+)
+def test_what_cannot_be_applied_ends_in_one_line(tmp_path, hand_made, told, arguments, said):
+    """Oracle: exit status 2, one line, its words."""
+    result, recording = _result(tmp_path, "microbolometer", "rolling", BOLOMETER), hand_made()
+    words = [
+        recording if word == "recording" else tmp_path / word if word.endswith("csv") else word for word in arguments
+    ]
+    status, _, error = told("apply", "time", result, recording, *words)
+    assert status == 2
+    assert error.count("\n") == 1
+    assert said in error
+    assert not (tmp_path / "times.csv").exists()
+
+
+def test_recordings_whose_camera_calls_another_number_are_refused(tmp_path, hand_made, told):
+    """Oracle: serial numbers 7 and 8."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED)
+
+    def other(file):
+        for name in ("vendor", "model", "serial_number", "firmware", "address"):
+            file[f"entry/instrument/camera/{name}"] = "8"
+
+    status, _, error = told("apply", "time", result, hand_made(other), "--out", tmp_path / "times.csv")
+    assert status == 2
+    assert "its serial number is 8, the result was measured with 7" in error
