@@ -69,7 +69,7 @@ def tried(name: str, case: Case, scene: Scene) -> dict[str, Any]:
         made = change(case)
         found = analyse([made.recording, *made.together], made.rig)
     except IrTimingError as error:
-        line |= {"refused": f"{type(error).__name__}: {error}"}
+        line |= {"refused": f"{type(error).__name__}: {error}", "notes": getattr(error, "__notes__", [])}
     except Exception as error:
         line |= {"crashed": f"{type(error).__name__}: {error}", "trace": traceback.format_exc()[-600:]}
     else:

@@ -13,6 +13,7 @@ from irtiming.estimate.timing import Timing
 from irtiming.plan import hindsight
 from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
+from irtiming.records.finding import doubted
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
@@ -103,7 +104,7 @@ def estimate(
     ordered = sorted(
         recordings, key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0)
     )
-    with computing(", ".join(one.name for one in ordered)):
+    with doubted(one.findings for one in ordered), computing(", ".join(one.name for one in ordered)):
         tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
         found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], rig)
     first = found.recordings[0]

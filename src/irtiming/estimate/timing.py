@@ -43,7 +43,7 @@ from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, RecordingFit
-from irtiming.records.finding import Finding
+from irtiming.records.finding import Finding, doubted
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import EffectiveTimeConstants, JointFit, Method, Result
 from irtiming.records.rig import Rig, WindowTail
@@ -110,7 +110,8 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     recordings = shape.estimate(recordings, bare, rig=rig)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
-    fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
+    with doubted(one.findings for one in recordings):  # what the image says
+        fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
     errors = rig_errors.of(recordings, fits, rig=rig, geometry=geometry)
     models = tuple(
         _model(one, fit, geometry, tail=errors.window_tail) for one, fit in zip(recordings, fits, strict=True)

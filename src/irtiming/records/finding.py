@@ -1,10 +1,11 @@
 """One finding about a file, a recording or a result: what is, what it is about, and what to do."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Literal, Self, final
 
-from irtiming.errors import one_line
+from irtiming.errors import IrTimingError, one_line
 
 Severity = Literal["ok", "info", "warning", "doubt", "error"]
 """``doubt``: a number that is stated may be wrong by more than its uncertainty says."""
@@ -36,3 +37,40 @@ class Finding:
         """The finding in one line."""
         place = (f"{self.recording}: " if self.recording else "") + (f"{self.where} " if self.where else "")
         return one_line(f"{place}{self.what}; {self.cure}" if self.cure else f"{place}{self.what}")
+
+
+def perhaps_therefore(error: IrTimingError, findings: Sequence[Finding]) -> None:
+    """Add doubts that were there before to a refusal, which names what came of them rather than the cause.
+
+    Parameters
+    ----------
+    error
+        The refusal.
+    findings
+        Made before it; those that are no doubt, or that it has already, are left out.
+    """
+    told = " ".join(getattr(error, "__notes__", ()))
+    doubts = [one.sentence() for one in findings if one.severity == "doubt"]
+    if doubts := [one for one in dict.fromkeys(doubts) if one not in told]:
+        error.add_note(f"and perhaps therefore: {'; '.join(doubts)}")
+
+
+@contextmanager
+def doubted(findings: Iterable[Sequence[Finding]]) -> Iterator[None]:
+    """A refusal within is raised with the doubts that were there before.
+
+    Parameters
+    ----------
+    findings
+        Made before, of each recording.
+
+    Raises
+    ------
+    IrTimingError
+        The refusal.
+    """
+    try:
+        yield
+    except IrTimingError as error:
+        perhaps_therefore(error, [one for group in findings for one in group])
+        raise

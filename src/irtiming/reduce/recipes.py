@@ -7,7 +7,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import clipping, pixel_sums, row_sums
+from irtiming.reduce import clipping, pixel_sums, row_sums, suspicions
 from irtiming.reduce.wheel import wheel_angles
 
 _FEWEST_FRAMES = 100
@@ -45,8 +45,9 @@ def reduce(
         )
     is_instant = (recording.camera_type, recording.readout_mode) == ("photon", "snapshot")
     recipe = pixel_sums if is_instant else row_sums
-    reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before)
-    clipping.refuse(recording, reduced.opening.mask)
+    with suspicions.told(recording, rig, choices=choices):
+        reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before)
+        clipping.refuse(recording, reduced.opening.mask)
     return reduced
 
 

@@ -15,6 +15,7 @@ from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
+from irtiming.reduce import renumbered
 from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _PARTS = 4
@@ -98,6 +99,8 @@ def _phase(light: Array, angle: Array) -> tuple[complex, float]:
 def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding, ...]:
     """A doubt where parts of the run are late by more than their noise, and by more than the stated angle of the mask may be off.
 
+    Where they are late by whole frames, the doubt says that.
+
     Parameters
     ----------
     angles, rig
@@ -106,6 +109,8 @@ def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding
         Shape (n_frame,); light of the opening in each frame of the recording.
     """
     recording = angles.recording
+    if counted := renumbered.findings(angles, light_dn=light_dn):
+        return counted
     late = lateness(light_dn, angles.angle_rad)
     if late is None:
         return ()

@@ -1,0 +1,125 @@
+r"""Whether frames belong to the triggers that their numbers say: short blocks of a run against all of it.
+
+A frame is lost, or delivered twice, and nobody counts it: from then on each frame is given the trigger before or after its own.
+The light of some ten frames follows the wheel in a wave :math:`\exp(2 i \theta)`, since two cutouts pass in a turn. Where frames
+are given triggers k before their own, and the wheel turns by :math:`\Delta` from one trigger to the next, its phase is off by
+:math:`2 k \Delta`: much more than the noise of a block, so that a block tells k to a whole number.
+"""
+
+from collections import Counter
+from dataclasses import dataclass
+from itertools import groupby
+from typing import final
+
+import numpy as np
+
+from irtiming.physics.wheel import TURN
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.finding import Finding
+from irtiming.reduce.wheel.frame_angles import FrameAngles
+
+_BLOCK = 15  # frames, of which half overlap
+_PASSING = 2
+_MOST = 3  # frames that are looked for: half a turn has five, and more would be as good as fewer the other way
+_FAR = 6.0  # standard uncertainties: by chance never
+_TOLD = 0.2  # of a frame: the standard uncertainty from which a block tells a whole number by three of them
+_IN_A_ROW = 3  # blocks, which a shutter that closes hardly is
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Shift:
+    """Frames ``first_frame`` to ``end_frame`` (excluded), roughly, are of triggers ``by`` after those that they are given."""
+
+    first_frame: int
+    end_frame: int
+    by: int
+
+
+def shifts(light_dn: Array, wheel_angle_rad: Array) -> tuple[Shift, ...]:
+    """Stretches of a run that are counted otherwise than most of it.
+
+    Parameters
+    ----------
+    light_dn
+        Shape (n_frame,); light of the opening in each frame.
+    wheel_angle_rad
+        Shape (n_frame,), at the trigger; nan where unknown.
+    """
+    known = np.flatnonzero(np.isfinite(wheel_angle_rad) & np.isfinite(light_dn))
+    if known.size < 4 * _BLOCK:
+        return ()
+    step_rad = float(np.median(np.mod(np.diff(wheel_angle_rad[known]), TURN)))
+    starts = range(0, known.size - _BLOCK + 1, _BLOCK // 2)
+    blocks = [known[start : start + _BLOCK] for start in starts]
+    phases = [_phase(light_dn[block], wheel_angle_rad[block]) for block in blocks]
+    usual = Counter(np.digitize([phase for phase, _ in phases], np.linspace(-np.pi, np.pi, 13)))
+    fullest = usual.most_common(1)[0][0]
+    about = np.linspace(-np.pi, np.pi, 13)[fullest - 1] + np.pi / 12
+    near = [off for phase, _ in phases if abs(off := _folded(phase - about)) < np.pi / 6]
+    middle = about + float(np.median(near))
+    by = [_by(_folded(phase - middle), u, step_rad=step_rad) for phase, u in phases]
+    return _joined(by, blocks)
+
+
+def _folded(phase: float) -> float:
+    """Between -pi and pi."""
+    return float(np.angle(np.exp(1j * phase)))
+
+
+def _phase(light: Array, angle: Array) -> tuple[float, float]:
+    """Of the wave with which cutouts pass, beside a straight line, and its standard uncertainty, rad."""
+    line = np.linspace(-1.0, 1.0, light.size)
+    columns = np.stack([np.ones(light.size), line, np.cos(_PASSING * angle), np.sin(_PASSING * angle)], axis=1)
+    found, *_ = np.linalg.lstsq(columns, light, rcond=None)
+    variance = float(np.sum((light - columns @ found) ** 2)) / (light.size - columns.shape[1])
+    covariance = np.linalg.pinv(columns.T @ columns)[2:, 2:] * variance
+    size = max(float(np.hypot(found[2], found[3])), float(np.finfo(float).tiny))
+    return float(np.arctan2(found[3], found[2])), float(np.sqrt(np.trace(covariance) / 2)) / size
+
+
+def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:
+    """Whole frames by which a block is off; None where its noise does not tell, or where it is off by no whole number."""
+    if not u_rad < _TOLD * abs(_folded(_PASSING * step_rad)):
+        return None
+    fits = [k for k in range(-_MOST, _MOST + 1) if abs(_folded(off_rad + _PASSING * k * step_rad)) < 3 * u_rad]
+    if 0 in fits or not fits or abs(off_rad) < _FAR * u_rad:
+        return 0
+    return min(fits, key=abs)
+
+
+def _joined(by: list[int | None], blocks: list[Ticks]) -> tuple[Shift, ...]:
+    """Blocks in a row that are off by as many frames; one alone may be a shutter that closes."""
+    found = []
+    for k, group in groupby(range(len(by)), key=by.__getitem__):
+        members = list(group)
+        if k and len(members) >= _IN_A_ROW:
+            first, last = blocks[members[0]], blocks[members[-1]]
+            found.append(Shift(first_frame=int(first[0]), end_frame=int(last[-1]) + 1, by=k))
+    return tuple(found)
+
+
+def findings(angles: FrameAngles, *, light_dn: Array) -> tuple[Finding, ...]:
+    """A doubt where frames belong to other triggers than their numbers say.
+
+    Parameters
+    ----------
+    angles
+        Of the recording's frames.
+    light_dn
+        Shape (n_frame,); light of the opening in each frame of the recording.
+    """
+    found = shifts(light_dn, angles.angle_rad)
+    if not found:
+        return ()
+    stretches = ", ".join(f"about {one.first_frame} to {one.end_frame - 1}: {one.by:+d}" for one in found[:4])
+    return (
+        Finding(
+            code="frames-renumbered",
+            severity="doubt",
+            recording=angles.recording.name,
+            what=f"frames follow the wheel as if they were of other triggers than the rest of the run ({stretches} triggers"
+            f"{', and more' if len(found) > 4 else ''}): frames were lost or came twice, and the others were counted on",
+            cure="write frame_number from the camera's own counter, and record again",
+        ),
+    )

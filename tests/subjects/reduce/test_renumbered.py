@@ -1,0 +1,75 @@
+"""Frames that belong to other triggers than their numbers say: light of a wheel made point by point, frames lost and won."""
+
+import numpy as np
+import pytest
+
+from irtiming.reduce.renumbered import shifts
+
+TURN, N = 2 * np.pi, 500
+
+
+def _angle(step=49 / 500, n=N):
+    return TURN * step * np.arange(n)
+
+
+def _light(angle, *, noise=2e-3, seed=0):
+    """Of 75 degrees behind two cutouts of a quarter turn, counted at 2000 places of the opening, behind a lag of 0.1 rad."""
+    places = np.radians(75) * (np.arange(2000) / 2000 - 0.5) + 0.1
+    open_ = np.mod(angle[:, None] - places, TURN / 2) < TURN / 4
+    return open_.mean(axis=1) + np.random.default_rng(seed).normal(0, noise, angle.size)
+
+
+def _counted(lost=(), twice=()):
+    """Light of ``N`` triggers, of which some made no frame, and some two, in the order of the frames."""
+    made = [k for k in range(N) if k not in lost for _ in range(1 + (k in twice))]
+    return _light(_angle())[made], _angle()[: len(made)] if len(made) <= N else _angle(n=len(made))
+
+
+@pytest.mark.parametrize(
+    ("lost", "twice", "wanted"),
+    [
+        ({300}, set(), [(300, 499, 1)]),
+        ({470}, set(), [(470, 499, 1)]),
+        ({300, 301}, set(), [(300, 498, 2)]),
+        (set(), {300}, [(301, 501, -1)]),
+        ({300}, {400}, [(300, 400, 1)]),
+    ],
+    ids=["one lost", "one lost near the end", "two lost", "one twice", "one lost, one won"],
+)
+def test_frames_that_are_counted_on_are_found(lost, twice, wanted):
+    """Oracle: the frames that were taken out or doubled; where a stretch begins is told to a block of 15."""
+    found = shifts(*_counted(lost, twice))
+    assert [one.by for one in found] == [by for *_, by in wanted]
+    for one, (first, end, _) in zip(found, wanted, strict=True):
+        assert abs(one.first_frame - first) <= 15
+        assert abs(one.end_frame - end) <= 15
+
+
+@pytest.mark.parametrize("step", [49 / 500, 0.1, 0.0663, 0.27, 0.3371])
+def test_a_run_in_order_has_no_shift(step):
+    """Oracle: nothing was changed; at any step of the wheel, with noise of up to a tenth of the contrast."""
+    for seed, noise in enumerate((1e-4, 2e-3, 0.02, 0.1)):
+        assert shifts(_light(_angle(step), noise=noise, seed=seed), _angle(step)) == ()
+
+
+def test_a_shutter_or_a_drift_is_no_shift():
+    """Oracle: what was changed is not which trigger made a frame."""
+    share = np.linspace(0, 1, N)
+    for changed in (
+        np.where((share > 0.4) & (share < 0.43), 0.0, _light(_angle())),
+        _light(_angle()) * (1 - 0.5 * share) + share,
+        _light(_angle()) + (share > 0.5),
+    ):
+        assert shifts(changed, _angle()) == ()
+
+
+def test_where_the_wheel_turns_by_a_half_from_trigger_to_trigger_nothing_tells():
+    """Oracle: by hand; half a turn looks like none."""
+    angle = _angle(0.5 + 1e-4)
+    light = np.where(np.arange(N) >= 250, np.roll(_light(angle), -1), _light(angle))
+    assert shifts(light, angle) == ()
+
+
+def test_few_frames_tell_nothing():
+    """Oracle: the limit of the module; fewer than four blocks of 15."""
+    assert shifts(_light(_angle(n=59)), _angle(n=59)) == ()
