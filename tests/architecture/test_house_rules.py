@@ -44,6 +44,7 @@ COMMANDS = (
     "loopback",
     "analyse",
     "time",
+    "frames",
     "import_capture",
     "export_vcd",
     "info",

@@ -72,6 +72,52 @@ def time(
         say(f"note: {remark}")
 
 
+@app.command()
+def frames(
+    result: ResultFile,
+    source: Annotated[Path, typer.Argument(help="Recording, or any file of frames; it is left as it is.")],
+    out: Annotated[Path, typer.Argument(help="File to write, .nxs: the scene, its instants, gains and noise gains.")],
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0, help="Standard deviation of a pixel in the units of the frames; left out: from the frames."
+        ),
+    ] = None,
+    stamps: Annotated[
+        Path | None,
+        typer.Option(metavar="CSV", help="Trigger times, for a file that does not tell when its frames were."),
+    ] = None,
+    period: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Time between frames, for a file that does not tell it.")
+    ] = None,
+    instant_row: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="Row to whose moment all others are brought; left out: the middle one."),
+    ] = None,
+    fractions: Annotated[
+        bool, typer.Option("--fractions", help="Write fractions of counts (float32) instead of whole counts.")
+    ] = False,
+) -> None:
+    """Make frames of the scene at one instant each: rows brought to one moment, lag and filter undone.
+
+    The correction is made as far as it stands out of the noise; gains, and by how much the noise grew, go along for each tile of
+    the image. The first and last frames of each uninterrupted run have nothing to be found from and are left out.
+    """
+    from irtiming.cli.progress import shown
+    from irtiming.session.apply_frames import FramesOrder, apply_frames
+
+    order = FramesOrder(
+        result=result, source=source, out=out, noise=noise, stamps=stamps, instant_row=instant_row,
+        period_s=None if period is None else seconds(period), keeps_fractions=fractions,
+    )  # fmt: skip
+    with shown("frames") as told:
+        found = apply_frames(order, progress=lambda done, total: told(source.name, done, total))
+    say(f"{out}: {found.n_written} of {found.n_frames} frames, mean gain {found.mean_gain:.3f}, noise times "
+        f"{found.mean_noise_gain:.3f}, for pixel noise of {found.noise:.4g}")  # fmt: skip
+    for line in found.description[1:]:
+        say(line)
+
+
 def _rows(text: str | None) -> tuple[int, ...] | None:
     if text is None:
         return None

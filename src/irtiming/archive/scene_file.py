@@ -1,0 +1,164 @@
+"""Frames of a scene at one instant each, streamed into a file that any NeXus viewer opens, and that is whole or not there."""
+
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self, final
+
+import h5py
+import hdf5plugin
+import numpy as np
+
+from irtiming.archive import layout
+from irtiming.archive.frames.source import FrameValues
+from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_output import Output, writing
+from irtiming.archive.json_file import unwritable
+from irtiming.archive.nexus import bring_to_disk, group, program_version
+from irtiming.errors import ArchiveError
+
+SCENE = f"{layout.ENTRY}/scene"
+"""Group of what is told of each frame beside its pixels."""
+
+_GAIN, _NOISE_GAIN = f"{SCENE}/gain", f"{SCENE}/noise_gain"
+_COLUMNS = ("frame_number", "time")
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SceneHead:
+    """What is known of a scene before its frames: rows and columns, type and unit of the values, tiles of the gains, and words.
+
+    ``time_errors_s`` is the standard uncertainty of the instants; ``description`` has lines of what was done.
+    """
+
+    size: tuple[int, int]
+    dtype: str
+    unit: str
+    tiles: tuple[int, int]
+    tile_px: int
+    time_errors_s: float
+    description: tuple[str, ...]
+
+
+@final
+class SceneWriter:
+    """Streams a scene into a new file; use it in a ``with`` statement.
+
+    The file has the suffix ``.part`` until everything is in it; if the ``with`` block raises, nothing is left behind.
+    """
+
+    def __init__(self, path: str | Path, head: SceneHead) -> None:
+        self._path, self._head = Path(path), head
+        self._part = self._path.with_name(f"{self._path.name}{layout.PART}")
+        self._held = ExitStack()
+        self._file: h5py.File | None = None
+        self._output: Output | None = None
+        self._told: dict[str, list[float]] = {name: [] for name in _COLUMNS}
+        self._length = 0
+
+    def __enter__(self) -> Self:
+        """Create the file under its temporary name.
+
+        Raises
+        ------
+        ArchiveError
+            If none can be made.
+        """
+        try:
+            self._file, self._output = self._held.enter_context(writing(self._part))
+        except OSError as error:
+            raise unwritable(self._path, error) from error
+        self._create(self._file)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Bring the file to the disk and give it its name; after an error, remove it."""
+        try:
+            if kind is None:
+                self._finish()
+        finally:
+            with suppress(*H5_ERRORS):
+                self._held.close()
+            self._file = self._output = None
+            self._part.unlink(missing_ok=True)
+
+    def append(
+        self, pixels: FrameValues, *, number: int, time_s: float, gain: FrameValues, noise_gain: FrameValues
+    ) -> None:
+        """Add one frame.
+
+        Parameters
+        ----------
+        pixels
+            Shape (row, column).
+        number
+            Index of the frame that it was made from.
+        time_s
+            The instant.
+        gain, noise_gain
+            Shape (tile row, tile column).
+
+        Raises
+        ------
+        ArchiveError
+            If the disk is full.
+        """
+        assert self._file is not None
+        n = self._length
+        try:
+            for path, values in (
+                (layout.FRAMES.path, pixels),
+                (_GAIN, gain),
+                (_NOISE_GAIN, noise_gain),
+            ):
+                dataset = self._file[path]
+                if n >= dataset.shape[0]:
+                    dataset.resize(n + 64, axis=0)
+                dataset[n] = values
+            if self._output is not None:
+                self._output.require_written()
+        except H5_ERRORS as error:
+            raise ArchiveError(f"{self._path}: cannot be written ({reason_of(error)}); is the disk full?") from error
+        self._told["frame_number"].append(number)
+        self._told["time"].append(time_s)
+        self._length = n + 1
+
+    def _create(self, file: h5py.File) -> None:
+        head = self._head
+        group(file, layout.CAMERA)
+        for path, shape, dtype in (
+            (layout.FRAMES.path, head.size, head.dtype), (_GAIN, head.tiles, "f4"), (_NOISE_GAIN, head.tiles, "f4"),
+        ):  # fmt: skip
+            file.create_dataset(
+                path, shape=(0, *shape), maxshape=(None, *shape), chunks=(1, *shape), dtype=dtype,
+                **hdf5plugin.Bitshuffle(cname="lz4"),
+            )  # fmt: skip
+        file[layout.FRAMES.path].attrs["units"] = head.unit
+        told = file[SCENE]
+        told.attrs["NX_class"] = "NXprocess"
+        told.attrs["tile_px"] = head.tile_px
+        told["program"] = program_version()
+        told["description"] = "\n".join(head.description)
+
+    def _finish(self) -> None:
+        assert self._file is not None
+        for path in (layout.FRAMES.path, _GAIN, _NOISE_GAIN):
+            self._file[path].resize(self._length, axis=0)
+        told = self._file[SCENE]
+        told["frame_number"] = np.array(self._told["frame_number"], dtype=np.int64)
+        told["time"] = np.array(self._told["time"], dtype=np.float64)
+        told["time"].attrs["units"] = "s"
+        told["time_errors"] = self._head.time_errors_s
+        told["time_errors"].attrs["units"] = "s"
+        plot = group(self._file, layout.PLOT)
+        plot["data"], plot["time"] = self._file[layout.FRAMES.path], told["time"]
+        plot.attrs["signal"], plot.attrs["axes"] = "data", ["time", ".", "."]
+        self._file.attrs["default"] = "entry"
+        self._file[layout.ENTRY].attrs["default"] = "data"
+        try:
+            self._held.close()
+            bring_to_disk(self._part)
+            self._part.replace(self._path)
+        except OSError as error:
+            raise unwritable(self._path, error) from error

@@ -1,0 +1,228 @@
+"""The scene at one instant of each frame, from a recording or any file of frames into a new file."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irtiming.apply import camera_timing, conditions, kernels
+from irtiming.apply.camera_timing import CameraTiming, Conditions
+from irtiming.apply.frames import Readout, Scene, SceneStream
+from irtiming.apply.noise import noise_of
+from irtiming.apply.stamps import TriggerTimes
+from irtiming.archive import layout
+from irtiming.archive.frames.opening import open_frames
+from irtiming.archive.frames.source import FrameSource
+from irtiming.archive.json_file import require_place
+from irtiming.archive.nexus import program_version
+from irtiming.archive.result_file import read_result
+from irtiming.archive.scene_file import SceneHead, SceneWriter
+from irtiming.errors import ArchiveError, EstimationError
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.recording import FrameStack
+from irtiming.session import frame_stamps
+from irtiming.session.apply_time import clock_of
+from irtiming.session.frame_stamps import StampsWanted
+from irtiming.units import readable_time
+
+_NOISE_FRAMES = 16
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FramesOrder:
+    """What a person wants: a result, the frames it is applied to, and the file to write.
+
+    ``noise`` is the standard deviation of a pixel in the units of the frames, None: from the frames. For a file that does not
+    tell when its frames were, ``stamps`` is a CSV of their trigger times, or ``period_s`` the time between them. ``instant_row``
+    is the row to whose moment all others are brought; None: the middle one. ``keeps_fractions`` writes float32, not counts.
+    """
+
+    result: Path
+    source: Path
+    out: Path
+    noise: float | None = None
+    stamps: Path | None = None
+    period_s: float | None = None
+    instant_row: float | None = None
+    keeps_fractions: bool = False
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FramesDone:
+    """What became of the frames: how many there were and are now, the noise counted on, mean gain and noise gain, and words."""
+
+    n_frames: int
+    n_written: int
+    noise: float
+    mean_gain: float
+    mean_noise_gain: float
+    description: tuple[str, ...]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Given:
+    """Frames with their triggers: ``kept`` are indices of the frames that have one, shape (n_frame,)."""
+
+    stack: FrameStack | FrameSource
+    triggers: TriggerTimes
+    kept: Ticks
+    unit: str = "DN"
+
+
+def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | None = None) -> FramesDone:
+    """Bring the rows of each frame to one instant and undo lag and filter, streamed: memory does not grow with the file.
+
+    Raises
+    ------
+    IrTimingError
+        If a file cannot be read or written, the frames tell no times, or the result does not hold for them.
+    """
+    require_place(order.out, besides=[order.result, order.source])
+    if order.out.suffix.lower() != layout.SUFFIX:
+        raise ArchiveError(
+            f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)
+        )
+    result = read_result(order.result)
+    camera = camera_timing.of_result(result)
+    given = _given(order, camera, clock_of(result))
+    readout = Readout(response=camera.response, row_delay_s=camera.row_delay_s, instant_row=order.instant_row)
+    first = given.stack.pick(list(range(min(_NOISE_FRAMES, given.stack.shape[0]))))
+    noise = noise_of(first) if order.noise is None else order.noise
+    interval_s = given.triggers.frame_period_s
+    if interval_s is None:
+        raise EstimationError(f"{order.source}: has one frame; the scene between frames needs two or more")
+    size = given.stack.shape[1:]
+    stream = SceneStream(readout, size=size, interval_s=interval_s, noise=noise)
+    times_s, u_s = _instants(camera, given, readout)
+    is_whole = np.issubdtype(first.dtype, np.integer) and not order.keeps_fractions
+    head = SceneHead(
+        size=size, dtype="u2" if is_whole else "f4", unit=given.unit, tile_px=kernels.TILE, time_errors_s=u_s,
+        tiles=(-(-size[0] // kernels.TILE), -(-size[1] // kernels.TILE)),
+        description=tuple(_described(order, camera, given, readout=readout, noise=noise)),
+    )  # fmt: skip
+    highest = np.iinfo(first.dtype).max if is_whole else None
+    gains = _write(_scenes(given, stream, times_s=times_s, progress=progress), order.out, head=head, highest=highest,
+                   origin_s=given.triggers.origin_s)  # fmt: skip
+    return FramesDone(
+        n_frames=given.stack.shape[0], n_written=len(gains), noise=noise, mean_gain=float(gains[:, 0].mean()),
+        mean_noise_gain=float(gains[:, 1].mean()), description=head.description,
+    )  # fmt: skip
+
+
+def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Array, float]:
+    """The instant of each frame, shape (n_frame,), and the standard uncertainty of them all; s."""
+    period_s, row = given.triggers.frame_period_s, np.array([_instant_row(readout, given.stack.shape[1])])
+    name = "reading" if camera.has_lag else "middle"
+    moment = next(one for one in camera.moments(period_s) if one.name == name)
+    late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.triggers.relative_rate)
+    u_s = np.hypot(camera.u_s(moment, row)[0], np.hypot(given.triggers.u_own_s, given.triggers.u_common_s))
+    return given.triggers.time_s + late_s, float(u_s)
+
+
+def _write(
+    scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, origin_s: int
+) -> NDArray[np.float64]:
+    """Write all scenes; gives mean gain and mean noise gain of each, shape (n_scene, 2)."""
+    counts, gains = np.zeros(head.size, np.uint16), []
+    with SceneWriter(path, head) as writer:
+        for one in scenes:
+            pixels: NDArray[Any] = one.pixels
+            if highest is not None:
+                kernels.to_counts(one.pixels, highest, counts)
+                pixels = counts
+            writer.append(
+                pixels, number=one.index, time_s=origin_s + one.time_s, gain=one.gain, noise_gain=one.noise_gain
+            )
+            gains.append((float(one.gain.mean()), float(one.noise_gain.mean())))
+        if not gains:
+            raise EstimationError("no frame lies between others without a gap; nothing was written", where=str(path))
+    return np.array(gains)
+
+
+def _given(order: FramesOrder, camera: CameraTiming, clock: TriggerTimes | None) -> _Given:
+    if order.period_s is None and order.stamps is None:
+        stamped = frame_stamps.read(StampsWanted(source=order.source), camera, clock=clock)
+        if stamped.recording is not None:
+            return _Given(stack=stamped.recording.frames, triggers=stamped.triggers, kept=stamped.frames)
+        source = open_frames(order.source)
+        return _Given(stack=source, triggers=stamped.triggers, kept=stamped.frames, unit=source.facts.unit)
+    source = open_frames(order.source)
+    told = Conditions(
+        camera_type=camera.conditions.camera_type, readout_mode=camera.conditions.readout_mode, rows=source.shape[1],
+        columns=source.shape[2],
+        serial_number="" if source.facts.camera is None else source.facts.camera.serial_number,
+        integration_time_s=source.facts.integration_time_s,
+    )  # fmt: skip
+    remarks = conditions.require(camera.conditions, told, where=str(order.source))
+    n_frames = source.shape[0]
+    if order.stamps is not None:
+        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, clock=clock).triggers
+        if times.time_s.size != n_frames:
+            raise EstimationError(
+                f"has {times.time_s.size} stamps for {n_frames} frames; give one for each", where=str(order.stamps)
+            )
+    else:
+        times = TriggerTimes(
+            time_s=(order.period_s or 0.0) * np.arange(n_frames, dtype=np.float64), scale="s since the first trigger"
+        )
+    times = replace(times, remarks=(*times.remarks, *remarks))
+    return _Given(stack=source, triggers=times, kept=np.arange(n_frames), unit=source.facts.unit)
+
+
+def _instant_row(readout: Readout, n_rows: int) -> float:
+    return (n_rows - 1) / 2 if readout.instant_row is None else readout.instant_row
+
+
+def _scenes(
+    given: _Given, stream: SceneStream, *, times_s: NDArray[np.float64], progress: Callable[[int, int], None] | None
+) -> Iterator[Scene]:
+    """Scenes of all frames that have a trigger."""
+    place = {int(index): k for k, index in enumerate(given.kept)}
+    total = given.stack.shape[0]
+    for first, block in given.stack.blocks():
+        for k, frame in enumerate(block):
+            at = place.get(first + k)
+            if at is not None:
+                yield from stream.push(frame, index=first + k, time_s=float(times_s[at]))
+        if progress is not None:
+            progress(first + len(block), total)
+    yield from stream.end()
+
+
+def _described(
+    order: FramesOrder, camera: CameraTiming, given: _Given, *, readout: Readout, noise: float
+) -> Iterator[str]:
+    response = readout.response
+    yield f"{program_version()}: the scene at one instant of each frame of {order.source.name} by {order.result.name}"
+    yield f"time: {given.triggers.scale}; " + (
+        "when the instant row was read" if camera.has_lag else "middle of the integration of the instant row"
+    )
+    if readout.row_delay_s:
+        row = _instant_row(readout, given.stack.shape[1])
+        yield (
+            f"rows: brought to row {row:g} by cubics in time over four readings; row delay {readable_time(readout.row_delay_s)}"
+        )
+    if response.time_constant_s:
+        yield (
+            f"lag: time constant {readable_time(response.time_constant_s)} undone frame to frame, exactly for a scene that is "
+            "straight between frames"
+        )
+    if response.recursive_filter:
+        yield f"filter in the camera: share {response.recursive_filter:.5f} of the frame before undone"
+    if response.pixel_memory:
+        yield f"memory of the pixels: share {response.pixel_memory:.5f} of the frame before undone"
+    if response.is_none:
+        yield "pixels: nothing to undo"
+    else:
+        yield (
+            f"gain: Wiener gain of each tile of {kernels.TILE} x {kernels.TILE} pixels, for noise of {noise:.4g} "
+            f"{given.unit}; noise_gain: noise of a pixel over that of the frame as it came"
+        )
+    for remark in given.triggers.remarks:
+        yield f"note: {remark}"

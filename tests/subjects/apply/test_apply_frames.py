@@ -1,0 +1,142 @@
+"""`irtiming apply frames` from file to file: films of a moving scene in recordings, and what is refused."""
+
+import h5py
+import numpy as np
+import pytest
+from made_up_result import made_up_result
+from moving_scene import COLUMNS, EDGE_COLUMNS, HIGH, LOW, ROWS, FilmedBy, film
+
+from irtiming.archive.result_file import write_result
+from irtiming.cli.main import run
+
+CAMERA = FilmedBy(row_delay_s=7e-4, tau_s=5e-3)
+NUMBERS = {"trigger_delay": (4e-3, 2e-5), "time_constant": (5e-3, 5e-6), "row_delay": (7e-4, 1e-7)}
+CLOCK_HZ = 50_000_000
+
+
+@pytest.fixture
+def told(monkeypatch, capsys):
+    """The command line: told("apply", ...) gives exit status, output and error."""
+
+    def words(*arguments):
+        monkeypatch.setattr("sys.argv", ["irtiming", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ending:
+            run()
+        shown = capsys.readouterr()
+        return ending.value.code or 0, shown.out, shown.err
+
+    return words
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """A film in whole counts: 10 DN of noise's tenth beside a step of 900."""
+    return film(CAMERA, noise=0.9)
+
+
+@pytest.fixture
+def recording(hand_made, filmed):
+    """The film as a recording; frame 20 is lost."""
+    kept = np.delete(np.arange(len(filmed.frames)), 20)
+
+    def fill(file):
+        camera = file["entry/instrument/camera"]
+        for name in ("data", "frame_number", "type", "readout_mode", "count_time"):
+            del camera[name]
+        del file["entry/nonuniformity_reference"]
+        camera["type"], camera["readout_mode"] = "microbolometer", "rolling"
+        camera["data"] = np.rint(filmed.frames[kept]).astype(np.uint16)
+        camera["frame_number"] = kept
+        camera["trigger_delay_time_set"][()] = 0.0
+        generator = file["entry/instrument/trigger_generator"]
+        for name in ("camera_trigger", "clock_frequency", "camera_period", "wheel_period"):
+            del generator[name]
+        generator["clock_frequency"] = CLOCK_HZ
+        generator["camera_trigger"] = np.rint(filmed.trigger_s * CLOCK_HZ).astype(np.int64)
+
+    return hand_made(fill)
+
+
+def _result(tmp_path):
+    content = made_up_result("microbolometer", "rolling", NUMBERS, rows=ROWS).model_dump(mode="json")
+    content["inputs"][0]["image"]["columns"] = COLUMNS
+    write_result(
+        {key: value for key, value in content.items() if key not in ("format", "version")}, tmp_path / "result.json"
+    )
+    return tmp_path / "result.json"
+
+
+def _edge_errors(filmed, frames, times_s):
+    edge = ((frames[:, :, :EDGE_COLUMNS].astype(float) - LOW) / (HIGH - LOW)).sum(axis=2)
+    return np.sqrt(np.mean((edge - filmed.edge_px(times_s)[:, None]) ** 2, axis=1))
+
+
+def test_a_recording_becomes_the_scene_at_one_instant(tmp_path, told, filmed, recording):
+    """Oracle: the scene that was filmed; a frame was lost, so the runs 0..19 and 21..39 give what lies between their ends."""
+    status, said, _ = told("apply", "frames", _result(tmp_path), recording, tmp_path / "scene.nxs")
+    assert status == 0
+    assert "35 of 39 frames" in said
+    with h5py.File(tmp_path / "scene.nxs") as file:
+        scene, frames = file["entry/scene"], file["entry/instrument/camera/data"][()]
+        number, time_s = scene["frame_number"][()], scene["time"][()]
+        assert number.tolist() == [*range(1, 19), *range(21, 38)]
+        assert scene["noise_gain"].shape == (35, ROWS // 8, COLUMNS // 8)
+        assert scene["gain"][()].max() <= 1
+        assert scene["time_errors"][()] == pytest.approx(2e-5, rel=0.02)
+    index = np.delete(np.arange(40), 20)[number]
+    instants = filmed.trigger_s[index] + 4e-3 + 7e-4 * (ROWS - 1) / 2
+    assert np.allclose(time_s, instants, atol=1e-7)
+    settled = (index > 4) & ((index < 19) | (index > 24))
+    before = _edge_errors(filmed, np.rint(filmed.frames[index]), instants)[settled]
+    after = _edge_errors(filmed, frames, instants)[settled]
+    assert np.sqrt(np.mean(after**2)) < np.sqrt(np.mean(before**2)) / 10
+    assert np.mean(after) < np.mean(before)
+
+
+def test_frames_without_times_take_their_period(tmp_path, told, filmed):
+    """Oracle: the same frames in a NumPy file of floats, 30 ms apart, are found as close."""
+    np.save(tmp_path / "film.npy", filmed.frames.astype(np.float32))
+    status, said, error = told(
+        "apply", "frames", _result(tmp_path), tmp_path / "film.npy", tmp_path / "scene.nxs", "--period", "30 ms", "--noise", "0.9"
+    )  # fmt: skip
+    assert status == 0, error
+    with h5py.File(tmp_path / "scene.nxs") as file:
+        frames, number = file["entry/instrument/camera/data"][()], file["entry/scene/frame_number"][()]
+    assert frames.dtype == np.float32
+    instants = filmed.trigger_s[number] + 4e-3 + 7e-4 * (ROWS - 1) / 2
+    assert np.sqrt(np.mean(_edge_errors(filmed, frames, instants)[5:] ** 2)) < 0.04
+    assert "noise of 0.9 DN" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("scene.npy",), "the scene is written as .nxs"),
+        (("scene.nxs", "--period", "1 ms"), "rows are read over 21.700 ms, a frame lasts 1.000 ms"),
+        (("missing/scene.nxs",), "there is no folder"),
+    ],
+)
+def test_what_cannot_be_made_ends_in_one_line(tmp_path, told, recording, words, said):
+    """Oracle: exit status 2, one line, its words, no file."""
+    status, _, error = told("apply", "frames", _result(tmp_path), recording, tmp_path / words[0], *words[1:])
+    assert status == 2
+    assert error.count("\n") == 1
+    assert said in error
+    assert not (tmp_path / words[0]).exists()
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_a_file_that_tells_no_times_is_refused(tmp_path, told, filmed):
+    """Oracle: exit status 2 and the cure."""
+    np.save(tmp_path / "film.npy", filmed.frames.astype(np.float32))
+    status, _, error = told("apply", "frames", _result(tmp_path), tmp_path / "film.npy", tmp_path / "scene.nxs")
+    assert status == 2
+    assert "tells no times of its frames; give its stamps as CSV" in error
+
+
+def test_a_scene_is_no_recording(tmp_path, told, recording):
+    """Oracle: what was corrected once is refused as input of another correction or analysis."""
+    told("apply", "frames", _result(tmp_path), recording, tmp_path / "scene.nxs")
+    status, _, error = told("apply", "frames", _result(tmp_path), tmp_path / "scene.nxs", tmp_path / "twice.nxs")
+    assert status == 2
+    assert "is missing" in error
