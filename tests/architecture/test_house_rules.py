@@ -48,6 +48,7 @@ COMMANDS = (
     "import_capture",
     "export_vcd",
     "info",
+    "convert",
     "demo",
     "build",
     "firmware",

@@ -28,14 +28,14 @@ def set_units(dataset: h5py.Dataset, unit: str) -> None:
         dataset.attrs["units"] = unit
 
 
-def create_stack(file: h5py.File, field: Field, *, size: tuple[int, int]) -> h5py.Dataset:
+def create_stack(file: h5py.File, field: Field, *, size: tuple[int, int], dtype: str = "uint16") -> h5py.Dataset:
     """Empty stack of frames of that many rows and columns: one per chunk, compressed and guarded by a checksum."""
     return group(file, field.group).create_dataset(
         field.name,
         shape=(0, *size),
         maxshape=(None, *size),
         chunks=(1, *size),
-        dtype=np.uint16,
+        dtype=np.dtype(dtype),
         fletcher32=True,
         **hdf5plugin.Bitshuffle(cname="lz4"),
     )

@@ -16,6 +16,7 @@ from irtiming.cli.apply_command import app as apply
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.camera_command import camera
 from irtiming.cli.clock_command import clock
+from irtiming.cli.convert_command import convert
 from irtiming.cli.demo_command import demo
 from irtiming.cli.discover_command import discover
 from irtiming.cli.doctor_command import doctor
@@ -42,7 +43,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, import_capture,
-    export_vcd, info, demo,
+    export_vcd, info, convert, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

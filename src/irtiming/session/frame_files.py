@@ -1,4 +1,4 @@
-"""What a person does with files of frames: look what is in one."""
+"""What a person does with files of frames: look what is in one, make another of it."""
 
 import hashlib
 from pathlib import Path
@@ -8,6 +8,7 @@ import numpy as np
 
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
+from irtiming.archive.frames.writing import Progress, write_frames
 
 _UNITS = {"_s": "s", "_hz": "Hz", "_k": "K"}
 
@@ -45,6 +46,30 @@ def look_into(path: Path) -> dict[str, Any]:
         "more": dict(facts.more),
     }  # fmt: skip
     return found
+
+
+def convert(path: Path, out: Path, *, progress: Progress | None = None) -> list[str]:
+    """Frames of one file, with what is known of them, into one of another format.
+
+    Parameters
+    ----------
+    path, out
+        The ending of ``out`` says the format.
+    progress
+        Called with frames written and all frames.
+
+    Returns
+    -------
+    What is known and has no place in the format.
+
+    Raises
+    ------
+    ArchiveError
+        If the frames cannot be read, or not written in that format.
+    """
+    return [
+        name.removesuffix("_s").replace("_", " ") for name in write_frames(open_frames(path), out, progress=progress)
+    ]
 
 
 def _seconds(value: float | None) -> dict[str, object] | None:

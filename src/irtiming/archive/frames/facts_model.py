@@ -1,6 +1,7 @@
 """Facts about frames as JSON: beside a raw file, beside an ``.npy``, and in the description of a TIFF that irtiming wrote."""
 
 import json
+import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -111,7 +112,12 @@ def as_told(facts: FrameFacts) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in Told.model_fields:
         value = getattr(facts, name)
-        if value is None or value == "" or (name == "more" and not value):
-            continue
-        found[name] = value.tolist() if isinstance(value, np.ndarray) else vars(value) if name == "camera" else value
-    return found
+        if isinstance(value, np.ndarray):
+            found[name] = value.tolist()
+        elif name == "camera" and value is not None:
+            found[name] = {key: text for key, text in vars(value).items() if text}
+        elif name == "more":
+            found[name] = {key: one for key, one in value.items() if isinstance(one, str) or math.isfinite(one)}
+        elif value is not None:
+            found[name] = value
+    return {name: value for name, value in found.items() if not isinstance(value, str | dict) or value}

@@ -1,5 +1,6 @@
 """TIFF and BigTIFF stacks, by tifffile: frames in pages, or all behind one page."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from irtiming.archive.frames.bounds import MOST_TEXT_BYTES, native, require_size
-from irtiming.archive.frames.facts_model import Told, told_in
+from irtiming.archive.frames.facts_model import Told, as_told, told_in
 from irtiming.archive.frames.source import FrameFacts, FrameReader, Frames, FrameSource, FrameValues, Read
 from irtiming.archive.frames.strided import strided
 from irtiming.records.camera_frame import CameraIdentity
@@ -50,6 +51,11 @@ def _open(path: Path) -> FrameSource:
             yield read
 
     return Frames(path, facts, reading)
+
+
+def described(facts: FrameFacts) -> str:
+    """Facts as they stand in the description of the first page of a file that irtiming wrote."""
+    return f"{_OURS}{json.dumps(as_told(facts))}}}"
 
 
 def _shape(tiff: Any) -> Any:
