@@ -22,7 +22,7 @@ FRAME_TIME = f"{layout.CAMERA}/frame_time"
 _MOST_TICKS = 2.0**62
 
 
-def write_nexus(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
+def write_nexus(facts: FrameFacts, blocks: Iterator[FrameValues], *, part: Path) -> list[str]:
     """Write a stack with its facts.
 
     Parameters

@@ -137,7 +137,11 @@ def _hcc_header(facts: FrameFacts, place: int, *, is_dated: bool) -> dict[str, A
     return header
 
 
+def _write_nexus(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
+    return write_nexus(facts, blocks, part=part)
+
+
 _WRITERS: dict[str, Callable[[FrameFacts, Iterator[FrameValues], Path], list[str]]] = {
-    ".nxs": write_nexus, ".h5": write_nexus, ".hdf5": write_nexus, ".tif": _write_tiff, ".tiff": _write_tiff, ".npy": _write_npy,
-    ".hcc": _write_hcc,
+    ".nxs": _write_nexus, ".h5": _write_nexus, ".hdf5": _write_nexus, ".tif": _write_tiff, ".tiff": _write_tiff,
+    ".npy": _write_npy, ".hcc": _write_hcc,
 }  # fmt: skip
