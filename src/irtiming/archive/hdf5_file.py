@@ -129,15 +129,22 @@ def _why_not_opened(path: Path, error: BaseException) -> Complaint:
             cure="copy it again, or record it again",
         )
     if "signature not found" in text:
-        return refuse(
-            "",
-            "is not an HDF5 file",
-            code="not-hdf5",
-            cure=f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}",
-        )
+        return _not_hdf5(path)
     return refuse(
         "",
         f"cannot be opened as HDF5 ({reason_of(error)})",
         code="cannot-be-opened",
         cure="the file is damaged; copy or record it again",
     )
+
+
+def _not_hdf5(path: Path) -> Complaint:
+    """What a file is that is no HDF5, where it is one of frames."""
+    from irtiming.archive.frames.opening import describe  # it reads HDF5 too
+
+    if found := describe(path):
+        what = f"is {found}, not a recording"
+        cure = "make one of it and a capture of the triggers with irtiming import-capture --frames"
+    else:
+        what, cure = "is not an HDF5 file", f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}"
+    return refuse("", what, code="not-hdf5", cure=cure)

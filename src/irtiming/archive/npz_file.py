@@ -1,4 +1,4 @@
-"""Arrays of an ``.npz`` file, held against bounds before they are unpacked, and of an ``.npy``, which stays on the disk."""
+"""Arrays of an ``.npz`` file, held against bounds before they are unpacked."""
 
 import math
 import zipfile
@@ -32,18 +32,6 @@ def read_arrays(path: Path, names: Sequence[str]) -> dict[str, Any]:
             _require_bounded(path, archive, there)
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in there}
-
-
-def open_array(path: Path) -> Any:
-    """Array of an ``.npy``, which stays in the file until it is asked for.
-
-    Raises
-    ------
-    ArchiveError
-        As for `read_arrays`.
-    """
-    with _refused(path, saved_by="numpy.save"):
-        return np.lib.format.open_memmap(path, mode="r")
 
 
 @contextmanager

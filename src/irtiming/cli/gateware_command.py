@@ -109,7 +109,9 @@ def record(
 @in_options
 def combine(
     timestamps: Annotated[Path, typer.Argument(help="File that irtiming gateware record wrote.")],
-    frames: Annotated[Path, typer.Argument(help="The camera's frames of that run: .npy, .npz, or a recording.")],
+    frames: Annotated[
+        Path, typer.Argument(help="The camera's frames of that run, in any format that irtiming info knows.")
+    ],
     out: Annotated[Path, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")],
     camera: ArrayCamera = None,
     readout: ArrayReadout = None,

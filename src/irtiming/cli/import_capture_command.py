@@ -33,7 +33,10 @@ def import_capture(
         ),
     ],
     frames: Annotated[
-        Path | None, typer.Option(help="Recording that the timestamps are for, or its frames as .npy or .npz.")
+        Path | None,
+        typer.Option(
+            help="Recording that the timestamps are for, or its frames, in any format that irtiming info knows."
+        ),
     ] = None,
     out: Annotated[Path | None, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write the timestamps there.")] = None,
@@ -56,10 +59,11 @@ def import_capture(
     ] = False,
     camera: ArrayCamera = None,
     readout: ArrayReadout = None,
-    wheel_hz: Annotated[float | None, typer.Option(help="Nominal wheel rate in Hz; for .npy and .npz.")] = None,
+    wheel_hz: Annotated[float | None, typer.Option(help="Nominal wheel rate in Hz; for frames alone.")] = None,
     integration_time: ArrayIntegration = None,
     trigger_delay_set: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Extra trigger delay that was set; for .npy and .npz.")
+        str | None,
+        typer.Option(metavar="TIME", help="Extra trigger delay that was set; for frames alone."),
     ] = None,
     bit_depth: ArrayBits = None,
 ) -> None:
@@ -76,7 +80,7 @@ def import_capture(
     facts = None
     if any(given[name] is not None for name in _FACTS):
         if camera is None or wheel_hz is None:
-            raise ArchiveError("--camera and --wheel-hz belong together; give both for frames in .npy or .npz")
+            raise ArchiveError("--camera and --wheel-hz belong together; give both for frames alone")
         facts = filled(
             CameraFacts,
             given,

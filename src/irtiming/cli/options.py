@@ -25,16 +25,18 @@ Edge = Annotated[
 Duration = Annotated[
     str | None, typer.Option(metavar="TIME", help="End after this, such as '10 min'; else Ctrl-C ends it.")
 ]
-ArrayCamera = Annotated[CameraType | None, typer.Option(help="Kind of camera; for .npy and .npz.")]
+ArrayCamera = Annotated[CameraType | None, typer.Option(help="Kind of camera; for frames alone.")]
 ArrayReadout = Annotated[
     ReadoutMode | None,
-    typer.Option(help="How it is read, if not as usual: photon cameras at once, others row by row; for .npy and .npz."),
+    typer.Option(help="How it is read, if not as usual (photon cameras at once, others row by row); for frames alone."),
 ]
 ArrayIntegration = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for .npy and .npz.")
+    str | None,
+    typer.Option(metavar="TIME", help="Of a photon camera, such as '250 us'; for frames alone."),
 ]
 ArrayBits = Annotated[
-    int | None, typer.Option(min=1, max=16, help="Bits of a pixel value, 16 if not given; for .npy and .npz.")
+    int | None,
+    typer.Option(min=1, max=16, help="Bits of a pixel value, if the file does not tell; for frames alone."),
 ]
 
 _UNITS = {"_s": seconds, "_k": kelvin}

@@ -150,7 +150,7 @@ def combine(order: FramesOrder) -> list[Finding]:
             rotation_speed_hz=stamped.rotation_speed_hz,
             integration_time_s=order.integration_time_s,
             trigger_delay_time_set_s=stamped.trigger_delay_time_set_s,
-            bit_depth=order.bit_depth or 16,
+            bit_depth=order.bit_depth,
         )
     ticks = CapturedTicks(clock_frequency_hz=stamped.clock_frequency_hz, streams=stamped.streams)
     return write_timed(order.frames, order.out, ticks=ticks, facts=facts)

@@ -155,8 +155,8 @@ def test_arrays_that_do_not_fit_are_refused_and_leave_nothing(arrays, says, tmp_
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"", "cannot be read as arrays"),
-        (b"PK\x03\x04 and no more", "cannot be read as arrays"),
+        (b"", "cannot be read as arrays|is empty"),
+        (b"PK\x03\x04 and no more", "cannot be read as arrays|is no file of frames that is known"),
         (None, "does not exist"),
     ],
 )
@@ -194,7 +194,7 @@ def test_a_recording_that_does_not_fit_its_capture_is_refused_and_leaves_nothing
 def test_what_belongs_to_arrays_is_asked_for_with_arrays_only(hand_made, tmp_path):
     """Oracle: the messages."""
     path, _ = _arrays(tmp_path)
-    with pytest.raises(ArchiveError, match="arrays do not tell their camera; give --camera and --wheel-hz"):
+    with pytest.raises(ArchiveError, match="these frames do not tell their camera; give --camera and --wheel-hz"):
         write_timed(path, tmp_path / "timed.nxs", ticks=_ticks())
     with pytest.raises(ArchiveError, match="a recording tells its camera itself"):
         write_timed(hand_made(), tmp_path / "timed.nxs", ticks=_ticks(), facts=FACTS)

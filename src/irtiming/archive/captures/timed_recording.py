@@ -1,30 +1,29 @@
 """Frames and the tick streams of a capture together: a recording that is ready for the analysis."""
 
 import shutil
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import h5py
-import numpy as np
 
 from irtiming.archive import consistency, layout
+from irtiming.archive.captures.camera_frames import CameraFacts as CameraFacts
+from irtiming.archive.captures.camera_frames import camera_frames
 from irtiming.archive.captures.streams import STREAMS, CapturedTicks
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
-from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.archive.frames.opening import reader_of, readers
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
-from irtiming.archive.npz_file import open_array, read_arrays
-from irtiming.archive.reader import check_version, reduce_reference
+from irtiming.archive.reader import check_version
 from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
-from irtiming.records.recording import USUAL_READOUT, CameraType, NonuniformityReference, ReadoutMode, Recording
+from irtiming.records.recording import USUAL_READOUT, Recording
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
@@ -34,20 +33,6 @@ _REPLACED = (
     layout.CAMERA_INPUT, *STREAMS,
 )  # fmt: skip
 """What is in ticks: of the old clock it means nothing beside the new one."""
-_ARRAYS = ("frames", "low", "high", "frame_number")
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class CameraFacts:
-    """What plain arrays do not tell of the camera that made them."""
-
-    camera_type: CameraType
-    rotation_speed_hz: float
-    integration_time_s: float | None = None
-    trigger_delay_time_set_s: float = 0.0
-    bit_depth: int = 16
-    readout_mode: ReadoutMode | None = None
 
 
 def write_timed(
@@ -63,14 +48,14 @@ def write_timed(
     Parameters
     ----------
     frames
-        A recording, with timestamps or without: everything else in it is kept. Or arrays: ``.npy`` with uint16 (frame, row,
-        column), or ``.npz`` with ``frames`` and, where there are, ``low``, ``high`` and ``frame_number``.
+        A recording, with timestamps or without: everything else in it is kept. Or frames of any other format: see
+        `camera_frames`.
     out
         The recording to make; the file of the frames is left as it is.
     ticks
         From the capture.
     facts
-        Needed with arrays, refused with a recording.
+        Needed with other frames, refused with a recording.
     is_delayed
         The captured trigger is the delayed one, which the camera gets: the recording's trigger_delay_time_set is taken off.
 
@@ -86,13 +71,13 @@ def write_timed(
     source, target = Path(frames), Path(out)
     if target.exists():
         raise ArchiveError(f"{target}: exists already; choose another name")
-    is_arrays = source.suffix.lower() in (".npy", ".npz")
-    if is_arrays and facts is None:
-        raise ArchiveError(f"{source}: arrays do not tell their camera; give --camera and --wheel-hz")
-    if not is_arrays and facts is not None:
+    is_recording = source.suffix.lower() != ".npz" and _is_recording(source, facts)
+    if not is_recording and facts is None:
+        raise ArchiveError(f"{source}: these frames do not tell their camera; give --camera and --wheel-hz")
+    if is_recording and facts is not None:
         raise ArchiveError(f"{source}: a recording tells its camera itself; leave out --camera and what goes with it")
     if facts is not None:
-        recording = _from_arrays(source, _nominal(ticks, facts.trigger_delay_time_set_s, is_delayed), facts)
+        recording = _from_frames(source, _nominal(ticks, facts.trigger_delay_time_set_s, is_delayed), facts)
         findings = _oddities(_contents(recording), called=target)
         write(recording, target)
         return findings
@@ -159,24 +144,13 @@ def _nominal(ticks: CapturedTicks, delay_s: float, is_delayed: bool) -> Captured
     )
 
 
-def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Recording:
-    """Recording of plain arrays."""
-    arrays = _arrays(source)
-    for name in ("frames", "low", "high"):
-        if name in arrays and (arrays[name].dtype != np.uint16 or arrays[name].ndim != 3):
-            found = f"{arrays[name].dtype} {arrays[name].shape}"
-            raise ArchiveError(f"{source}: '{name}' is {found}; it must be uint16 (frame, row, column)")
-    if ("low" in arrays) != ("high" in arrays):
-        raise ArchiveError(f"{source}: holds one of 'low' and 'high'; give both reference stacks or none")
-    numbers = arrays.get("frame_number", np.arange(len(arrays["frames"])))
-    if numbers.dtype.kind not in "iu" or numbers.shape != (len(arrays["frames"]),):
-        raise ArchiveError(f"{source}: 'frame_number' must be one integer for each of {len(arrays['frames'])} frames")
+def _from_frames(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Recording:
+    """Recording of frames that come without one."""
+    taken = camera_frames(source, facts)
     return Recording(
         name=source.stem,
         camera_type=facts.camera_type,
         readout_mode=facts.readout_mode or USUAL_READOUT[facts.camera_type],
-        frames=ArrayFrames(arrays["frames"]),
-        frame_number=numbers.astype(np.int64),
         clock_frequency_hz=float(ticks.clock_frequency_hz),
         camera_trigger_ticks=ticks.streams[layout.CAMERA_TRIGGER],
         control_slot_ticks=ticks.streams[layout.CONTROL_SLOT],
@@ -187,35 +161,23 @@ def _from_arrays(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
         spare_ticks=ticks.streams.get(layout.SPARE),
         lost_after_ticks=ticks.streams.get(layout.LOST_AFTER),
         rotation_speed_hz=facts.rotation_speed_hz,
-        integration_time_s=facts.integration_time_s,
         trigger_delay_time_set_s=facts.trigger_delay_time_set_s,
-        bit_depth=facts.bit_depth,
-        nonuniformity=_reference(arrays) if "low" in arrays else None,
+        **vars(taken),
     )
 
 
-def _arrays(source: Path) -> dict[str, Any]:
-    """Arrays of a file; those of an ``.npy`` stay in it until they are asked for."""
-    if source.suffix.lower() == ".npy":
-        return {"frames": open_array(source)}
-    arrays = read_arrays(source, _ARRAYS)
-    if "frames" not in arrays:
-        raise ArchiveError(f"{source}: holds no array 'frames'; save it with numpy.savez(file, frames=...)")
-    return arrays
-
-
-def _reference(arrays: dict[str, Any]) -> NonuniformityReference:
-    low, high = ArrayFrames(arrays["low"]), ArrayFrames(arrays["high"])
-    low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low, high)
-    return NonuniformityReference(
-        low_dn=low_dn,
-        high_dn=high_dn,
-        low_noise_dn=low_noise_dn,
-        high_noise_dn=high_noise_dn,
-        n_frames=min(low.shape[0], high.shape[0]),
-        low_frames=low,
-        high_frames=high,
-    )
+def _is_recording(source: Path, facts: CameraFacts | None) -> bool:
+    """Whether a file tells its camera itself; an HDF5 file of which nobody says anything else is taken for one."""
+    reader = reader_of(source)
+    if facts is None and (reader is None or reader is readers()["hdf5_stack"]):
+        return True
+    if reader is not readers()["hdf5_stack"]:
+        return False
+    try:
+        with opened(source) as file:
+            return layout.CAMERA_TYPE.path in file
+    except Complaint as complaint:
+        raise complaint.as_error(source) from complaint
 
 
 def _contents(recording: Recording) -> "Contents":

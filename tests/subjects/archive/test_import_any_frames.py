@@ -1,0 +1,90 @@
+"""Frames of makers' files and captured timestamps become one recording."""
+
+import json
+
+import numpy as np
+import pytest
+from makers_files import FRAMES, WRITERS, expected
+
+from irtiming.archive import layout, reader
+from irtiming.archive.captures.camera_frames import CameraFacts, camera_frames
+from irtiming.archive.captures.streams import CapturedTicks
+from irtiming.archive.captures.timed_recording import write_timed
+from irtiming.archive.verify import verify
+from irtiming.errors import ArchiveError
+
+PHOTON = CameraFacts(camera_type="photon", rotation_speed_hz=3.0)
+
+
+def _ticks(n_triggers):
+    turn, period = 8_000_000, 792_000
+    return CapturedTicks(
+        clock_frequency_hz=24_000_000,
+        streams={
+            layout.CAMERA_TRIGGER: 100 + turn + period * np.arange(n_triggers),
+            layout.CONTROL_SLOT: 100 + turn // 100 * np.arange(401),
+            layout.APPLICATION_SLOT: 105 + turn // 2 * np.arange(9),
+        },
+    )
+
+
+@pytest.mark.parametrize("name", ["a.ptw", "a.hcc", "a.mkv", "a.seq"])
+def test_frames_of_any_format_become_a_recording(name, tmp_path):
+    """Oracle: the frames that were written, and the ticks of the capture."""
+    WRITERS[name](tmp_path / name)
+    n_frames = len(expected(name))
+    write_timed(tmp_path / name, tmp_path / "o.nxs", ticks=_ticks(n_frames), facts=PHOTON)
+    found = reader.read(tmp_path / "o.nxs")
+    assert np.array_equal(found.frames.pick(list(range(n_frames))), expected(name))
+    assert found.camera_trigger_ticks.tolist() == _ticks(n_frames).streams[layout.CAMERA_TRIGGER].tolist()
+
+
+def test_what_the_file_tells_is_in_the_recording(tmp_path):
+    """Oracle: what was written into the PTW."""
+    WRITERS["a.ptw"](tmp_path / "a.ptw")
+    write_timed(tmp_path / "a.ptw", tmp_path / "o.nxs", ticks=_ticks(5), facts=PHOTON)
+    found = reader.read(tmp_path / "o.nxs")
+    assert found.integration_time_s == pytest.approx(250e-6, rel=1e-6)
+    assert found.bit_depth == 14
+    assert found.camera is not None
+    assert found.camera.serial_number == "012275"
+
+
+def test_an_integration_time_that_contradicts_the_file_is_refused(tmp_path):
+    """Oracle: 250 us are in the file."""
+    WRITERS["a.ptw"](tmp_path / "a.ptw")
+    wrong = CameraFacts(camera_type="photon", rotation_speed_hz=3.0, integration_time_s=300e-6)
+    with pytest.raises(ArchiveError, match=r"0\.00025 s.*0\.0003 s"):
+        write_timed(tmp_path / "a.ptw", tmp_path / "o.nxs", ticks=_ticks(5), facts=wrong)
+    assert not (tmp_path / "o.nxs").exists()
+
+
+def test_a_gap_in_the_numbers_of_the_camera_is_a_lost_frame(tmp_path):
+    """Oracle: the number that is left out; the frame behind it belongs to the next trigger."""
+    np.save(tmp_path / "a.npy", FRAMES)
+    (tmp_path / "a.npy.json").write_text(json.dumps({"frame_id": [10, 11, 13, 14, 15]}))
+    findings = write_timed(tmp_path / "a.npy", tmp_path / "o.nxs", ticks=_ticks(6), facts=PHOTON)
+    assert reader.read(tmp_path / "o.nxs").frame_number.tolist() == [0, 1, 3, 4, 5]
+    assert any(one.where == layout.FRAME_NUMBER.path for one in findings)
+
+
+def test_temperatures_become_counts_in_fine_steps(tmp_path):
+    """Oracle: the temperatures that were written, within half a step of their range divided by 65 535."""
+    WRITERS["a.irb"](tmp_path / "a.irb")
+    facts = CameraFacts(camera_type="microbolometer", rotation_speed_hz=3.0)
+    stack = camera_frames(tmp_path / "a.irb", facts).frames
+    wanted = expected("a.irb")
+    step_k = np.ptp(wanted) / 65_535
+    back = wanted.min() + step_k * stack.pick([0, 1])
+    assert np.abs(back - wanted).max() < 0.6 * step_k
+    np.save(tmp_path / "b.npy", np.where(wanted == wanted.max(), np.nan, wanted))
+    with pytest.raises(ArchiveError, match="no number in frames 0 to 1"):
+        camera_frames(tmp_path / "b.npy", facts)
+
+
+def test_verify_says_what_a_foreign_file_is(tmp_path):
+    """Oracle: the file that was written, and the command that takes it."""
+    WRITERS["a.ptw"](tmp_path / "a.ptw")
+    (finding,) = verify(tmp_path / "a.ptw")
+    assert "is a FLIR/Cedip PTW file with 5 frames of 24 x 32 pixels" in finding.what
+    assert "import-capture" in finding.cure
