@@ -143,8 +143,15 @@ def _not_hdf5(path: Path) -> Complaint:
     from irtiming.archive.frames.opening import describe  # it reads HDF5 too
 
     if found := describe(path):
-        what = f"is {found}, not a recording"
-        cure = "make one of it and a capture of the triggers with irtiming import-capture --frames"
-    else:
-        what, cure = "is not an HDF5 file", f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}"
-    return refuse("", what, code="not-hdf5", cure=cure)
+        return refuse(
+            "",
+            f"is {found}, not a recording",
+            code="frames-alone",
+            cure="make one of it and a capture of the triggers with irtiming import-capture --frames",
+        )
+    return refuse(
+        "",
+        "is not an HDF5 file",
+        code="not-hdf5",
+        cure=f"name a recording ({layout.SUFFIX}), see {layout.REFERENCE_PAGE}",
+    )

@@ -47,7 +47,7 @@ def counts_of(source: FrameSource, *, called: str) -> Counts:
     Parameters
     ----------
     source
-        Frames of any type.
+        Frames of any type, shape (frame, row, column).
     called
         Name of the file, for messages.
 
