@@ -14,6 +14,7 @@ from irtiming.records.row_timing import RowTimingFit
 
 _SEEN = 3.0  # standard uncertainties from which a share is told from none
 _CONTRADICTS = 4.0  # standard uncertainties between statement and frames
+_MOSTLY = 0.5  # of a frame: from there on the frames before have the greater part in it
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
 
 
@@ -31,7 +32,9 @@ def of_result(estimate: Estimate) -> tuple[Finding, ...]:
             continue
         share, u = estimate.value(name), estimate.u(name)
         told = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
-        if share > _SEEN * u:
+        if share > _MOSTLY:
+            found.append(_mostly_older(told))
+        elif share > _SEEN * u:
             found.append(_seen(name, told))
         elif share < -_IMPOSSIBLE * u:
             found.append(_impossible(name, told))
@@ -81,6 +84,17 @@ def _seen(name: str, told: str) -> Finding:
         severity="warning",
         what=f"each frame holds {told}: a memory of the pixels, or a noise filter in the camera; delays are corrected for it",
         cure="switch filters of the camera off; what is left is the detector's own",
+    )
+
+
+def _mostly_older(told: str) -> Finding:
+    return Finding(
+        code="frames-mostly-older",
+        severity="doubt",
+        what=f"each frame holds {told}: most of it is older than its trigger, as where a camera repeats frames, hands each one "
+        "out a frame late, or takes the mean of several; the model knows a filter that takes the smaller part of the frame "
+        "before, and what goes along with it (time constant, delays) may be off by more than stated",
+        cure="switch filters and averaging of the camera off, and check with a lamp that a frame shows what is at its trigger",
     )
 
 

@@ -5,16 +5,19 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
+from scipy import special
 
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate, RecordingFit
 from irtiming.records.finding import Finding
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
 
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _RUNS_THAT_TELL = 4
 _SUSPICIOUS = 2.0  # standard deviations of a Birge ratio
+_BY_CHANCE = 1e-6  # that recordings scatter as much: once in the life of all laboratories
 _CAMERA = ("time_constant", "row_delay")  # of the local numbers, beside the delay: what runs may differ in
 
 
@@ -129,6 +132,8 @@ def with_variance(fit: EdgeDelayFit, factor: float) -> EdgeDelayFit:
 def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> list[Finding]:
     """Where recordings that should agree scatter far more than their own uncertainties say.
 
+    A doubt where that is no chance and no widening makes up for it, which fewer than four recordings do not tell.
+
     Parameters
     ----------
     fits, groups
@@ -139,19 +144,52 @@ def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> lis
         speed, members = group.speed_hz, group.members
         if len(members) < 2:
             continue
-        n_numbers = _of_camera(fits[members[0]].estimate).values.size
+        freedom = _of_camera(fits[members[0]].estimate).values.size * (len(members) - 1)
         ratio = birge_ratio([fits[k] for k in members])
-        if ratio > 1 + _SUSPICIOUS / np.sqrt(2 * n_numbers * (len(members) - 1)):
+        if ratio > 1 + _SUSPICIOUS / np.sqrt(2 * freedom):
+            is_chance = special.chdtrc(freedom, ratio**2 * freedom) > _BY_CHANCE
             found.append(
                 Finding(
                     code="recordings-disagree",
-                    severity="warning",
+                    severity="warning" if is_chance or len(members) >= _RUNS_THAT_TELL else "doubt",
                     what=f"{len(members)} recordings at {speed:.4g} Hz scatter {ratio:.2f} times more than their noise "
                     "explains (Birge ratio)",
                     cure="something changed between them",
                 )
             )
     return found
+
+
+def of_triggers(fits: Sequence[RecordingFit], recordings: Sequence[ReducedRecording]) -> tuple[Finding, ...]:
+    """A doubt where recordings of one camera differ by more than half the time between triggers.
+
+    No angle that is stated wrongly makes as much of a difference, not even between two wheel speeds. A camera that missed the
+    first trigger of one recording, frames beside the timestamps of another run, or a set delay that is not stated do.
+
+    Parameters
+    ----------
+    fits, recordings
+        One per recording.
+    """
+    delays = np.array([float(np.mean(_delays(fit))) for fit in fits])
+    periods = [
+        float(np.diff(one.trigger_ticks).min()) / one.track.clock_frequency_hz
+        for one in recordings
+        if one.trigger_ticks.size > 1
+    ]
+    if len(fits) < 2 or not periods or np.ptp(delays) <= 0.5 * min(periods):
+        return ()
+    first, last = recordings[int(np.argmin(delays))].name, recordings[int(np.argmax(delays))].name
+    return (
+        Finding(
+            code="recordings-of-other-triggers",
+            severity="doubt",
+            what=f"the delay is {1e3 * np.ptp(delays):.3f} ms longer in {last} than in {first}, triggers come every "
+            f"{1e3 * min(periods):.3f} ms: frames of one of them belong to other triggers, or its trigger_delay_time_set is "
+            "wrong",
+            cure="check that frames and timestamps are of one run, that the camera took the first trigger, and the set delays",
+        ),
+    )
 
 
 def _delays(fit: RecordingFit) -> Array:

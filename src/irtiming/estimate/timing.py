@@ -121,18 +121,21 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
     ]
     combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
-    found = _of_recordings(combined, recordings, rig)
+    found = _of_recordings(combined, recordings, rig, fits=fits)
     return Timing(
         recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found
     )
 
 
-def _of_recordings(found: Combination, recordings: Sequence[ReducedRecording], rig: Rig) -> Combination:
+def _of_recordings(
+    found: Combination, recordings: Sequence[ReducedRecording], rig: Rig, *, fits: Sequence[RecordingFit]
+) -> Combination:
     """The same with each recording's file beside its relative delay, and with what only the recordings tell of the result."""
     result = found.result
     findings = (
         *result.findings,
         *doubts.of_next_trigger(result, recordings=recordings),
+        *scatter.of_triggers(fits, recordings),
         *on_trust.of(recordings, rig=rig),
     )
     delays = [replace(delay, file=one.file) for delay, one in zip(result.relative_delays, recordings, strict=True)]
@@ -247,7 +250,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
             _exact(fit.holding(row_sum.BLADE), model, names=names).widened(float(scale) * fit.widening)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
-        found=_of_recordings(found, recordings, rig),
+        found=_of_recordings(found, recordings, rig, fits=rows.fits),
     )
 
 

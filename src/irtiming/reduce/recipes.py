@@ -2,7 +2,10 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from irtiming.errors import EstimationError, ReductionError
+from irtiming.records.arrays import Mask
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
@@ -11,6 +14,7 @@ from irtiming.reduce import clipping, pixel_sums, row_sums, suspicions
 from irtiming.reduce.wheel import wheel_angles
 
 _FEWEST_FRAMES = 100
+_MOVED_PX = 1.0
 
 
 def reduce(
@@ -48,7 +52,23 @@ def reduce(
     with suspicions.told(recording, rig, choices=choices):
         reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before)
         clipping.refuse(recording, reduced.opening.mask)
+    if before is not None:
+        _refuse_moved(recording, reduced.opening.mask, before.mask)
     return reduced
+
+
+def _refuse_moved(recording: Recording, mask: Mask, before: Mask) -> None:
+    """Refuse an opening that lies elsewhere than before.
+
+    Masks of an opening in its place differ by some pixels of their border, which move their middle by a part of a pixel.
+    """
+    (row, column), (row_before, column_before) = (np.argwhere(one).mean(axis=0) for one in (mask, before))
+    if np.hypot(row - row_before, column - column_before) > _MOVED_PX:
+        raise ReductionError(
+            f"{recording.name}: the middle of the opening lies in row {row:.1f}, column {column:.1f}, in the recordings before "
+            f"in row {row_before:.1f}, column {column_before:.1f}; all must be of one camera in one place: it or the mask was "
+            "moved, or it is another camera; analyse them apart"
+        )
 
 
 def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *, choices: Choices) -> None:

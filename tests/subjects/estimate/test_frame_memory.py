@@ -49,3 +49,12 @@ def test_a_stated_share_is_a_prior_of_the_number_that_has_it(u, counted):
     assert memory.measured == (u, "1")
     assert other is own[1]
     assert shared_numbers.with_stated_memory(own, None) == own
+
+
+@pytest.mark.parametrize("name", ["pixel_memory", "recursive_filter"])
+@pytest.mark.parametrize(("share", "is_mostly"), [(0.49, False), (0.51, True)])
+def test_frames_that_are_mostly_those_before_are_a_doubt(name, share, is_mostly):
+    """Oracle: by hand; from a half on the frames before have the greater part."""
+    (found,) = frame_memory.of_result(_fit(name, share, 1e-3).estimate)
+    assert (found.code == "frames-mostly-older") == is_mostly
+    assert (found.severity == "doubt") == is_mostly

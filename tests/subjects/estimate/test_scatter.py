@@ -99,3 +99,30 @@ def test_recordings_that_disagree_are_told(ratio, is_told):
     found = scatter.birge_findings(fits, scatter.alike(fits, [range(3)]))
     assert [one.code for one in found] == ["recordings-disagree"] * is_told
     assert scatter.birge_findings(fits[:1], [scatter.Alike(speed_hz=3.0, members=[0])]) == []
+
+
+def _recording(name, *, period_s=0.033):
+    return SimpleNamespace(
+        name=name, trigger_ticks=np.arange(100) * round(period_s * 1e6), track=SimpleNamespace(clock_frequency_hz=1e6)
+    )
+
+
+@pytest.mark.parametrize(("apart_s", "is_told"), [(0.016, False), (0.017, True), (-0.033, True)])
+@pytest.mark.parametrize("hz", [3.0, 5.0])
+def test_recordings_half_a_trigger_apart_are_of_other_triggers(apart_s, is_told, hz):
+    """Oracle: by hand; triggers come every 33 ms, and half of that is 16.5 ms, at one wheel speed or at two."""
+    fits = [_fit(np.full(4, 1e-3), np.eye(4)), _fit(np.full(4, 1e-3 + apart_s), np.eye(4), hz=hz)]
+    found = scatter.of_triggers(fits, [_recording("first"), _recording("second")])
+    assert [(one.code, one.severity) for one in found] == [("recordings-of-other-triggers", "doubt")] * is_told
+    if is_told:
+        longer, shorter = ("second", "first") if apart_s > 0 else ("first", "second")
+        assert f"longer in {longer} than in {shorter}" in found[0].what
+    assert scatter.of_triggers(fits[:1], [_recording("first")]) == ()
+
+
+@pytest.mark.parametrize(("n", "severity"), [(2, "doubt"), (3, "doubt"), (4, "warning")])
+def test_few_recordings_that_disagree_beyond_chance_are_a_doubt(n, severity):
+    """Oracle: by hand; ten standard uncertainties are no chance, and from four runs on the uncertainty is widened by as much."""
+    fits = [_fit(np.full(4, 1e-5 * (-1) ** k), 4e-12 * np.eye(4)) for k in range(n)]
+    (found,) = scatter.birge_findings(fits, scatter.alike(fits, [range(n)]))
+    assert found.severity == severity
