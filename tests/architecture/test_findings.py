@@ -5,12 +5,14 @@ import runpy
 import subprocess
 import sys
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "findings-reference"
 
 
+@cache
 def _codes() -> dict[str, object]:
     """What stands for the code at each place that makes a finding; a place that hands its caller's code on is left out."""
     names = runpy.run_path(str(SCRIPT))
