@@ -165,7 +165,7 @@ def main():
         for count in (given.in_file // 5, given.in_file):
             speed, alone, memory = from_file_to_file(count, given.rows, given.columns, Path(folder))
             print(
-                f"from file to file, {count} frames: {speed:.0f} frames/s by the clock, {alone:.0f} frames per second of a processor, "
+                f"from file to file, {count} frames: {speed:.0f} frames/s by the clock, {alone:.0f} per second of a processor, "
                 f"at most {memory:.0f} MiB"
             )
 
