@@ -45,6 +45,7 @@ COMMANDS = (
     "analyse",
     "time",
     "frames",
+    "export",
     "import_capture",
     "export_vcd",
     "info",

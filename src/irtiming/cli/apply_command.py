@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from irtiming.apply.handover import Program
 from irtiming.apply.stamps import Latency, StampKind
 from irtiming.cli.screen import say
 from irtiming.errors import UnitError
@@ -116,6 +117,34 @@ def frames(
         f"{found.mean_noise_gain:.3f}, for pixel noise of {found.noise:.4g}")  # fmt: skip
     for line in found.description[1:]:
         say(line)
+
+
+@app.command()
+def export(
+    result: ResultFile,
+    to: Annotated[Program, typer.Option(..., help="The program that is to read it.")],
+    out: Annotated[Path, typer.Option(..., metavar="OUT", help="File to write.")],
+    stamp_latency: Annotated[
+        str,
+        typer.Option(metavar="TIME", help="By how much later than the trigger edge that program's frames are stamped."),
+    ] = "0 s",
+    stamp_latency_u: Annotated[str, typer.Option(metavar="TIME", help="Its standard uncertainty.")] = "0 s",
+) -> None:
+    """Hand the timing to another program in its own words.
+
+    Each file says which event and which sign it uses, and what that program cannot express: none has a time constant, so the
+    effective moment stands for it, with the frequency up to which it does.
+    """
+    from irtiming.session.hand_over import ExportOrder, hand_over
+
+    order = ExportOrder(
+        result=result, program=to, out=out, stamp_latency_s=seconds(stamp_latency), stamp_latency_u_s=seconds(stamp_latency_u)
+    )  # fmt: skip
+    found = hand_over(order)
+    event = found.middle_row
+    say(f"{out}: effective moment {1e3 * event.value_s:+.4f} ms after the stamp, u = {1e6 * event.u_s:.3g} µs")
+    if found.validity is not None:
+        say(f"no number there for the time constant: good up to {found.validity.frequency_hz:.2f} Hz")
 
 
 def _rows(text: str | None) -> tuple[int, ...] | None:

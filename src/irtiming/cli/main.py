@@ -20,6 +20,7 @@ from irtiming.cli.convert_command import convert
 from irtiming.cli.demo_command import demo
 from irtiming.cli.discover_command import discover
 from irtiming.cli.doctor_command import doctor
+from irtiming.cli.explain_command import explain
 from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.import_capture_command import import_capture
@@ -42,8 +43,8 @@ app = typer.Typer(
     rich_markup_mode="rich",
 )
 COMMANDS = (
-    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, import_capture,
-    export_vcd, info, convert, demo,
+    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, explain,
+    import_capture, export_vcd, info, convert, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

@@ -1,0 +1,135 @@
+r"""What a result says in the words of other programs: events, signs, and what those programs cannot express.
+
+Every program here has one number for "the image is of another moment than its stamp", and some have one for the rolling
+shutter. None has a time constant. So what is handed over is the *effective* moment: middle of the integration of a photon camera,
+reading minus time constant of a lagging one. That is good to first order: for a scene, or a camera, whose motion changes little
+within a time constant. For a motion of angular frequency omega the lag shifts by :math:`\arctan(\omega\tau)/\omega` instead of
+tau and damps by :math:`1/\sqrt{1 + (\omega\tau)^2}`; `Validity` says up to which frequency both stay within one per cent.
+"""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Literal, final
+
+import numpy as np
+
+from irtiming.apply.camera_timing import CameraTiming, Moment
+from irtiming.errors import EstimationError
+
+Program = Literal["kalibr", "openvins", "vins", "gyroflow", "opendronemap", "android", "opencv", "ros2"]
+PROGRAMS: tuple[Program, ...] = ("kalibr", "openvins", "vins", "gyroflow", "opendronemap", "android", "opencv", "ros2")
+
+_DAMPING = 0.01
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A value with its standard uncertainty; s."""
+
+    value_s: float
+    u_s: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Validity:
+    """How far one effective moment stands for a lag: up to ``frequency_hz`` amplitudes lose less than one per cent.
+
+    At that frequency the shift is less than the time constant by ``shift_s``.
+    """
+
+    time_constant_s: float
+    frequency_hz: float
+    shift_s: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HandOver:
+    """What all programs take from: moments after the stamp, which is the trigger edge plus ``stamp_latency_s``.
+
+    ``first_row`` and ``middle_row`` are the effective moments of image row 0 and of the middle of the image after the stamp.
+    ``exposure_start`` is the start of integration of row 0, None where pixels lag. ``readout`` is from the reading of
+    row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera.
+    """
+
+    first_row: Number
+    middle_row: Number
+    exposure_start: Number | None
+    integration_s: float | None
+    row_delay: Number
+    readout: Number
+    rows: int | None
+    columns: int | None
+    validity: Validity | None
+    camera: str
+    serial_number: str
+    frame_period_s: float | None
+    not_in_uncertainty: tuple[str, ...]
+    simulated: bool
+
+    @property
+    def is_rolling(self) -> bool:
+        """Whether rows are read one after the other."""
+        return self.row_delay.value_s != 0
+
+
+def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_latency_u_s: float = 0.0) -> HandOver:
+    """What a camera's timing is for other programs.
+
+    Parameters
+    ----------
+    camera
+        As its result states it.
+    stamp_latency_s, stamp_latency_u_s
+        By how much later than the trigger edge the frames are stamped, and its standard uncertainty; s.
+
+    Raises
+    ------
+    EstimationError
+        If the camera is rolling and its result does not say how many rows it has.
+    """
+    told = camera.conditions
+    moments = {one.name: one for one in camera.moments(told.frame_period_s)}
+    if camera.row_delay_s and told.rows is None:
+        raise EstimationError("the result does not say how many rows the image has; analyse the recordings anew")
+    middle = 0.0 if told.rows is None or not camera.row_delay_s else (told.rows - 1) / 2
+
+    def after_stamp(moment: Moment, row: float) -> Number:
+        at = np.array([row])
+        u_s = float(np.hypot(camera.u_s(moment, at)[0], stamp_latency_u_s))
+        return Number(value_s=float(camera.offset_s(moment, at)[0]) - stamp_latency_s, u_s=u_s)
+
+    tau_s = camera.estimate.value("time_constant") if camera.has_lag else 0.0
+    row = Number(value_s=camera.row_delay_s, u_s=camera.estimate.u("row_delay") if camera.row_delay_s else 0.0)
+    n_rows = told.rows or 0
+    window_s = None
+    if "start" in moments:
+        both = [float(camera.offset_s(moments[name], np.zeros(1))[0]) for name in ("start", "end")]
+        window_s = both[1] - both[0]
+    return HandOver(
+        first_row=after_stamp(moments["effective"], 0.0),
+        middle_row=after_stamp(moments["effective"], middle),
+        exposure_start=after_stamp(moments["start"], 0.0) if "start" in moments else None,
+        integration_s=window_s,
+        row_delay=row,
+        readout=Number(value_s=n_rows * row.value_s, u_s=n_rows * row.u_s),
+        rows=told.rows,
+        columns=told.columns,
+        validity=_validity(tau_s) if tau_s else None,
+        camera=told.model,
+        serial_number=told.serial_number,
+        frame_period_s=told.frame_period_s,
+        not_in_uncertainty=camera.not_in_uncertainty,
+        simulated=camera.simulated,
+    )
+
+
+def _validity(time_constant_s: float) -> Validity:
+    turning = sqrt((1 - _DAMPING) ** -2 - 1)  # omega tau at which the amplitude is down to 99 %
+    return Validity(
+        time_constant_s=time_constant_s,
+        frequency_hz=turning / (2 * pi * time_constant_s),
+        shift_s=time_constant_s * (1 - float(np.arctan(turning)) / turning),
+    )

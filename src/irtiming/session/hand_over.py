@@ -1,0 +1,103 @@
+"""A result as a file of another program, and as plain words."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+from irtiming.apply import camera_timing, export, handover
+from irtiming.apply.camera_timing import CameraTiming
+from irtiming.apply.handover import HandOver, Number, Program
+from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.result_file import read_result
+from irtiming.report.rounding import significant, time_text
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ExportOrder:
+    """What a person wants: a result for a program; frames are stamped ``stamp_latency_s`` later than the trigger edge."""
+
+    result: Path
+    program: Program
+    out: Path
+    stamp_latency_s: float = 0.0
+    stamp_latency_u_s: float = 0.0
+
+
+def hand_over(order: ExportOrder) -> HandOver:
+    """Write a result as the file of another program; gives the numbers in it.
+
+    Raises
+    ------
+    IrTimingError
+        If the result cannot be read or applied, that program has no number for it, or the file cannot be written.
+    """
+    require_place(order.out, besides=[order.result])
+    camera = camera_timing.of_result(read_result(order.result))
+    given = handover.of_camera(camera, stamp_latency_s=order.stamp_latency_s, stamp_latency_u_s=order.stamp_latency_u_s)
+    write_atomically(export.text_for(order.program, given), order.out)
+    return given
+
+
+def explain(path: Path) -> tuple[str, ...]:
+    """A result in plain words, one sentence each.
+
+    Raises
+    ------
+    IrTimingError
+        If the result cannot be read or applied.
+    """
+    camera = camera_timing.of_result(read_result(path))
+    return tuple(_sentences(camera, handover.of_camera(camera)))
+
+
+def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
+    if given.simulated:
+        yield "SIMULATED: no real camera was measured."
+    where = "the middle row of your frame" if given.is_rolling else "your frame"
+    yield f"{where[0].upper()}{where[1:]} shows the world as it was {_after(given.middle_row)}."
+    if given.validity is not None:
+        tau = camera.estimate.value("time_constant"), camera.estimate.u("time_constant")
+        yield (
+            f"A pixel follows what it sees with a time constant of {time_text(*tau)}: "
+            f"{time_text(3 * tau[0], 3 * tau[1])} after a sudden change it shows 95 % of it."
+        )
+        yield (
+            f"Something that goes to and fro {significant(given.validity.frequency_hz)} times a second is shown 1 % too small; "
+            "faster, it is shown smaller still."
+        )
+    elif given.integration_s is not None:
+        yield (
+            f"It is a mean over {time_text(given.integration_s)}: an edge that moves by 1 px in a millisecond is smeared over "
+            f"{significant(1e3 * given.integration_s)} px."
+        )
+    if given.is_rolling and given.rows is not None:
+        yield from _lean(given, given.rows)
+    share = given.frame_period_s
+    if share and abs(given.middle_row.value_s) > 0:
+        yield f"One frame lasts {time_text(share)}: that is {significant(abs(given.middle_row.value_s) / share)} frames."
+    if given.not_in_uncertainty:
+        yield f"Not in the uncertainties, since nobody stated it: {'; '.join(given.not_in_uncertainty)}."
+    yield "All that is counted from the trigger edge that the camera accepts; ± is one standard uncertainty."
+
+
+def _after(number: Number) -> str:
+    """How much after, or before, the trigger edge."""
+    side = "after" if number.value_s >= 0 else "before"
+    return f"{time_text(abs(number.value_s), number.u_s)} {side} the trigger edge"
+
+
+def _lean(given: HandOver, rows: int) -> Iterator[str]:
+    """What a rolling readout does to an edge."""
+    last_s, u_s = abs((rows - 1) * given.row_delay.value_s), (rows - 1) * given.row_delay.u_s
+    first, last = ("top", "bottom") if given.row_delay.value_s > 0 else ("bottom", "top")
+    step = time_text(abs(given.row_delay.value_s), given.row_delay.u_s)
+    yield (
+        f"Rows are read from the {first} to the {last}, each {step} after the one before: the {last} row shows the world "
+        f"{time_text(last_s, u_s)} later than the {first} row."
+    )
+    yield (
+        f"A vertical edge that moves by 1 px in a row time leans by 45°, {rows - 1} px from top to bottom; one that moves at "
+        f"100 px/s leans by {significant(100 * last_s)} px."
+    )
