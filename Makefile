@@ -51,6 +51,7 @@ docs-figures: .venv/ready
 	$(BIN)/python benchmarks/radiance_and_lag.py --figure docs/explanation/radiance-straight-line.svg
 	$(BIN)/python benchmarks/accuracy/light_of_a_pixel.py --figure docs/explanation/light-of-a-pixel.svg
 	$(BIN)/python benchmarks/accuracy/biases.py --figure docs/explanation/biases.svg
+	$(BIN)/python benchmarks/accuracy/scene_at_one_instant.py --figure docs/explanation/the-scene-at-one-instant.svg
 	$(BIN)/python benchmarks/slot_table.py --rigs 0 --figure docs/explanation/slot-table.svg
 
 clean:

@@ -22,6 +22,7 @@ SCENE = f"{layout.ENTRY}/scene"
 
 _GAIN, _NOISE_GAIN = f"{SCENE}/gain", f"{SCENE}/noise_gain"
 _COLUMNS = ("frame_number", "time")
+_TOGETHER = 16  # frames that are written at once
 
 
 @final
@@ -55,7 +56,8 @@ class SceneWriter:
         self._file: h5py.File | None = None
         self._output: Output | None = None
         self._told: dict[str, list[float]] = {name: [] for name in _COLUMNS}
-        self._length = 0
+        self._kept: dict[str, FrameValues] = {}
+        self._length = self._written = 0
 
     def __enter__(self) -> Self:
         """Create the file under its temporary name.
@@ -104,25 +106,29 @@ class SceneWriter:
         ArchiveError
             If the disk is full.
         """
+        at = self._length - self._written
+        for kept, values in zip(self._kept.values(), (pixels, gain, noise_gain), strict=True):
+            kept[at] = values
+        self._told["frame_number"].append(number)
+        self._told["time"].append(time_s)
+        self._length += 1
+        if at + 1 == _TOGETHER:
+            self._write()
+
+    def _write(self) -> None:
+        """Bring what is kept into the file."""
         assert self._file is not None
-        n = self._length
+        count = self._length - self._written
         try:
-            for path, values in (
-                (layout.FRAMES.path, pixels),
-                (_GAIN, gain),
-                (_NOISE_GAIN, noise_gain),
-            ):
+            for path, kept in self._kept.items():
                 dataset = self._file[path]
-                if n >= dataset.shape[0]:
-                    dataset.resize(n + 64, axis=0)
-                dataset[n] = values
+                dataset.resize(self._length, axis=0)
+                dataset[self._written :] = kept[:count]
             if self._output is not None:
                 self._output.require_written()
         except H5_ERRORS as error:
             raise ArchiveError(f"{self._path}: cannot be written ({reason_of(error)}); is the disk full?") from error
-        self._told["frame_number"].append(number)
-        self._told["time"].append(time_s)
-        self._length = n + 1
+        self._written = self._length
 
     def _create(self, file: h5py.File) -> None:
         head = self._head
@@ -134,6 +140,7 @@ class SceneWriter:
                 path, shape=(0, *shape), maxshape=(None, *shape), chunks=(1, *shape), dtype=dtype,
                 **hdf5plugin.Bitshuffle(cname="lz4"),
             )  # fmt: skip
+            self._kept[path] = np.zeros((_TOGETHER, *shape), dtype)
         file[layout.FRAMES.path].attrs["units"] = head.unit
         told = file[SCENE]
         told.attrs["NX_class"] = "NXprocess"
@@ -143,8 +150,8 @@ class SceneWriter:
 
     def _finish(self) -> None:
         assert self._file is not None
-        for path in (layout.FRAMES.path, _GAIN, _NOISE_GAIN):
-            self._file[path].resize(self._length, axis=0)
+        if self._length > self._written:
+            self._write()
         told = self._file[SCENE]
         told["frame_number"] = np.array(self._told["frame_number"], dtype=np.int64)
         told["time"] = np.array(self._told["time"], dtype=np.float64)
