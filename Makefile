@@ -9,7 +9,8 @@ demo: .venv/ready
 	$(BIN)/irtiming demo
 
 test: .venv/ready-for-tests check
-	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli
+	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \
+		pango-view:pango1.0-tools
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal
 
 check: .venv/ready-for-tests

@@ -33,6 +33,7 @@ HOMES = {
     "typer": "cli",
     "uncertainties": "report",
     "vcd": "archive",
+    "weasyprint": "report",
 }
 COMMANDS = (
     "plan",
@@ -43,6 +44,7 @@ COMMANDS = (
     "gates",
     "loopback",
     "analyse",
+    "certificate",
     "time",
     "frames",
     "export",

@@ -50,8 +50,8 @@ def plain(value: Any) -> Any:
     raise ArchiveError(f"a result holds {type(value).__name__} {value!r:.60}; JSON has numbers, text and lists only")
 
 
-def write_atomically(text: str, path: str | Path) -> None:
-    """Write text as UTF-8 under a temporary name and rename it when it is complete.
+def write_atomically(content: str | bytes, path: str | Path) -> None:
+    """Write text as UTF-8, or bytes, under a temporary name and rename it when it is complete.
 
     What is no file of its own, such as /dev/stdout or a pipe, is written to as it stands.
 
@@ -60,24 +60,24 @@ def write_atomically(text: str, path: str | Path) -> None:
     ArchiveError
         If the folder does not exist, or the file cannot be written.
     """
-    target = Path(path)
+    target, stored = Path(path), content.encode() if isinstance(content, str) else content
     part = target.with_name(f"{target.name}.{os.getpid()}.part")
     if target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
     if target.exists() and not target.is_file():
-        return _write_into(text, target)
+        return _write_into(stored, target)
     try:
-        part.write_text(text, encoding="utf-8", newline="\n")
+        part.write_bytes(stored)
         part.replace(target)
     except OSError as error:
         part.unlink(missing_ok=True)
         raise unwritable(target, error) from error
 
 
-def _write_into(text: str, target: Path) -> None:
+def _write_into(content: bytes, target: Path) -> None:
     try:
-        with target.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with target.open("wb") as file:
+            file.write(content)
     except OSError as error:
         raise unwritable(target, error) from error
 

@@ -15,6 +15,7 @@ from irtiming.cli.analyse_command import analyse
 from irtiming.cli.apply_command import app as apply
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.camera_command import camera
+from irtiming.cli.certificate_command import certificate
 from irtiming.cli.clock_command import clock
 from irtiming.cli.convert_command import convert
 from irtiming.cli.demo_command import demo
@@ -44,7 +45,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, explain,
-    import_capture, export_vcd, info, convert, demo,
+    certificate, import_capture, export_vcd, info, convert, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

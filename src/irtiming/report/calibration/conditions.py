@@ -1,0 +1,121 @@
+"""Conditions of measurement, and the sentences that a certificate says of method, traceability and decision rule."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from irtiming.archive.certificate_file import Rule
+from irtiming.archive.result_model import Input
+from irtiming.report.calibration.content import MeasuredItem, Sheet
+from irtiming.report.calibration.numbers import localised, plain, with_unit
+from irtiming.report.calibration.words import translated
+from irtiming.units import ZERO_CELSIUS_K
+
+PLACES = {
+    "laboratory": "in the laboratory",
+    "customer": "at the customer's",
+    "laboratoryBranch": "in a branch of the laboratory",
+    "customerBranch": "in a branch of the customer",
+    "other": "elsewhere",
+}
+RULES: dict[Rule, str] = {
+    "simple acceptance": (
+        "simple acceptance: a value within the limits passes, whatever its uncertainty (ILAC-G8:09/2019, 4.2.1)."
+    ),
+    "guard band": (
+        "guard band w = U: a value passes if it lies at least U within the limits, fails if it lies more than U outside, and "
+        "passes or fails on condition in between (ILAC-G8:09/2019, 4.2.3)."
+    ),
+}
+METHODS = {
+    "published": (
+        "Chopper wheel before a blackbody, light gates and time-stamped triggers; by the procedure of V. Schatz, Meas. Sci. "
+        "Technol. 34 (2023) 055407, step by step."
+    ),
+    "": (
+        "Chopper wheel before a blackbody, light gates and time-stamped triggers, after V. Schatz, Meas. Sci. Technol. 34 (2023) "
+        "055407; the frames are fitted together without any threshold."
+    ),
+}
+TRACEABILITY = (
+    "All times are counts of the trigger generator's clock, angles follow from the wheel's geometry. They are traceable to the "
+    "SI as far as the equipment listed here is calibrated; what was not calibrated stands in the uncertainty budget with what is "
+    "assumed of it."
+)
+NOT_TRACEABLE = "None: the frames were simulated."
+KINDS = {"photon": "photon detector", "microbolometer": "microbolometer"}
+
+
+def method(sheet: Sheet) -> str:
+    """In one sentence, in English."""
+    methods = {one.result.method for one in sheet.results}
+    return METHODS["published" if methods == {"published"} else ""]
+
+
+def of(sheet: Sheet, one: MeasuredItem) -> list[tuple[str, str]]:
+    """Label and text of each condition of one result; empty text where the recordings do not say."""
+    result, inputs, language = one.result, one.result.inputs, sheet.language
+
+    def t(text: str) -> str:
+        return translated(text, language)
+
+    def numbers(values: Iterable[float | None], unit: str) -> str:
+        return _each(values, lambda value: plain(value, unit, language=language))
+
+    mode = t(result.readout_mode or "mode not stated")
+    settings = sheet.items[one.item].form.settings
+    return [
+        ("camera type and mode", "; ".join([f"{t(KINDS[result.camera])}, {mode}", *([settings] if settings else [])])),
+        ("image, rows × columns", _each([i.image for i in inputs], lambda image: f"{image.rows} × {image.columns}")),
+        ("region of interest, rows; columns", _each([tuple(i.roi) for i in inputs], _region)),
+        ("frame rate", numbers([1 / i.frame_period if i.frame_period else None for i in inputs], "Hz")),
+        ("integration time as stated", "–" if result.camera != "photon" else numbers([i.integration_time for i in inputs], "s")),
+        ("bits per pixel", _each([i.bit_depth for i in inputs], str)),
+        ("blackbody", _each([i.blackbody_temperature for i in inputs], lambda k: _celsius(k, sheet))),
+        ("chopper wheel", numbers([i.rotation_speed for i in inputs], "Hz")),
+        ("delays set in the trigger generator", _each([i.trigger_delay_time_set for i in inputs], lambda s: _set(s, sheet))),
+        ("recordings; frames used", f"{len(inputs)}; {sum(_used(i) for i in inputs)}"),
+    ]  # fmt: skip
+
+
+def environment(sheet: Sheet) -> str:
+    """Air around the rig, as stated."""
+    place, told = sheet.form.place, []
+    if place.temperature is not None:
+        u = f" ± {place.temperature_u_k:g}" if place.temperature_u_k else ""
+        air = localised(f"{place.temperature - ZERO_CELSIUS_K:.4g}{u}", sheet.language)
+        told.append(with_unit(f"({air})" if u else air, "°C"))
+    if place.humidity_percent is not None:
+        u = f" ± {place.humidity_u_percent:g}" if place.humidity_u_percent else ""
+        share = localised(f"{place.humidity_percent:g}{u}", sheet.language)
+        told.append(f"{with_unit(f'({share})' if u else share, '%')} {translated('relative humidity', sheet.language)}")
+    return ", ".join([*told, *([place.other] if place.other else [])])
+
+
+def _each(values: Iterable[Any], written: Callable[[Any], str]) -> str:
+    """Each value once; empty where one is missing."""
+    each = _once(values)
+    return "" if not each or None in each else ", ".join(written(value) for value in each)
+
+
+def _once(values: Iterable[Any]) -> list[Any]:
+    once: list[Any] = []
+    for value in values:
+        if value not in once:
+            once.append(value)
+    return once
+
+
+def _region(roi: tuple[int, ...]) -> str:
+    return f"{roi[0]}–{roi[1] - 1}; {roi[2]}–{roi[3] - 1}" if len(roi) == 4 else "–"
+
+
+def _celsius(kelvin: float, sheet: Sheet) -> str:
+    return with_unit(localised(f"{kelvin - ZERO_CELSIUS_K:.2f}".replace("-", "−"), sheet.language), "°C")
+
+
+def _set(delay_s: float, sheet: Sheet) -> str:
+    return plain(delay_s, "s", language=sheet.language) if delay_s else "0"
+
+
+def _used(one: Input) -> int:
+    return one.frames if one.frames_used is None else one.frames_used

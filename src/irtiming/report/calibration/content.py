@@ -1,0 +1,195 @@
+"""What stands on a certificate, without any layout: who, what, when, and each result with its whole uncertainty budget."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import date, datetime
+from typing import final
+
+from irtiming.archive.certificate_file import CertificateFile, Item, Language
+from irtiming.archive.result_model import Input, Result
+from irtiming.errors import ArchiveError
+from irtiming.report.calibration import measurands
+from irtiming.report.calibration.measurands import Measurand
+
+NAMED = ("manufacturer", "model", "serial_number", "firmware")
+"""What identifies a camera, in the order in which it is told."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ResultFile:
+    """A result with the name and checksum of its file."""
+
+    name: str
+    sha256: str
+    content: Result
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CalibratedItem:
+    """One camera.
+
+    ``words`` has manufacturer, model, serial number and firmware, None where neither recordings nor laboratory say.
+    ``stated`` are those that the laboratory states because the recordings lack them.
+    """
+
+    words: dict[str, str | None]
+    stated: tuple[str, ...]
+    form: Item
+
+    @property
+    def name(self) -> str:
+        """Manufacturer, model and serial number in one line, as far as they are known."""
+        return " ".join(word for name in NAMED[:3] if (word := self.words[name]))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class MeasuredItem:
+    """One result: which of the certificate's cameras it is of, what was measured, and the file behind it."""
+
+    item: int
+    file: ResultFile
+    measurands: tuple[Measurand, ...]
+
+    @property
+    def result(self) -> Result:
+        """All that the file says."""
+        return self.file.content
+
+    @property
+    def headline(self) -> tuple[Measurand, ...]:
+        """What a reader wants to know first."""
+        return tuple(one for one in self.measurands if one.leads)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sheet:
+    """Everything on a certificate."""
+
+    form: CertificateFile
+    items: tuple[CalibratedItem, ...]
+    results: tuple[MeasuredItem, ...]
+    first_day: date
+    last_day: date
+    days_stated: bool
+
+    @property
+    def language(self) -> Language:
+        """Of the certificate."""
+        return self.form.certificate.language
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether any of it stands on frames that no camera made."""
+        return any(one.result.simulated for one in self.results)
+
+    @property
+    def inputs(self) -> tuple[Input, ...]:
+        """All recordings."""
+        return tuple(each for one in self.results for each in one.result.inputs)
+
+
+def collect(files: Sequence[ResultFile], form: CertificateFile) -> Sheet:
+    """What to print.
+
+    Parameters
+    ----------
+    files
+        Results, of one camera or several.
+    form
+        certificate.toml.
+
+    Raises
+    ------
+    ArchiveError
+        If laboratory and recordings contradict each other, nobody says when it was measured, or a limit is of nothing measured.
+    """
+    items: list[CalibratedItem] = []
+    results: list[MeasuredItem] = []
+    several = len({_key(file.content) for file in files}) > 1
+    for file in files:
+        item = _item(file, form, several=several)
+        if item not in items:
+            items.append(item)
+        told = tuple(measurands.of(file.content, form))
+        results.append(MeasuredItem(item=items.index(item), file=file, measurands=told))
+    _check_limits(results, form)
+    first, last = _days(files, form)
+    return Sheet(
+        form=form, items=tuple(items), results=tuple(results), first_day=first, last_day=last,
+        days_stated=bool(form.dates.measured),
+    )  # fmt: skip
+
+
+def _key(result: Result) -> tuple[str | None, ...]:
+    """What differs between two cameras, as far as results tell."""
+    return (*(getattr(result.item, name) for name in NAMED), result.camera, result.readout_mode)
+
+
+def _item(file: ResultFile, form: CertificateFile, *, several: bool) -> CalibratedItem:
+    """The camera of a result with what the laboratory says of it."""
+    said = {name: getattr(file.content.item, name) for name in NAMED}
+    forms = [one for one in form.item if not several or one.serial_number == said["serial_number"]]
+    if len(forms) > 1:
+        raise ArchiveError(
+            f"certificate.toml has {len(forms)} [[item]] for {file.name}, of one camera; leave one, or give each the "
+            "serial_number that the recordings name"
+        )
+    if several and said["serial_number"] is None:
+        raise ArchiveError(
+            f"{file.name} names no serial number, and the results are of several cameras; make a certificate for each"
+        )
+    mine = forms[0] if forms else Item()
+    for name in NAMED:
+        ours, theirs = getattr(mine, name), said[name]
+        if ours and theirs and ours != theirs:
+            raise ArchiveError(
+                f"certificate.toml says [item] {name} = '{ours}', the recordings of {file.name} say '{theirs}'; correct it, or "
+                "give the result of that camera"
+            )
+    stated = tuple(name for name in NAMED if not said[name] and getattr(mine, name))
+    return CalibratedItem(words={name: said[name] or getattr(mine, name) for name in NAMED}, stated=stated, form=mine)
+
+
+def _days(files: Sequence[ResultFile], form: CertificateFile) -> tuple[date, date]:
+    """First and last day of measurement."""
+    days = form.dates.measured
+    if not days:
+        starts = [one.start_time for file in files for one in file.content.inputs]
+        if not starts or None in starts:
+            raise ArchiveError(
+                "the recordings do not say when they were made; state [dates] measured in certificate.toml, such as 2026-11-23"
+            )
+        days = sorted(_day(start) for start in starts if start)
+    first, last = days[0], days[-1]
+    for earlier, later, words in (
+        (first, last, "the first day of [dates] measured"),
+        (last, form.certificate.issued, "the last day of measurement"),
+        (form.dates.received or first, first, "[dates] received"),
+    ):
+        if earlier > later:
+            raise ArchiveError(f"{words}, {earlier}, is later than {later}; correct the dates in certificate.toml")
+    return first, last
+
+
+def _day(start: str) -> date:
+    try:
+        return datetime.fromisoformat(start).date()
+    except ValueError as error:
+        raise ArchiveError(
+            f"a recording says that it was made at '{start:.40}', which is no time of ISO 8601; state [dates] measured in "
+            "certificate.toml"
+        ) from error
+
+
+def _check_limits(results: Sequence[MeasuredItem], form: CertificateFile) -> None:
+    measured = {one.name for result in results for one in result.measurands}
+    for limit in form.limit:
+        if limit.parameter not in measured:
+            raise ArchiveError(
+                f"certificate.toml has a [[limit]] of '{limit.parameter}', which was not measured; there are "
+                f"{', '.join(sorted(measured))}"
+            )
