@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irtiming.apply import inverse_lag, kernels
-from irtiming.apply.inverse_lag import Response, Step
+from irtiming.apply.inverse_lag import Response
 from irtiming.apply.noise import noise_of
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
@@ -125,7 +125,7 @@ class SceneStream:
         self._gains = np.zeros((_KEPT, *tiles), np.float32)
         self._scene = np.zeros(size, np.float32)
         self._kept: deque[_Frame] = deque(maxlen=_KEPT)
-        self._step: tuple[float, Step, inverse_lag.NoiseResponses] | None = None
+        self._step: tuple[float, NDArray[np.float32], inverse_lag.NoiseResponses] | None = None
         self._weights: dict[tuple[float, ...], _Weights] = {}
 
     def push(self, frame: NDArray[Any], *, index: int, time_s: float) -> Iterator[Scene]:
@@ -177,16 +177,17 @@ class SceneStream:
                 self._memory[:] = self._knots[slot]
             self._gains[slot] = 0
         else:
-            one, noise = self._stepped(time_s - self._kept[-1].time_s)
-            numbers = np.array([one.filter_share, one.decay, one.before, one.now], np.float32)
+            numbers, noise = self._stepped(time_s - self._kept[-1].time_s)
             power = self._noise**2 * noise.correction_power
+            frame = frame if frame.dtype == np.uint16 else frame.astype(np.float32)  # each type is compiled anew
             kernels.correct(frame, self._memory, numbers, power, self._gains[slot], self._knots[slot])
         self._kept.append(_Frame(index=index, time_s=time_s, slot=slot))
 
-    def _stepped(self, interval_s: float) -> tuple[Step, inverse_lag.NoiseResponses]:
+    def _stepped(self, interval_s: float) -> tuple[NDArray[np.float32], inverse_lag.NoiseResponses]:
         if self._step is None or abs(self._step[0] - interval_s) > _EXACT_S:
-            one = inverse_lag.step(self._readout.response, interval_s)
-            self._step = (interval_s, one, inverse_lag.responses(one))
+            response = self._readout.response
+            noise = inverse_lag.responses(inverse_lag.step(response, interval_s))
+            self._step = (interval_s, inverse_lag.numbers(response, interval_s), noise)
         return self._step[1], self._step[2]
 
     def _at(self, place: int) -> Scene:

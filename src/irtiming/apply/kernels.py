@@ -29,7 +29,8 @@ def correct(
     memory
         Shape (3, row, column), float32: the frame before, what its pixels saw, and the scene; this frame's are left there.
     numbers
-        Shape (4,), float32: share of the filter, then e, a, b of the lag.
+        Shape (1 or n, 6), float32: share of the filter; e, a, b of the lag, in n steps of the pixel's value; the lowest of these
+        values, and the steps per unit of value.
     noise_power
         Variance that noise alone gives the correction, plus its covariance with the frame.
     gains
@@ -43,7 +44,10 @@ def correct(
         first, end = band * TILE, min(n_rows, (band + 1) * TILE)
         power[:] = 0
         for row in range(first, end):
-            _invert(frame[row], memory[0, row], memory[1, row], memory[2, row], numbers, corrected[row])
+            if numbers.shape[0] == 1:
+                _invert(frame[row], memory[0, row], memory[1, row], memory[2, row], numbers[0], corrected[row])
+            else:
+                _invert_by_value(frame[row], memory[0, row], memory[1, row], memory[2, row], numbers, corrected[row])
             _add_squares(corrected[row], power)
         for tile in range(gains.shape[1]):
             left, right = tile * TILE, min(n_columns, (tile + 1) * TILE)
@@ -75,6 +79,23 @@ def _invert(
         last[k] = np.float32(values[k])
     for k in range(n):
         change[k] = scene[k] - last[k]
+
+
+@njit(cache=True, fastmath=True, nogil=True)
+def _invert_by_value(
+    values: np.ndarray, last: np.ndarray, pixel: np.ndarray, scene: np.ndarray, numbers: np.ndarray, change: np.ndarray
+) -> None:
+    """The same where e, a and b depend on the value half way from the frame before; ``numbers`` (step of values, 6)."""
+    share, lowest, per_value = numbers[0, 0], numbers[0, 4], numbers[0, 5]
+    open_share, most = np.float32(1) / (np.float32(1) - share), np.float32(numbers.shape[0] - 1)
+    for k in range(len(values)):
+        value = np.float32(values[k])
+        seen = (value - share * last[k]) * open_share
+        place = ((seen + pixel[k]) * np.float32(0.5) - lowest) * per_value + np.float32(0.5)
+        at = int(min(max(place, np.float32(0)), most))
+        scene[k] = (seen - numbers[at, 1] * pixel[k] - numbers[at, 2] * scene[k]) / numbers[at, 3]
+        pixel[k], last[k] = seen, value
+        change[k] = scene[k] - value
 
 
 @njit(cache=True, fastmath=True, nogil=True)

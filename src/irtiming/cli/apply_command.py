@@ -98,6 +98,12 @@ def frames(
     fractions: Annotated[
         bool, typer.Option("--fractions", help="Write fractions of counts (float32) instead of whole counts.")
     ] = False,
+    kelvin_at_zero: Annotated[
+        float | None, typer.Option(help="Temperature that 0 counts stand for; for a result with two time constants.")
+    ] = None,
+    kelvin_per_count: Annotated[
+        float | None, typer.Option(help="Kelvin per count; for a result with two time constants.")
+    ] = None,
 ) -> None:
     """Make frames of the scene at one instant each: rows brought to one moment, lag and filter undone.
 
@@ -110,6 +116,7 @@ def frames(
     order = FramesOrder(
         result=result, source=source, out=out, noise=noise, stamps=stamps, instant_row=instant_row,
         period_s=None if period is None else seconds(period), keeps_fractions=fractions,
+        kelvin_at_zero=kelvin_at_zero, kelvin_per_count=kelvin_per_count,
     )  # fmt: skip
     with shown("frames") as told:
         found = apply_frames(order, progress=lambda done, total: told(source.name, done, total))

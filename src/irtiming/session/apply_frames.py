@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from irtiming.apply import camera_timing, conditions, kernels
 from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.frames import Readout, Scene, SceneStream
+from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
 from irtiming.apply.stamps import TriggerTimes
 from irtiming.archive import layout
@@ -29,6 +30,7 @@ from irtiming.session.frame_stamps import StampsWanted
 from irtiming.units import readable_time
 
 _NOISE_FRAMES = 16
+_COLDEST_K, _HOTTEST_K, _STEPS = 220.0, 620.0, 801
 
 
 @final
@@ -49,6 +51,8 @@ class FramesOrder:
     period_s: float | None = None
     instant_row: float | None = None
     keeps_fractions: bool = False
+    kelvin_at_zero: float | None = None
+    kelvin_per_count: float | None = None
 
 
 @final
@@ -91,7 +95,12 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     result = read_result(order.result)
     camera = camera_timing.of_result(result)
     given = _given(order, camera, clock_of(result))
-    readout = Readout(response=camera.response, row_delay_s=camera.row_delay_s, instant_row=order.instant_row)
+    of_value = _lag_of_value(order, camera, given.unit)
+    readout = Readout(
+        response=replace(camera.response, of_value=of_value),
+        row_delay_s=camera.row_delay_s,
+        instant_row=order.instant_row,
+    )
     first = given.stack.pick(list(range(min(_NOISE_FRAMES, given.stack.shape[0]))))
     noise = noise_of(first) if order.noise is None else order.noise
     interval_s = given.triggers.frame_period_s
@@ -113,6 +122,27 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
         n_frames=given.stack.shape[0], n_written=len(gains), noise=noise, mean_gain=float(gains[:, 0].mean()),
         mean_noise_gain=float(gains[:, 1].mean()), description=head.description,
     )  # fmt: skip
+
+
+def _lag_of_value(order: FramesOrder, camera: CameraTiming, unit: str) -> LagOfValue | None:
+    """The lag over values, where the result has two constants and it is known what temperature a value stands for."""
+    if camera.two_constants is None or camera.substrate_temperature_k is None:
+        return None
+    zero_k, per_count = order.kelvin_at_zero, order.kelvin_per_count
+    if unit == "K":
+        zero_k, per_count = 0.0, 1.0
+    if zero_k is None or per_count is None:
+        return None
+    if not per_count > 0:
+        raise EstimationError(f"a count stands for {per_count} K, must be more than 0: check --kelvin-per-count")
+    kelvin = np.linspace(_COLDEST_K, _HOTTEST_K, _STEPS)
+    return of_two_constants(
+        camera.two_constants,
+        substrate_temperature_k=camera.substrate_temperature_k,
+        lowest=(_COLDEST_K - zero_k) / per_count,
+        highest=(_HOTTEST_K - zero_k) / per_count,
+        scene_temperature_k=kelvin,
+    )
 
 
 def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Array, float]:
@@ -208,7 +238,9 @@ def _described(
         yield (
             f"rows: brought to row {row:g} by cubics in time over four readings; row delay {readable_time(readout.row_delay_s)}"
         )
-    if response.time_constant_s:
+    if response.of_value is not None:
+        yield "lag: time constants of substrate and scene undone frame to frame, by the temperature that each value stands for"
+    elif response.time_constant_s:
         yield (
             f"lag: time constant {readable_time(response.time_constant_s)} undone frame to frame, exactly for a scene that is "
             "straight between frames"
@@ -224,5 +256,7 @@ def _described(
             f"gain: Wiener gain of each tile of {kernels.TILE} x {kernels.TILE} pixels, for noise of {noise:.4g} "
             f"{given.unit}; noise_gain: noise of a pixel over that of the frame as it came"
         )
+    if camera.two_constants is not None and response.of_value is None:
+        yield "note: the result has two time constants; counts do not tell temperatures, so the one at the wheel's was undone"
     for remark in given.triggers.remarks:
         yield f"note: {remark}"

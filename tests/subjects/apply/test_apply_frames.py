@@ -1,5 +1,7 @@
 """`irtiming apply frames` from file to file: films of a moving scene in recordings, and what is refused."""
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -106,6 +108,35 @@ def test_frames_without_times_take_their_period(tmp_path, told, filmed):
     instants = filmed.trigger_s[number] + 4e-3 + 7e-4 * (ROWS - 1) / 2
     assert np.sqrt(np.mean(_edge_errors(filmed, frames, instants)[5:] ** 2)) < 0.04
     assert "noise of 0.9 DN" in said
+
+
+def test_two_time_constants_need_to_know_what_a_count_stands_for(tmp_path, told, recording):
+    """Oracle: words of what was undone; with a scene that exchanges nothing the two are the one, and so are the frames."""
+    content = json.loads(_result(tmp_path).read_text())
+    tau = content["parameters"]["time_constant"]
+    content["parameters"]["substrate_time_constant"] = tau | {"value": 5e-3}
+    content["parameters"]["scene_time_constant"] = tau | {"value": 1e6}
+    content["two_constants"] = {"substrate_temperature": {"value": 300.0, "unit": "K"}}
+    (tmp_path / "two.json").write_text(json.dumps(content))
+    kelvin = ("--kelvin-at-zero", "280", "--kelvin-per-count", "0.05")
+    found = []
+    for name, words in (("result", ()), ("two", ()), ("two", kelvin)):
+        status, said, error = told(
+            "apply", "frames", tmp_path / f"{name}.json", recording, tmp_path / "scene.nxs", *words
+        )
+        assert status == 0, error
+        with h5py.File(tmp_path / "scene.nxs") as file:
+            found.append((said, file["entry/instrument/camera/data"][()].astype(int)))
+        (tmp_path / "scene.nxs").unlink()
+    assert "two time constants; counts do not tell temperatures" in found[1][0]
+    assert "time constants of substrate and scene undone" in found[2][0]
+    assert np.array_equal(found[0][1], found[1][1])
+    assert np.abs(found[0][1] - found[2][1]).max() <= 1
+    status, _, error = told(
+        "apply", "frames", tmp_path / "two.json", recording, tmp_path / "scene.nxs", *kelvin[:3], "-1"
+    )  # fmt: skip
+    assert status == 2
+    assert "a count stands for -1.0 K, must be more than 0" in error
 
 
 @pytest.mark.parametrize(

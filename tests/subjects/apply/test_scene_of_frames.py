@@ -5,9 +5,10 @@ import pytest
 from moving_scene import EDGE_COLUMNS, HIGH, LOW, ROWS, FilmedBy, film
 
 from irtiming.apply.frames import Readout, SceneStream, scenes
-from irtiming.apply.inverse_lag import Response, responses, step
+from irtiming.apply.inverse_lag import Response, of_two_constants, responses, step
 from irtiming.apply.noise import noise_of
 from irtiming.errors import EstimationError
+from irtiming.physics.response.two_constants import TwoConstants
 
 ROLLING_PHOTON = FilmedBy(row_delay_s=7e-4, window_s=2e-3)
 ROLLING_BOLOMETER = FilmedBy(row_delay_s=-7e-4, tau_s=5e-3)
@@ -160,3 +161,48 @@ def test_a_frame_of_another_size_is_refused():
     stream = SceneStream(Readout(response=Response()), size=(8, 8), interval_s=0.1, noise=0.0)
     with pytest.raises(EstimationError, match="frame 3 has 8 x 9 pixels"):
         list(stream.push(np.ones((8, 9)), index=3, time_s=0.0))
+
+
+def _radiance(kelvin):
+    """In-band radiance from 7.5 to 14 um by Planck's law, summed over 200 wavelengths; W m^-2 sr^-1."""
+    wave_m = np.linspace(7.5e-6, 14e-6, 200)
+    c1, c2 = 2 * 6.62607015e-34 * 299792458.0**2, 6.62607015e-34 * 299792458.0 / 1.380649e-23
+    spectrum = c1 / wave_m**5 / np.expm1(c2 / (wave_m * np.asarray(kelvin)[..., None]))
+    return np.trapezoid(spectrum, wave_m, axis=-1)
+
+
+def test_a_lag_that_depends_on_the_temperature_is_undone():
+    """Oracle: a pixel with two constants, its heat stepped in 50 us with Planck's law; scenes from 290 K to 390 K and back."""
+    substrate_s, scene_s, around_k, reference_k, interval_s = 12e-3, 14e-3, 300.0, 300.0, 0.02
+    slope = float(_radiance(reference_k + 0.01) - _radiance(reference_k - 0.01)) / 0.02
+    ends = _radiance(np.array([290.0, 390.0]))
+    fine = np.arange(0, 1.0, 5e-5)
+    seen = np.interp(fine, interval_s * np.arange(51), ends[0] + np.ptp(ends) * np.sin(np.pi * np.arange(51) / 20) ** 2)
+    table_k = np.linspace(280.0, 400.0, 4000)
+    table = _radiance(table_k)
+    shown, pixel_k = [], 295.0
+    for n, light in enumerate(seen):
+        radiance = np.interp(pixel_k, table_k, table)
+        if n % 400 == 0:  # what a camera shows: the light that would hold the pixel there
+            shown.append(radiance + slope * scene_s * (pixel_k - around_k) / substrate_s)
+        pixel_k += 5e-5 * ((around_k - pixel_k) / substrate_s + (light - radiance) / (slope * scene_s))
+    frames = np.array(shown)[:, None, None] * np.ones((1, 8, 8)) * 100
+    times = interval_s * np.arange(len(frames))
+    constants = TwoConstants(
+        substrate_time_constant_s=substrate_s, scene_time_constant_s=scene_s, reference_temperature_k=reference_k
+    )
+    lowest, highest = 100 * table[0], 100 * table[-1]
+    kelvin = np.interp(np.linspace(lowest, highest, 256), 100 * table, table_k)
+    of_value = of_two_constants(
+        constants, substrate_temperature_k=around_k, lowest=lowest, highest=highest, scene_temperature_k=kelvin
+    )
+    true = 100 * seen[::400]
+    errors = []
+    for response in (Response(time_constant_s=6.4e-3, of_value=of_value), Response(time_constant_s=6.4e-3)):
+        found = {
+            one.index: one.pixels[0, 0] for one in scenes(frames, times, readout=Readout(response=response), noise=0.0)
+        }
+        errors.append(np.sqrt(np.mean([(found[n] - true[n]) ** 2 for n in range(5, len(frames))])))
+    before = np.sqrt(np.mean((frames[5:, 0, 0] - true[5:]) ** 2))
+    assert errors[0] < before / 50
+    assert errors[0] < errors[1] / 3  # one constant for all temperatures does worse
