@@ -22,6 +22,7 @@ from irtiming.records.row_timing import SectorFit
 _CELL_PX = 3  # pixels that share a burr
 _REACH = 5.0  # blurs on either side of the border
 _BY_CHANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
+_ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
@@ -92,5 +93,27 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
             severity="doubt",
             what=f"the contrast image is no blurred sector behind this lens: {reason}; its light may lie elsewhere",
             cure="focus the camera on the mask, shade it from stray light, and look at the contrast image in the report",
+        ),
+    )
+
+
+def of_rows(sector: SectorFit) -> tuple[Finding, ...]:
+    """Where the rows of a camera that is said to read all of them at once are seen one after the other.
+
+    Parameters
+    ----------
+    sector
+        The opening in the image, with a row delay that was looked for all the same.
+    """
+    if abs(sector.row_delay_s) <= _ROWS_APART * sector.u_row_delay_s:
+        return ()
+    return (
+        Finding(
+            code="rows-not-at-once",
+            severity="doubt",
+            what=f"each row of the image shows the wheel {1e6 * sector.row_delay_s:.2f} us after the one above it (u = "
+            f"{1e6 * sector.u_row_delay_s:.2f} us), but readout_mode says that all are read at once: delay and time constant are "
+            "those of no row",
+            cure="write rolling as readout_mode if the camera reads row by row; else look for what moves the image: a tilt",
         ),
     )

@@ -10,6 +10,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import (
     by_blackbody,
     frame_steps,
+    image_doubts,
     row_fit,
     row_light,
     sector_fit,
@@ -23,6 +24,7 @@ from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, Timing, timing_names
 from irtiming.records.arrays import ComplexArray
+from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
@@ -90,7 +92,11 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
     seen = tuple(
-        replace(one, axle=shape.view(view.sector, one.opening.summed))
+        replace(
+            one,
+            axle=shape.view(view.sector, one.opening.summed),
+            findings=(*one.findings, *_at_once(view, recordings, fits=fits, model=bare, rig=rig)),
+        )
         for one, view in zip(recordings, view_of, strict=True)
     )
     return FittedRows(
@@ -208,6 +214,18 @@ def _seen(
 ) -> list[ReducedRecording]:
     """Recordings before one blackbody, their images rid of the recursive filter that the round before undid in the rows."""
     return [frame_steps.unfiltered(recordings[k], fits[k].undone if fits else 0.0) for k in members]
+
+
+def _at_once(
+    view: _View, recordings: Sequence[ReducedRecording], *, fits: Sequence[RowTimingFit], model: WheelModel, rig: Rig
+) -> tuple[Finding, ...]:
+    """What the image says of a camera that is said to read all rows at once."""
+    if camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS:
+        return ()
+    seen = _seen(recordings, view.members, fits=fits)
+    return image_doubts.of_rows(
+        sector_fit.fit(seen, model, rig=rig, timing=view.timing, start=view.sector, by_rows=True)
+    )
 
 
 def _changes(

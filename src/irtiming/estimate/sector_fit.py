@@ -83,7 +83,8 @@ class _Images:
 
 
 def fit(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit | None = None
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit | None = None,
+    by_rows: bool = False,
 ) -> SectorFit:  # fmt: skip
     """Sector fitted to the contrast images of all recordings.
 
@@ -99,6 +100,8 @@ def fit(
         As known so far.
     start
         An earlier fit; without one it starts at what the image shows.
+    by_rows
+        Whether a row delay is looked for in a camera that reads all rows at once.
 
     Raises
     ------
@@ -108,7 +111,7 @@ def fit(
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
     known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
     begin = sector_image.first_guess(images.seen[0], images.view) | known.start if start is None else _numbers(start)
-    is_rolling = camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS
+    is_rolling = by_rows or camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS
     held = (*known.held, *(() if is_rolling else ("row_delay_s",)), *(_SLIGHT if start is None else ()))
     free = [name for name in NUMBERS if name not in held]
 

@@ -52,9 +52,9 @@ def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: 
         doubts: tuple[Finding, ...] = ()
         try:
             with one_thread():
-                sector = _sector(group, wheel, rig=rig)
+                sector, by_rows = _sector(group, wheel, rig=rig)
                 axle = view(sector, group[0].opening.summed)
-            doubts = image_doubts.of_image(sector)
+            doubts = (*image_doubts.of_image(sector), *image_doubts.of_rows(by_rows))
         except EstimationError as error:
             doubts = (_no_sector(error),)
         for k in members:
@@ -72,13 +72,15 @@ def _no_sector(error: EstimationError) -> Finding:
     )
 
 
-def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> SectorFit:
+def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> tuple[SectorFit, SectorFit]:
+    """As read at once, and with a row delay."""
     response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
     timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recordings[0].integration_time_s or 0.0}
     sector: SectorFit | None = None
     for _ in range(_ROUNDS - 1):
         sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
-    return sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
+    sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
+    return sector, sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector, by_rows=True)
 
 
 def view(sector: SectorFit, summed: Mask) -> AxleView:
