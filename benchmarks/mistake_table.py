@@ -96,6 +96,7 @@ ON_TRUST = {
     "height-difference-8-for-5.5-mm": "height_difference_mm",
     "height-difference-8-for-5.5-mm-height-by-ruler": "height_difference_mm",
     "half-separation-is-whole": "half_separation_mm",
+    "separation-and-height-difference-exchanged": "half_separation_mm",
     "lateral-offset-1-mm": "lateral_offset_mm",
     "latency-of-application-gate-200-us": "[latency]",
     "latency-of-gates-ms-for-us": "[latency]",

@@ -5,24 +5,29 @@ A number that is more than 4 u off without a finding of severity "doubt", or a r
     .venv/bin/python benchmarks/mistakes.py --camera photon
     .venv/bin/python benchmarks/mistakes.py --camera microbolometer --only mask-angle-10-degrees-off
     .venv/bin/python benchmarks/mistakes.py --camera photon --out photon.jsonl --markdown photon.md
+    .venv/bin/python benchmarks/mistakes.py --camera photon --out photon.jsonl --markdown photon.md --known
 """
 
 import argparse
 import json
+import subprocess
 import traceback
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Any
 
 import mistake_images  # noqa: F401  (puts its mistakes into the table)
+from irtiming.archive.rig_file import read_rig
+from irtiming.archive.rig_writer import write_rig
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse
 from irtiming.records.analysis import Analysis
 from irtiming.records.recording import Recording
-from irtiming.records.rig import Clock, Latency, Measured
+from irtiming.records.rig import Clock, Latency, Measured, Rig
 from irtiming.twin import rig as rigs
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import Scene, with_wheel_speed
@@ -64,10 +69,17 @@ def in_memory(recording: Recording) -> Recording:
 def tried(name: str, case: Case, scene: Scene) -> dict[str, Any]:
     """What became of one mistake, ready for a line of JSON."""
     begun, (change, _, harmless) = monotonic(), MISTAKES[name]
-    line: dict[str, Any] = {"name": name, "harmless": harmless, "parameters": {}, "doubts": [], "warnings": []}
+    line: dict[str, Any] = {
+        "name": name,
+        "harmless": harmless,
+        "commit": commit(),
+        "parameters": {},
+        "doubts": [],
+        "warnings": [],
+    }
     try:
         made = change(case)
-        found = analyse([made.recording, *made.together], made.rig)
+        found = analyse([made.recording, *made.together], as_written(made.rig))
     except IrTimingError as error:
         line |= {"refused": f"{type(error).__name__}: {error}", "notes": getattr(error, "__notes__", [])}
     except Exception as error:
@@ -76,6 +88,22 @@ def tried(name: str, case: Case, scene: Scene) -> dict[str, Any]:
         line |= {"parameters": pulls(found, rigs.truth(scene))} | findings(found)
         line["trusted"] = " ".join(one.what for one in found.findings if one.code == "taken-on-trust")
     return line | {"seconds": monotonic() - begun}
+
+
+def as_written(rig: Rig) -> Rig:
+    """As it is read from the rig.toml that its owner wrote, which refuses some mistakes."""
+    with TemporaryDirectory() as folder:
+        write_rig(rig, Path(folder) / "rig.toml")
+        try:
+            return read_rig(Path(folder) / "rig.toml")
+        except IrTimingError as error:
+            raise type(error)(str(error).replace(f"{folder}/", "")) from error
+
+
+def commit() -> str:
+    """Of the program that is run, with a plus where files were changed."""
+    given = ["git", "describe", "--always", "--dirty=+", "--exclude=*"]
+    return subprocess.run(given, cwd=Path(__file__).parent, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def pulls(found: Analysis, truth: dict[str, object]) -> dict[str, list[float]]:
@@ -116,24 +144,31 @@ def verdict(line: dict[str, Any], usual: Iterable[str] = ()) -> str:
 
 
 def row(line: dict[str, Any], usual: Iterable[str] = ()) -> str:
-    """One line of the table."""
+    """One line of the table; what a refusal is perhaps due to comes first."""
     short = {"trigger_delay": "delay", "exposure_midpoint_delay": "middle", "time_constant": "tau", "row_delay": "row"}
     numbers = ", ".join(
         f"{short.get(name, name.replace('_', ' '))} {error:+.3g}/{u:.2g}"
         for name, (error, u) in line["parameters"].items()
         if name != "exposure_midpoint_delay"
     )
-    said = line.get("refused") or line.get("crashed") or ", ".join(
+    therefore = [note for note in line.get("notes", ()) if note.startswith("and perhaps therefore")]
+    said = " ".join([*therefore, line.get("refused", "")]).strip() or line.get("crashed") or ", ".join(
         [*(f"**{code}**" for code in line["doubts"]), *line["warnings"]]
     )  # fmt: skip
-    return f"| {line['name'].replace('-', ' ')} | {verdict(line, usual)} | {numbers} | {said[:170].replace('|', '/')} |"
+    return (
+        f"| {line['name'].replace('-', ' ')} | {verdict(line, usual)} | {numbers} | {said[:220].replace('|', '/')} "
+        f"| {line.get('commit', '?')} |"
+    )
 
 
 def table(lines: list[dict[str, Any]]) -> str:
     """All lines as Markdown, and how many of each verdict."""
     usual = next((line["doubts"] for line in lines if line["name"] == "none"), [])
     count = Counter(verdict(line, usual) for line in lines)
-    head = ["| mistake | verdict | error/u, us | **doubts**, warnings, or refusal |", "| --- | --- | --- | --- |"]
+    head = [
+        "| mistake | verdict | error/u, us | **doubts**, warnings, or refusal | run with |",
+        "| --- | --- | --- | --- | --- |",
+    ]
     return "\n".join(
         [*head, *(row(line, usual) for line in lines), "", ", ".join(f"{n} {v}" for v, n in count.most_common())]
     )
@@ -145,12 +180,19 @@ def main() -> None:
     parser.add_argument("--only", action="append", help="name of one mistake; may be given more than once")
     parser.add_argument("--out", type=Path, help="JSON lines; mistakes that are there already are not made again")
     parser.add_argument("--markdown", type=Path, help="the table")
+    parser.add_argument("--known", action="store_true", help="make nothing: the table of the lines that --out has")
     options = parser.parse_args()
     names = [name for name, (_, cameras, _) in MISTAKES.items() if options.camera in cameras]
     if unknown := set(options.only or ()) - set(names):
         parser.error(f"--only {', '.join(unknown)}; it must be one of {', '.join(names)}")
     known = options.out.read_text().splitlines() if options.out and options.out.exists() else []
     lines = {line["name"]: line for line in map(json.loads, known)}
+    if options.known:
+        text = table([lines[name] for name in options.only or names if name in lines])
+        print(text)
+        if options.markdown:
+            options.markdown.write_text(text + "\n")
+        return
     case, scene = sound(options.camera)
     for name in options.only or names:
         if name not in lines:
