@@ -11,10 +11,11 @@ import zipfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+import frame_files
 import h5py
 import mutations
 import numpy as np
@@ -368,7 +369,7 @@ _JSON = (mutations.of_json, mutations.of_json, mutations.of_bytes)
 TARGETS = {
     "recording": Target(
         seeds=lambda: [_recording()],
-        take=_in_file("a.nxs", _verified, _look_at, read_truth, read_acquisition, _exported),
+        take=_in_file("a.nxs", _verified, _look_at, read_truth, read_acquisition, _exported, frame_files.looked_at),
         changes=(mutations.of_bytes, _of_hdf5),
     ),
     "value change dump": Target(seeds=_vcds, take=_in_file("a.vcd", _capture), changes=_TOML),
@@ -410,6 +411,15 @@ TARGETS = {
         take=_told(MC2000B, _CHOPPER, gap_s=0.0),
     ),
 }  # fmt: skip
+
+TARGETS |= {
+    f"frames {ending}": Target(
+        seeds=partial(frame_files.seeds_of, ending),
+        take=_in_file(f"a{ending}", frame_files.beside if ending in frame_files.TEXTS else frame_files.looked_at),
+        changes=_TOML if ending in frame_files.TEXTS else (mutations.of_bytes,),
+    )
+    for ending in frame_files.ENDINGS
+}
 
 FOUND: dict[str, list[bytes]] = {
     "rig.toml": [b"a = " + b"9" * 5000, b"a = " + b"[" * 5000],

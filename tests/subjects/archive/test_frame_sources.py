@@ -180,3 +180,23 @@ def test_a_format_is_told_from_the_content_not_from_the_name(tmp_path):
     """Oracle: the reader that takes it."""
     tifffile.imwrite(tmp_path / "a.npy", STACK)
     assert reader_of(tmp_path / "a.npy") is readers()["tiff"]
+
+
+def test_pages_that_turn_in_a_circle_are_refused(tmp_path):
+    """Oracle: the last page's link, by hand; a library would follow it for ever."""
+    _pages(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        offsets = [page.offset for page in tiff.pages]
+        last = offsets[-1] + 2 + 12 * len(tiff.pages[-1].tags)
+    content = bytearray((tmp_path / "a.tif").read_bytes())
+    struct.pack_into("<I", content, last, offsets[2])
+    (tmp_path / "a.tif").write_bytes(content)
+    with pytest.raises(ArchiveError, match="turn in a circle behind page 6"):
+        open_frames(tmp_path / "a.tif")
+
+
+def test_three_frames_that_tifffile_takes_for_colours_are_frames(tmp_path):
+    """Oracle: the array; tifffile writes three frames as planes of one picture, and says their shape."""
+    with pytest.warns(DeprecationWarning):
+        tifffile.imwrite(tmp_path / "a.tif", STACK[:3])
+    assert np.array_equal(_all(open_frames(tmp_path / "a.tif")), STACK[:3])

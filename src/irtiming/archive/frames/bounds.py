@@ -1,5 +1,6 @@
 """What a file of frames may ask of whoever reads it, and how one that asks for more, or is damaged, is refused."""
 
+import logging
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,8 +18,24 @@ MOST_FRAMES = 2**24
 MOST_TEXT_BYTES = 2**26
 """Of what a file says beside its frames: moments of all frames among it."""
 
+_CHATTY = ("tifffile", "astropy", "libav")
+
 KINDS = ("uint8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 """Types of pixel values that are read."""
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Libraries that log what is odd in a file say nothing: what matters is raised."""
+    loggers = [logging.getLogger(name) for name in _CHATTY]
+    before = [logger.disabled for logger in loggers]
+    try:
+        for logger in loggers:
+            logger.disabled = True
+        yield
+    finally:
+        for logger, was in zip(loggers, before, strict=True):
+            logger.disabled = was
 
 
 @contextmanager
@@ -31,7 +48,7 @@ def refusing(path: Path, title: str) -> Iterator[None]:
         In place of everything else.
     """
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _silent():
             warnings.simplefilter("ignore")
             yield
     except Complaint as complaint:

@@ -10,6 +10,7 @@ import numpy as np
 
 from irtiming.archive.frames.bounds import MOST_TEXT_BYTES, native, require_size
 from irtiming.archive.frames.facts_model import Told, as_told, told_in
+from irtiming.archive.frames.readers.tiff_pages import require_sound_pages
 from irtiming.archive.frames.source import FrameFacts, FrameReader, Frames, FrameSource, FrameValues, Read
 from irtiming.archive.frames.strided import strided
 from irtiming.records.camera_frame import CameraIdentity
@@ -17,15 +18,17 @@ from irtiming.records.camera_frame import CameraIdentity
 _SIGNATURES = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _OURS = '{"irtiming": '
 _MAKE, _MODEL, _SOFTWARE, _DATE_TIME, _CAMERA_SERIAL = 271, 272, 305, 306, 50735
+_PLANES = 2
 _EXIF_EXPOSURE_TIME, _EXIF_SERIAL = "ExposureTime", "BodySerialNumber"
 
 
 def _open(path: Path) -> FrameSource:
     from tifffile import TiffFile
 
+    require_sound_pages(path)
     with TiffFile(path) as tiff:
         first = tiff.pages[0]
-        _require_grey(first)
+        _require_grey(first, is_stack=tiff.is_shaped and _contiguous(tiff) is not None)
         frames, rows, columns = _shape(tiff)
         kind = native(np.dtype(first.dtype))
         require_size(path, frames=frames, rows=rows, columns=columns, dtype=kind)
@@ -76,8 +79,9 @@ def _contiguous(tiff: Any) -> int | None:
     return series.dataoffset if is_whole else None
 
 
-def _require_grey(page: Any) -> None:
-    if page.samplesperpixel != 1:
+def _require_grey(page: Any, *, is_stack: bool) -> None:
+    """One value for each pixel; tifffile writes three or four frames as planes, and says their shape."""
+    if page.samplesperpixel != 1 and not (is_stack and page.planarconfig == _PLANES):
         raise ValueError(f"it has {page.samplesperpixel} values for each pixel; export it in grey, with one")
     if page.dtype is None:
         raise ValueError(f"pixels of {page.bitspersample} bits are not known")
