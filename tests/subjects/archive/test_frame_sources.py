@@ -197,6 +197,6 @@ def test_pages_that_turn_in_a_circle_are_refused(tmp_path):
 
 def test_three_frames_that_tifffile_takes_for_colours_are_frames(tmp_path):
     """Oracle: the array; tifffile writes three frames as planes of one picture, and says their shape."""
-    with pytest.warns(DeprecationWarning):
+    with pytest.warns(DeprecationWarning, match="stored as RGB"):
         tifffile.imwrite(tmp_path / "a.tif", STACK[:3])
     assert np.array_equal(_all(open_frames(tmp_path / "a.tif")), STACK[:3])

@@ -18,24 +18,19 @@ MOST_FRAMES = 2**24
 MOST_TEXT_BYTES = 2**26
 """Of what a file says beside its frames: moments of all frames among it."""
 
-_CHATTY = ("tifffile", "astropy", "libav")
-
 KINDS = ("uint8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 """Types of pixel values that are read."""
 
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Libraries that log what is odd in a file say nothing: what matters is raised."""
-    loggers = [logging.getLogger(name) for name in _CHATTY]
-    before = [logger.disabled for logger in loggers]
+    """Tifffile logs what is odd in a file: what matters is raised."""
+    logger = logging.getLogger("tifffile")
+    before, logger.disabled = logger.disabled, True
     try:
-        for logger in loggers:
-            logger.disabled = True
         yield
     finally:
-        for logger, was in zip(loggers, before, strict=True):
-            logger.disabled = was
+        logger.disabled = before
 
 
 @contextmanager
