@@ -50,7 +50,8 @@ class FrameTimes:
         """Standard uncertainty that a row's times have in common over all frames, shape (row,)."""
         moment = self.moment(name)
         seconds = self.triggers.u_rate * self.camera.offset_s(moment, self.rows_px)
-        return np.sqrt(self.camera.u_s(moment, self.rows_px) ** 2 + seconds**2 + self.triggers.u_common_s**2)
+        power = self.camera.u_s(moment, self.rows_px) ** 2 + seconds**2 + self._common_s2
+        return np.sqrt(np.maximum(power, 0))
 
     def u_s(self, name: MomentName) -> Array:
         """Standard uncertainty of each row's time in any frame, shape (row,)."""
@@ -61,13 +62,18 @@ class FrameTimes:
         u = self.u_s(name)
         return np.where(u > 0, (self.u_common_s(name) / np.where(u > 0, u, 1)) ** 2, 1.0)
 
+    @property
+    def _common_s2(self) -> float:
+        """What the stamps add to the variance of every time, beside each one's own."""
+        return self.triggers.u_common_s**2 - self.triggers.u_cancelled_s**2
+
     def correlation_of_rows(self, name: MomentName) -> Array:
         """Correlation coefficient of the times of each row with those of the first row in the same frame, shape (row,)."""
         moment = self.moment(name)
         first = np.broadcast_to(self.rows_px[:1], self.rows_px.shape)
         both = self.camera.covariance_s2(moment, moment, one_row_px=self.rows_px, other_row_px=first)
         late = self.camera.offset_s(moment, self.rows_px) * self.triggers.u_rate
-        both = both + late * late[0] + self.triggers.u_common_s**2 + self.triggers.u_own_s**2
+        both = both + late * late[0] + self._common_s2 + self.triggers.u_own_s**2
         scale = self.u_s(name) * self.u_s(name)[0]
         return np.where(scale > 0, both / np.where(scale > 0, scale, 1), 1.0)
 

@@ -11,6 +11,9 @@ from irtiming.records.arrays import Array, Ticks
 StampKind = Literal["trigger", "camera", "arrival"]
 KINDS: tuple[StampKind, ...] = ("trigger", "camera", "arrival")
 
+UNKNOWN_CLOCK = 50e-6 / 3**0.5
+"""Relative standard uncertainty of a crystal's rate that nobody measured: rectangular."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,6 +30,9 @@ class TriggerTimes:
         Standard uncertainty of each frame's by itself, not shared with others; s.
     u_common_s
         Standard uncertainty that all frames share; s.
+    u_cancelled_s
+        Standard uncertainty that the stamps share with the delay of the result, with the opposite sign: that of the latency of
+        the trigger path, where the same trigger generator stamped both.
     relative_rate, u_rate
         By how much faster than SI seconds the scale counts, and its standard uncertainty.
     scale
@@ -39,6 +45,7 @@ class TriggerTimes:
     origin_s: int = 0
     u_own_s: float = 0.0
     u_common_s: float = 0.0
+    u_cancelled_s: float = 0.0
     relative_rate: float = 0.0
     u_rate: float = 0.0
     scale: str
@@ -66,8 +73,21 @@ class Latency:
     u_s: float
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class Generator:
+    """What is known of a trigger generator: relative error of its clock, and latency of its triggers, None where not stated.
+
+    A trigger is at the camera's connector, from where delays count, that much later than its stamp.
+    """
+
+    relative_error: float = 0.0
+    u_relative_error: float = UNKNOWN_CLOCK
+    trigger_latency: Latency | None = None
+
+
 def from_ticks(
-    trigger_ticks: Ticks, *, clock_frequency_hz: float, set_delay_s: float = 0.0, u_rate: float = 0.0
+    trigger_ticks: Ticks, *, clock_frequency_hz: float, set_delay_s: float = 0.0, generator: Generator | None = None
 ) -> TriggerTimes:
     """Trigger edges that a trigger generator stamped.
 
@@ -75,14 +95,20 @@ def from_ticks(
     ----------
     trigger_ticks
         Shape (n_frame,): the trigger of each frame, before the delay that was set.
-    clock_frequency_hz, u_rate
-        Nominal frequency of the counter, and the relative standard uncertainty of that.
+    clock_frequency_hz
+        Nominal frequency of the counter.
     set_delay_s
         Delay set in the trigger generator: what the camera got came so much later; s.
+    generator
+        What is known of it; None: a crystal that nobody measured, and delays that count from the stamps.
     """
+    known = generator or Generator()
+    late = known.trigger_latency or Latency(value_s=0.0, u_s=0.0)
     return TriggerTimes(
-        time_s=trigger_ticks / clock_frequency_hz + set_delay_s,
+        time_s=trigger_ticks / clock_frequency_hz + set_delay_s + late.value_s,
         u_own_s=12**-0.5 / clock_frequency_hz,
-        u_rate=u_rate,
+        u_cancelled_s=late.u_s,
+        relative_rate=known.relative_error,
+        u_rate=known.u_relative_error,
         scale="s of the trigger generator's counter, since it was 0",
     )

@@ -13,7 +13,7 @@ from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
-from irtiming.apply.stamps import TriggerTimes
+from irtiming.apply.stamps import Generator, TriggerTimes
 from irtiming.archive import layout
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameSource
@@ -25,7 +25,7 @@ from irtiming.errors import ArchiveError, EstimationError
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import FrameStack
 from irtiming.session import frame_stamps
-from irtiming.session.apply_time import clock_of
+from irtiming.session.apply_time import generator_of
 from irtiming.session.frame_stamps import StampsWanted
 from irtiming.units import readable_time
 
@@ -94,7 +94,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
         )
     result = read_result(order.result)
     camera = camera_timing.of_result(result)
-    given = _given(order, camera, clock_of(result))
+    given = _given(order, camera, generator_of(result))
     of_value = _lag_of_value(order, camera, given.unit)
     readout = Readout(
         response=replace(camera.response, of_value=of_value),
@@ -151,7 +151,9 @@ def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Ar
     name = "reading" if camera.has_lag else "middle"
     moment = next(one for one in camera.moments(period_s) if one.name == name)
     late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.triggers.relative_rate)
-    u_s = np.hypot(camera.u_s(moment, row)[0], np.hypot(given.triggers.u_own_s, given.triggers.u_common_s))
+    triggers = given.triggers
+    power = camera.u_s(moment, row)[0] ** 2 + triggers.u_own_s**2 + triggers.u_common_s**2 - triggers.u_cancelled_s**2
+    u_s = np.sqrt(max(power, 0.0))
     return given.triggers.time_s + late_s, float(u_s)
 
 
@@ -175,9 +177,9 @@ def _write(
     return np.array(gains)
 
 
-def _given(order: FramesOrder, camera: CameraTiming, clock: TriggerTimes | None) -> _Given:
+def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _Given:
     if order.period_s is None and order.stamps is None:
-        stamped = frame_stamps.read(StampsWanted(source=order.source), camera, clock=clock)
+        stamped = frame_stamps.read(StampsWanted(source=order.source), camera, generator=generator)
         if stamped.recording is not None:
             return _Given(stack=stamped.recording.frames, triggers=stamped.triggers, kept=stamped.frames)
         source = open_frames(order.source)
@@ -192,7 +194,7 @@ def _given(order: FramesOrder, camera: CameraTiming, clock: TriggerTimes | None)
     remarks = conditions.require(camera.conditions, told, where=str(order.source))
     n_frames = source.shape[0]
     if order.stamps is not None:
-        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, clock=clock).triggers
+        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).triggers
         if times.time_s.size != n_frames:
             raise EstimationError(
                 f"has {times.time_s.size} stamps for {n_frames} frames; give one for each", where=str(order.stamps)

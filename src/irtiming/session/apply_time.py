@@ -10,7 +10,7 @@ import numpy as np
 from irtiming.apply import camera_timing, frame_times
 from irtiming.apply.camera_timing import MEANINGS, CameraTiming
 from irtiming.apply.frame_times import FrameTimes
-from irtiming.apply.stamps import TriggerTimes
+from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
 from irtiming.archive import layout
 from irtiming.archive.frame_times_file import TimesToWrite, write_csv, write_into_copy
 from irtiming.archive.json_file import require_place
@@ -44,14 +44,17 @@ def read_camera(path: Path) -> CameraTiming:
     return camera_timing.of_result(read_result(path))
 
 
-def clock_of(result: Result) -> TriggerTimes | None:
-    """Rate of the trigger generator's clock as rig.toml stated it; None where it did not."""
-    for one in result.rig.values:
-        if one.name == "clock.relative_error" and isinstance(one.value, float | int):
-            return TriggerTimes(
-                time_s=np.zeros(1), relative_rate=float(one.value), u_rate=one.standard_uncertainty or 0.0, scale=""
-            )
-    return None
+def generator_of(result: Result) -> Generator:
+    """What rig.toml stated of the trigger generator with which the result was measured."""
+    told = {one.name: one for one in result.rig.values if isinstance(one.value, float | int)}
+    clock, late = told.get("clock.relative_error"), told.get("latency.trigger")
+    return Generator(
+        relative_error=0.0 if clock is None else float(clock.value),
+        u_relative_error=UNKNOWN_CLOCK if clock is None else clock.standard_uncertainty or 0.0,
+        trigger_latency=None
+        if late is None
+        else Latency(value_s=float(late.value), u_s=late.standard_uncertainty or 0.0),
+    )
 
 
 def apply_time(order: TimeOrder) -> FrameTimes:
@@ -72,7 +75,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
         )
     result = read_result(order.result)
     camera = camera_timing.of_result(result)
-    stamped = frame_stamps.read(order.stamps, camera, clock=clock_of(result))
+    stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
     times = frame_times.apply(camera, stamped.triggers, rows_px=rows)
     written = _to_write(times, stamped, order)

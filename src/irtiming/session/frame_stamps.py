@@ -9,7 +9,7 @@ import numpy as np
 
 from irtiming.apply import clock_model, conditions, stamps
 from irtiming.apply.camera_timing import CameraTiming, Conditions
-from irtiming.apply.stamps import Latency, StampKind, TriggerTimes
+from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency, StampKind, TriggerTimes
 from irtiming.archive import layout, reader
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
@@ -20,7 +20,6 @@ from irtiming.records.recording import Recording
 from irtiming.units import readable_time
 
 _CSV = (".csv", ".txt", ".tsv")
-_UNKNOWN_CLOCK = 50e-6 / 3**0.5  # relative, of a crystal that nobody measured: rectangular
 _SCALES: Mapping[StampKind, str] = {
     "trigger": "s of the clock that stamped the triggers",
     "camera": "s of the clock that stamped the frames",
@@ -68,7 +67,7 @@ class _Raw:
     numbers: Ticks | None = None
 
 
-def read(wanted: StampsWanted, camera: CameraTiming, *, clock: TriggerTimes | None = None) -> Stamped:
+def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | None = None) -> Stamped:
     """Stamps of a recording, of any file of frames that has times, or of a CSV; a result that does not hold for them is refused.
 
     Parameters
@@ -77,8 +76,8 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, clock: TriggerTimes | No
         The file and what of it counts.
     camera
         Of the result.
-    clock
-        Rate of the trigger generator's clock with its uncertainty; None: a crystal that nobody measured.
+    generator
+        What rig.toml stated of the trigger generator that stamped recordings; None: nothing.
 
     Raises
     ------
@@ -101,7 +100,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, clock: TriggerTimes | No
         found = conditions.of_recording(recording)
         remarks = conditions.require(camera.conditions, found, where=str(path))
         if wanted.kind in (None, "trigger"):
-            return _with(_of_triggers(recording, clock), remarks, found, recording)
+            return _with(_of_triggers(recording, generator), remarks, found, recording)
         raw = _of_recording(recording, wanted)
         kept = np.arange(raw.time_s.size)
         return _with(Stamped(triggers=_triggers(raw, wanted), frames=kept, found=found), remarks, found, recording)
@@ -120,7 +119,7 @@ def _with(stamped: Stamped, remarks: tuple[str, ...], found: Conditions, recordi
     return Stamped(triggers=triggers, frames=stamped.frames, found=found, recording=recording)
 
 
-def _of_triggers(recording: Recording, clock: TriggerTimes | None) -> Stamped:
+def _of_triggers(recording: Recording, generator: Generator | None) -> Stamped:
     number = recording.frame_number
     known = np.flatnonzero((number >= 0) & (number < recording.camera_trigger_ticks.size))
     if known.size == 0:
@@ -129,10 +128,9 @@ def _of_triggers(recording: Recording, clock: TriggerTimes | None) -> Stamped:
         recording.camera_trigger_ticks[number[known]],
         clock_frequency_hz=recording.clock_frequency_hz,
         set_delay_s=recording.trigger_delay_time_set_s,
-        u_rate=_UNKNOWN_CLOCK if clock is None else clock.u_rate,
+        generator=generator,
     )
-    rate = 0.0 if clock is None else clock.relative_rate
-    return Stamped(triggers=replace(found, relative_rate=rate), frames=known, found=None)
+    return Stamped(triggers=found, frames=known, found=None)
 
 
 def _of_recording(recording: Recording, wanted: StampsWanted) -> _Raw:
@@ -190,7 +188,7 @@ def _triggers(raw: _Raw, wanted: StampsWanted) -> TriggerTimes:
     if raw.kind == "trigger":
         return TriggerTimes(
             time_s=raw.time_s - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=late.u_s,
-            u_rate=_UNKNOWN_CLOCK, scale=_SCALES["trigger"], remarks=tuple(remarks),
+            u_rate=UNKNOWN_CLOCK, scale=_SCALES["trigger"], remarks=tuple(remarks),
         )  # fmt: skip
     numbers = clock_model.frame_numbers(raw.time_s) if raw.numbers is None else raw.numbers
     period_s = float(np.median(np.diff(raw.time_s) / np.maximum(np.diff(numbers), 1)))
@@ -203,7 +201,7 @@ def _triggers(raw: _Raw, wanted: StampsWanted) -> TriggerTimes:
     )
     return TriggerTimes(
         time_s=on_line - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=float(np.hypot(late.u_s, u_line_s)),
-        u_rate=_UNKNOWN_CLOCK, scale=_SCALES[raw.kind], remarks=tuple(remarks),
+        u_rate=UNKNOWN_CLOCK, scale=_SCALES[raw.kind], remarks=tuple(remarks),
     )  # fmt: skip
 
 
@@ -220,7 +218,7 @@ def _by_calibration(raw: _Raw, wanted: StampsWanted, late: Latency) -> TriggerTi
         time_s=time_s,
         u_own_s=float(np.hypot(line.jitter_s, raw.step_s / 12**0.5)),
         u_common_s=float(np.hypot(late.u_s, line.u_s(np.array([line.middle_s + beyond]))[0])),
-        u_rate=_UNKNOWN_CLOCK,
+        u_rate=UNKNOWN_CLOCK,
         scale=f"s of the trigger generator's counter in {wanted.calibrated_by.name}",
         remarks=(
             f"stamps follow that counter at a rate of 1 {line.rate - 1:+.3e}, jitter {readable_time(line.jitter_s)}: it is taken "

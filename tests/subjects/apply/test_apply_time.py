@@ -126,3 +126,33 @@ def test_recordings_whose_camera_calls_another_number_are_refused(tmp_path, hand
     status, _, error = told("apply", "time", result, hand_made(other), "--out", tmp_path / "times.csv")
     assert status == 2
     assert "its serial number is 8, the result was measured with 7" in error
+
+
+def test_stamps_of_the_camera_go_onto_the_counter_by_a_calibration(tmp_path, hand_made, told):
+    """Oracle: by hand; the camera's clock runs 40 ppm fast and 3 s ahead, with 20 us of jitter; triggers as recorded."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED)
+    content = json.loads(result.read_text())
+    content["inputs"][0]["image"] = {"rows": 4, "columns": 6}
+    result.write_text(json.dumps(content))
+    trigger_s = (7_000_000 + 16_384_000 + 1_622_016 * np.arange(20)) / CLOCK_HZ + 0.025
+    jitter = np.random.default_rng(3).normal(0, 2e-5, 20)
+
+    def stamped(file):
+        file["entry/instrument/camera/frame_timestamp"] = np.rint(1e6 * (3 + (1 + 4e-5) * trigger_s + jitter)).astype(
+            np.int64
+        )
+        file["entry/instrument/camera/timestamp_frequency"] = 1e6
+
+    measured = hand_made(stamped, name="measured.nxs")
+    later_s = trigger_s[-1] + 0.033 * np.arange(1, 9)
+    stamps = tmp_path / "later.csv"
+    stamps.write_text("stamp_us\n" + "\n".join(f"{1e6 * (3 + (1 + 4e-5) * one):.0f}" for one in later_s) + "\n")
+    status, said, error = told(
+        "apply", "time", result, stamps, "--kind", "camera", "--calibrated-by", measured, "--out", tmp_path / "times.csv"
+    )  # fmt: skip
+    assert status == 0, error
+    assert "neither clock was switched off since" in said
+    found = _lines(tmp_path / "times.csv")
+    for line, true_s in zip(found, later_s, strict=True):
+        assert line["start_s"] == pytest.approx(true_s + 4e-4, abs=4 * line["u_start_s"])
+        assert 1.5e-5 < line["u_start_s"] < 6e-5

@@ -7,7 +7,7 @@ from moving_scene import ROWS, FilmedBy, film
 
 from irtiming.apply import camera_timing, frame_times, stamps
 from irtiming.apply.conditions import require
-from irtiming.apply.stamps import TriggerTimes
+from irtiming.apply.stamps import Generator, Latency, TriggerTimes
 from irtiming.errors import ConditionError, EstimationError
 
 KINDS = [("photon", "snapshot"), ("photon", "rolling"), ("microbolometer", "snapshot"), ("microbolometer", "rolling")]
@@ -52,7 +52,7 @@ def test_times_of_100_random_cameras_miss_by_what_is_stated():
         clock_error = rng.normal(0, 3e-5)
         true_s = 10 + 0.03 * np.arange(5) + rng.uniform(0, 1e-3)
         ticks = np.rint(true_s * 1e5).astype(np.int64)  # a coarse clock, so that its ticks count
-        triggers = stamps.from_ticks(ticks, clock_frequency_hz=1e5, u_rate=3e-5)
+        triggers = stamps.from_ticks(ticks, clock_frequency_hz=1e5, generator=Generator(u_relative_error=3e-5))
         times = frame_times.apply(timing, triggers, rows_px=np.array([0.0, 7.0, 119.0]))
         for frame in range(5):
             for place, row in enumerate(times.rows_px):
@@ -192,3 +192,15 @@ def test_rows_beyond_the_image_are_refused(rows):
     timing = camera_timing.of_result(made_up_result("microbolometer", "rolling", BOLOMETER))
     with pytest.raises(EstimationError, match="rows must be from 0 to 119"):
         frame_times.apply(timing, TriggerTimes(time_s=np.zeros(1), scale="s"), rows_px=np.array(rows))
+
+
+def test_a_latency_of_the_trigger_path_cancels_where_the_same_generator_stamps():
+    """Oracle: drawn cases; a delay is what was seen from the stamp on, 5 ms sure to 1 us, minus a latency known to 3 us."""
+    seen_s, u_seen_s, latency_s, u_latency_s = 5e-3, 1e-6, 2e-5, 3e-6
+    numbers = {"trigger_delay": (seen_s - latency_s, np.hypot(u_seen_s, u_latency_s)), "time_constant": (4e-3, 1e-9)}
+    timing = camera_timing.of_result(made_up_result("microbolometer", "snapshot", numbers))
+    known = Generator(u_relative_error=0.0, trigger_latency=Latency(value_s=latency_s, u_s=u_latency_s))
+    triggers = stamps.from_ticks(np.arange(1, 4) * 10**9, clock_frequency_hz=1e9, generator=known)
+    times = frame_times.apply(timing, triggers)
+    assert times.time_s("reading")[0, 0] == pytest.approx(1 + seen_s, abs=1e-12)
+    assert times.u_s("reading")[0] == pytest.approx(u_seen_s, rel=1e-3)
