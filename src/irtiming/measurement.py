@@ -19,6 +19,7 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import recipes
+from irtiming.reduce.events import placing
 from irtiming.reduce.published import average_runs, row_averages
 from irtiming.reduce.wheel import pooled_slots
 
@@ -69,11 +70,9 @@ def reduce(
     recording: Recording, rig: Rig, *, before: Sequence[ReducedRecording] = (), choices: Choices | None = None,
     progress: Progress | None = None,
 ) -> ReducedRecording:  # fmt: skip
-    """One recording read through, all frames to sums; its opening is that of those ``before``, which go with it.
-
-    Parameters and errors as for `analyse`.
-    """
+    """One recording read through, all frames to sums; those ``before`` go with it, and give their opening. See `analyse`."""
     choices, total = choices or Choices(), recording.frames.shape[0]
+    recording = placing.placed(recording)
     recording = replace(recording, findings=(*recording.findings, *check_recording(recording)))
     recipes.check_goes_with(recording, before, choices=choices)
 
@@ -83,7 +82,11 @@ def reduce(
 
     with _noted(recording), computing(recording.name):
         return recipes.reduce(
-            recording, rig, choices=choices, progress=done, before=before[0].opening if before else None
+            recording,
+            placing.rig_for(rig, [recording.events]),
+            choices=choices,
+            progress=done,
+            before=before[0].opening if before else None,
         )
 
 
@@ -106,10 +109,11 @@ def estimate(
     )
     with doubted(one.findings for one in ordered), computing(", ".join(one.name for one in ordered)):
         tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
-        found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], rig)
-    first = found.recordings[0]
+        used = placing.rig_for(rig, [one.events for one in ordered])
+        found = timing.estimate([replace(one, track=track) for one, track in zip(ordered, tracks, strict=True)], used)
+    kind = found.recordings[0]
     analysis = Analysis(
-        camera_type=first.camera_type, readout_mode=first.readout_mode, rig=rig, choices=choices, recordings=found.recordings,
+        camera_type=kind.camera_type, readout_mode=kind.readout_mode, rig=rig, choices=choices, recordings=found.recordings,
         geometry=found.geometry, sectors=found.sectors, fits=found.fits, joint=found.found.joint_fit, best=found.found.result,
         wheel=wheel, two_constants=two_constants.of_result(found.found.result, choices=choices),
     )  # fmt: skip

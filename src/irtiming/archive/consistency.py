@@ -26,6 +26,7 @@ def check(contents: Contents) -> list[Finding]:
         *_ending(contents),
         *_streams(contents),
         *_frame_numbers(contents),
+        *_events(contents),
         *_reference(contents),
     ]
 
@@ -142,6 +143,52 @@ def _without_numbers(n_frames: int, n_triggers: int) -> Iterator[Finding]:
             code="fewer-frames-than-triggers",
             cure="frame i is taken to belong to trigger i; write frame_number if frames were lost in between",
         )
+
+
+def _events(contents: Contents) -> Iterator[Finding]:
+    """Every event needs the field that holds it, every exchange its three columns."""
+    event = contents.get(layout.FRAME_EVENT) or "trigger"
+    for needed in _NEEDED.get(event, ()):
+        if contents.get(needed) is None:
+            yield error_at(
+                needed.path,
+                f"is missing while {layout.FRAME_EVENT.name} is '{event}' ({needed.meaning})",
+                code="frame-event-without-field",
+                cure=f"write it, or another {layout.FRAME_EVENT.name}; see {layout.REFERENCE_PAGE}",
+            )
+    set_s = contents.get(layout.TRIGGER_DELAY_TIME_SET) or 0.0
+    if event != "trigger" and set_s:
+        yield error_at(
+            layout.TRIGGER_DELAY_TIME_SET.path,
+            f"is {set_s:g} s while {layout.FRAME_EVENT.name} is '{event}'",
+            code="set-delay-without-trigger",
+            cure="a camera that runs free knows no set delay; leave it out",
+        )
+    for fields in layout.EXCHANGES:
+        sizes = [None if contents.get(field) is None else len(contents[field]) for field in fields]
+        if len(set(sizes)) > 1:
+            told = ", ".join(f"{field.name} {size or 0}" for field, size in zip(fields, sizes, strict=True))
+            yield error_at(
+                fields[1].path,
+                f"has not as many entries as its two times ({told})",
+                code="exchanges-incomplete",
+                cure="write before, reading and after of each exchange",
+            )
+        elif sizes[0] and bool(np.any(~(np.asarray(contents[fields[2]]) >= np.asarray(contents[fields[0]])))):
+            yield error_at(
+                fields[2].path,
+                "is earlier than exchange_before at some entry, or no number",
+                code="exchange-ends-before-it-begins",
+                cure="both must be of one clock of the computer that is never set",
+            )
+
+
+_NEEDED: dict[str, tuple[Field, ...]] = {
+    "strobe": (layout.CAMERA_INPUT,),
+    "stamp": (layout.FRAME_TIMESTAMP, layout.TIMESTAMP_FREQUENCY),
+    "arrival": (layout.FRAME_HOST_TIME,),
+}
+"""What holds the events of a camera that runs free."""
 
 
 def _reference(contents: Contents) -> Iterator[Finding]:

@@ -111,7 +111,7 @@ def _find(file: h5py.File, field: Field) -> h5py.Dataset | None:
 
 
 def _complain_if_required(file: h5py.File, field: Field) -> None:
-    if not field.required:
+    if not _is_required(file, field):
         return
     names: list[str] = []
     with damage_at(field.group):
@@ -121,6 +121,13 @@ def _complain_if_required(file: h5py.File, field: Field) -> None:
     near = get_close_matches(field.name, names, n=1)
     hint = f"the file has '{near[0]}' there, rename it" if near else f"write it, see {layout.REFERENCE_PAGE}"
     raise refuse(field.path, f"is missing ({field.meaning})", code="field-missing", cure=hint)
+
+
+def _is_required(file: h5py.File, field: Field) -> bool:
+    """Whether the field must be there: a camera that runs free has no triggers."""
+    if field is not layout.CAMERA_TRIGGER or layout.FRAME_EVENT.path not in file:
+        return field.required
+    return read_field(file, layout.FRAME_EVENT) == "trigger"
 
 
 def _text(dataset: h5py.Dataset, field: Field) -> str:
@@ -232,7 +239,7 @@ def _integers(dataset: h5py.Dataset, field: Field) -> Ticks | None:
         )
     _refuse_other_than_ticks(dataset, field)
     if field.kind == "ticks" and dataset.size < field.fewest:
-        if dataset.size == 0 and not field.required:
+        if dataset.size == 0 and not _is_required(dataset.file, field):
             return None  # nothing is connected to that input
         raise refuse(
             field.path,

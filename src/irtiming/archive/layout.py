@@ -132,6 +132,26 @@ FRAME_HOST_TIME = Field(
     path=f"{CAMERA}/frame_host_time", kind="numbers", attribute="frame_host_time_s", unit="s",
     meaning="monotonic clock of the computer when the last of the frame had come",
 )
+FRAME_EVENT = Field(
+    path=f"{CAMERA}/frame_event", kind="text", attribute="frame_event", choices=("trigger", "strobe", "stamp", "arrival"),
+    meaning="what a frame's delay counts from; default 'trigger', the others where the camera runs free",
+)
+TIMESTAMP_CLOCK = Field(
+    path=f"{CAMERA}/timestamp_clock", kind="text", attribute="timestamp_clock", choices=("camera", "computer"),
+    meaning="whose time frame_timestamp is; default 'camera'",
+)
+CAMERA_EXCHANGE_BEFORE = Field(
+    path=f"{CAMERA}/exchange_before", kind="numbers", attribute="camera_exchange_before_s", unit="s",
+    meaning="clock of the computer just before each reading of the camera's clock",
+)
+CAMERA_EXCHANGE = Field(
+    path=f"{CAMERA}/exchange_timestamp", kind="index", attribute="camera_exchange_ticks", unit="ticks",
+    meaning="the camera's clock as it was read",
+)
+CAMERA_EXCHANGE_AFTER = Field(
+    path=f"{CAMERA}/exchange_after", kind="numbers", attribute="camera_exchange_after_s", unit="s",
+    meaning="clock of the computer just after each reading of the camera's clock",
+)
 CAMERA_VENDOR = Field(path=f"{CAMERA}/vendor", kind="text", meaning="who made the camera")
 CAMERA_MODEL = Field(path=f"{CAMERA}/model", kind="text", meaning="model of the camera")
 CAMERA_SERIAL_NUMBER = Field(path=f"{CAMERA}/serial_number", kind="text", meaning="serial number of the camera")
@@ -149,7 +169,7 @@ CLOCK_FREQUENCY = Field(
 )
 CAMERA_TRIGGER = Field(
     path=f"{TRIGGER_GENERATOR}/camera_trigger", kind="ticks", attribute="camera_trigger_ticks", unit="ticks", required=True,
-    meaning="nominal trigger, before trigger_delay_time_set is added",
+    meaning="nominal trigger, before trigger_delay_time_set is added; none where the camera runs free",
 )
 CONTROL_SLOT = Field(
     path=f"{TRIGGER_GENERATOR}/control_slot", kind="ticks", attribute="control_slot_ticks", unit="ticks", required=True, fewest=2,
@@ -181,6 +201,18 @@ SPARE = Field(
     path=f"{TRIGGER_GENERATOR}/spare", kind="ticks", attribute="spare_ticks", unit="ticks", fewest=0,
     meaning="edges of the spare input: a pulse per second, a second photodiode, or a trigger that is led back",
 )
+COUNTER_EXCHANGE_BEFORE = Field(
+    path=f"{TRIGGER_GENERATOR}/exchange_before", kind="numbers", attribute="counter_exchange_before_s", unit="s",
+    meaning="clock of the computer just before each reading of the counter",
+)
+COUNTER_EXCHANGE = Field(
+    path=f"{TRIGGER_GENERATOR}/exchange_counter", kind="index", attribute="counter_exchange_ticks", unit="ticks",
+    meaning="the counter as it was read",
+)
+COUNTER_EXCHANGE_AFTER = Field(
+    path=f"{TRIGGER_GENERATOR}/exchange_after", kind="numbers", attribute="counter_exchange_after_s", unit="s",
+    meaning="clock of the computer just after each reading of the counter",
+)
 CAMERA_PERIOD = Field(
     path=f"{TRIGGER_GENERATOR}/camera_period", kind="integer",
     attribute="camera_period_ticks", unit="ticks", lowest=1, highest=2.0**62,
@@ -209,11 +241,13 @@ TEMPERATURE_UNITS_ATTRIBUTE = "temperature_units"
 FIELDS = (
     TITLE, START_TIME, ENDING, PROGRAM_VERSION,
     FRAMES, CAMERA_TYPE, READOUT_MODE, INTEGRATION_TIME, TRIGGER_DELAY_TIME_SET, BIT_DEPTH, FRAME_NUMBER,
-    FRAME_STATUS, FRAME_ID, FRAME_TIMESTAMP, TIMESTAMP_FREQUENCY, FRAME_HOST_TIME,
+    FRAME_STATUS, FRAME_ID, FRAME_TIMESTAMP, TIMESTAMP_FREQUENCY, FRAME_HOST_TIME, FRAME_EVENT, TIMESTAMP_CLOCK,
+    CAMERA_EXCHANGE_BEFORE, CAMERA_EXCHANGE, CAMERA_EXCHANGE_AFTER,
     CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS,
     ROTATION_SPEED,
     CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES, LOST_AFTER,
     CAMERA_TRIGGER_DELAYED, CAMERA_INPUT, SPARE,
+    COUNTER_EXCHANGE_BEFORE, COUNTER_EXCHANGE, COUNTER_EXCHANGE_AFTER,
     CAMERA_PERIOD, WHEEL_PERIOD,
     BLACKBODY_TEMPERATURE,
     REFERENCE_LOW, REFERENCE_HIGH,
@@ -225,6 +259,12 @@ IDENTITY = (CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, 
 
 PER_FRAME = (FRAME_NUMBER, FRAME_ID, FRAME_TIMESTAMP, FRAME_HOST_TIME)
 """Columns with one entry per frame, its status apart."""
+
+EXCHANGES = (
+    (CAMERA_EXCHANGE_BEFORE, CAMERA_EXCHANGE, CAMERA_EXCHANGE_AFTER),
+    (COUNTER_EXCHANGE_BEFORE, COUNTER_EXCHANGE, COUNTER_EXCHANGE_AFTER),
+)
+"""Readings of a clock between two readings of the computer's: before, ticks, after."""
 
 COMPLETE = "complete"
 """What `ENDING` says of a recording that ended as planned."""

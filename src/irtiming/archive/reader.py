@@ -233,6 +233,7 @@ def _recording(path: Path, contents: Contents, *, frames: FrameStack) -> Recordi
     found = {name: value for name, value in values.items() if value is not None}
     found["name"] = found.get("name") or path.stem
     found.setdefault("frame_number", read_only(np.arange(frames.shape[0], dtype=np.int64)))
+    found.setdefault("camera_trigger_ticks", read_only(np.zeros(0, np.int64)))
     return Recording(frames=frames, camera=_identity(contents), source=str(path), **found)
 
 

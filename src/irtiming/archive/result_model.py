@@ -6,6 +6,7 @@ from pydantic import Field, JsonValue
 
 from irtiming.archive.typed_file import Part
 from irtiming.records.finding import Severity
+from irtiming.records.frame_events import FrameEvent
 from irtiming.records.recording import CameraType, ReadoutMode
 
 FORMAT = "irtiming-result"
@@ -190,6 +191,35 @@ class Image(Part):
     columns: int
 
 
+class Histogram(Part):
+    """Counts between edges, s."""
+
+    edges: list[float]
+    counts: list[int]
+
+
+class JitterOfEvents(Part):
+    """How events scatter about their grid, s; quantiles by their share."""
+
+    standard_deviation: float
+    quantiles: dict[str, float]
+    histogram: Histogram
+
+
+class EventsOfFrames(Part):
+    """What the delays of a camera that runs free count from, s; null where the counter itself stamped it."""
+
+    kind: FrameEvent
+    period: float
+    clock_rate: Real = Field(description="relative, of the clock that stamped against the counter")
+    clock_rate_standard_uncertainty: Real
+    clock_offset: Real = Field(description="zero of that clock in the counter's time")
+    clock_standard_uncertainty: float
+    grid_standard_uncertainty: float
+    jitter: JitterOfEvents
+    unit: str
+
+
 class Input(Part):
     """One recording, and what its reduction took."""
 
@@ -214,6 +244,7 @@ class Input(Part):
     start_time: str | None = Field(None, description="ISO 8601; null: the recording does not say")
     item: Item | None = Field(None, description="the camera that this recording names; null: none")
     simulated: bool = False
+    event: EventsOfFrames | None = Field(None, description="null: the camera was triggered")
 
 
 class Source(Part):
@@ -256,6 +287,7 @@ class Result(Core):
     version: str = Field(VERSION, pattern=r"^\d+\.\d+$")
     camera: CameraType
     readout_mode: ReadoutMode | None = None
+    frame_event: FrameEvent = Field("trigger", description="what the delays count from")
     item: Item = Item()
     simulated: bool = Field(False, description="whether a recording says of itself that no camera made it")
     headline: str = Field("", description="the result in one sentence, with what its uncertainties do not hold")

@@ -32,7 +32,7 @@ _SMALLEST_HALF_SEPARATION_MM = 1.0
 _LARGEST_OFFSET_MM = 20.0
 _LONGEST_LATENCY_US = 10_000.0
 _LARGEST_CLOCK_ERROR = 0.01  # no oscillator is as far off
-LATENCIES = ("application_gate", "control_gate", "trigger")
+LATENCIES = ("application_gate", "control_gate", "trigger", "camera_input")
 _HALF_TURN_TOLERANCE_RAD = 1e-3
 _P = TypeVar("_P", bound=Part)
 _KIND = FileKind(
@@ -295,6 +295,10 @@ class _Latency(Part):
         None, description="how much later than its timestamp a trigger is at the camera's connector"
     )
     trigger_u_us: Uncertainty = 0.0
+    camera_input_us: _Late | None = Field(
+        None, description="how much later than it leaves the camera an edge of its strobe is timestamped"
+    )
+    camera_input_u_us: Uncertainty = 0.0
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Latency":

@@ -231,9 +231,11 @@ def _of_reference(path: Path, contents: Contents) -> Iterator[Finding]:
 def _summary(contents: Contents) -> Finding:
     n_frames, rows, columns = contents[layout.FRAMES]
     camera = f"{contents[layout.CAMERA_TYPE]}, {contents[layout.READOUT_MODE]}"
-    n_triggers, n_edges = contents[layout.CAMERA_TRIGGER].size, contents[layout.APPLICATION_SLOT].size
-    what = (
-        f"{camera}: {n_frames} frames of {rows} x {columns} for {n_triggers} triggers in {duration(contents)}, "
-        f"{(n_edges - 1) // 2} turns"
+    triggers, n_edges = contents[layout.CAMERA_TRIGGER], contents[layout.APPLICATION_SLOT].size
+    beside = (
+        f"of a camera that runs free, counted from the {contents[layout.FRAME_EVENT]}"
+        if triggers is None
+        else f"for {triggers.size} triggers in {duration(contents)}"
     )
+    what = f"{camera}: {n_frames} frames of {rows} x {columns} {beside}, {(n_edges - 1) // 2} turns"
     return Finding(code="recording-sound", severity="ok", where="", what=what)

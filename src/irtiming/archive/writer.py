@@ -171,7 +171,8 @@ class RecordingWriter:
             if value is not None:
                 dataset = group(file, field.group).create_dataset(field.name, data=value)
                 set_units(dataset, field.unit)
-        file.create_dataset(layout.ACQUISITION_MODE, data="triggered")
+        mode = "triggered" if recording.frame_event == "trigger" else "free-running"
+        file.create_dataset(layout.ACQUISITION_MODE, data=mode)
         if recording.nonuniformity is not None:
             self._temperatures = {
                 layout.REFERENCE_LOW: recording.nonuniformity.low_temperature_k,
@@ -241,6 +242,8 @@ def values_of(recording: Recording) -> dict[Field, Any]:
     """What a recording says, by field of the file, None where it says nothing; frames and reference stacks are written apart."""
     values = {field: getattr(recording, field.attribute) for field in layout.FIELDS if field.attribute}
     values |= {} if recording.camera is None else identity_values(recording.camera)
+    if recording.frame_event != "trigger":
+        values[layout.CAMERA_TRIGGER] = None
     return {field: None if isinstance(value, str) and not value else value for field, value in values.items()}
 
 

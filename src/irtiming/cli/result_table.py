@@ -1,6 +1,7 @@
 """Results in the terminal: the report's tables, drawn with Rich."""
 
 from dataclasses import replace
+from functools import partial
 
 from rich import box
 from rich.console import Console
@@ -8,8 +9,11 @@ from rich.markup import escape
 from rich.table import Table as RichTable
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.frame_events import FrameEvent
+from irtiming.report import event_words
 from irtiming.report.blocks import Table, of_tables
-from irtiming.report.meanings import METHOD_NAMES, SIGN, event, has_pixel_sums
+from irtiming.report.meanings import METHOD_NAMES, SIGN, has_pixel_sums
+from irtiming.report.meanings import event as event_text
 from irtiming.report.result import warnings
 from irtiming.report.sections import parameters, relative_delays, two_constants, uncertainty
 from irtiming.report.verdict import verdict
@@ -20,7 +24,8 @@ _ALIGN = {"l": "left", "c": "center", "r": "right"}
 
 def print_result(analysis: Analysis, console: Console) -> None:
     """Verdict and warnings first, then the parameters, the relative delays and the budget."""
-    console.print(f"[bold]{escape(verdict(analysis).sentence)}[/bold]")
+    event = event_words.event_of(analysis)
+    console.print(f"[bold]{escape(event_words.text(verdict(analysis).sentence, event))}[/bold]")
     for text in warnings(analysis):
         console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
     separate = [] if analysis.two_constants is None else [_first(two_constants.constants(analysis.two_constants), 3)]
@@ -29,7 +34,19 @@ def print_result(analysis: Analysis, console: Console) -> None:
     whole = uncertainty.budget(analysis)
     budget = _first(whole, len(whole.columns) - 2)
     for table in of_tables(parameters.parameters(analysis), *separate, ours, budget):
-        print_table(table, console)
+        print_table(_worded(table, event), console)
+
+
+def _worded(table: Table, event: FrameEvent) -> Table:
+    """The same with the event's own words."""
+    told = partial(event_words.text, event=event)
+    return replace(
+        table,
+        title=told(table.title),
+        columns=tuple(map(told, table.columns)),
+        rows=tuple(tuple(map(told, row)) for row in table.rows),
+        note=told(table.note),
+    )
 
 
 def print_demonstration(analysis: Analysis, truth_s: dict[str, float], *, console: Console) -> None:
@@ -39,7 +56,7 @@ def print_demonstration(analysis: Analysis, truth_s: dict[str, float], *, consol
         return
     true = truth_s["trigger_delay"]
     print_table(relative_delays.beside_the_paper(analysis), console)
-    what = f"{event('trigger_delay', analysis)}; {SIGN}"
+    what = f"{event_text('trigger_delay', analysis)}; {SIGN}"
     console.print(f"true trigger delay of the simulated camera ({what}): {1e6 * true:.2f} µs", highlight=False)
     for result in relative_delays.results(analysis):
         value, u = parameters.entries(result)["trigger_delay"]

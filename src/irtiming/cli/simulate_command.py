@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -81,6 +81,10 @@ Blur = Annotated[float, typer.Option(min=0, max=20, help="Optical blur in pixels
 Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirror the rig: wheel, gates and image.")]
 Distortion = Annotated[float, typer.Option(min=-0.2, max=0.2, help="Radial distortion at the image corner, relative.")]
 MaskOffset = Annotated[float | None, typer.Option("--mask-offset-mm", help="Mask centre this far right of the axle.")]
+FreeRunning = Annotated[
+    Literal["strobe", "stamp", "arrival"] | None,
+    typer.Option(help="A camera that runs free instead of a triggered one, and what its frames' delays count from."),
+]
 LostFrames = Annotated[int, typer.Option(min=0, help="Frames lost in each run.")]
 LateApplication = Annotated[
     str | None, typer.Option("--late-application-gate", help="How late its edges are timestamped, such as '5 us'.")
@@ -167,6 +171,7 @@ def simulate(
     distortion: Distortion = 0.0,
     mask_offset_mm: MaskOffset = None,
     lost_frames: LostFrames = 0,
+    free_running: FreeRunning = None,
     late_application_gate: LateApplication = None,
     late_control_gate: LateControl = None,
     late_trigger: LateTrigger = None,

@@ -93,6 +93,23 @@ def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
     )
 
 
+_OF_TRIGGERS = ("rows-read-before-trigger", "delay-negative")
+
+
+def of_events(findings: Sequence[Finding], recordings: Sequence[ReducedRecording]) -> tuple[Finding, ...]:
+    """The same without those that a camera that runs free gives no reason for: it may well expose before its strobe or stamp.
+
+    Parameters
+    ----------
+    findings
+        About the result.
+    recordings
+        That it is of.
+    """
+    runs_free = recordings[0].events is not None
+    return tuple(one for one in findings if not (runs_free and one.code in _OF_TRIGGERS))
+
+
 def of_next_trigger(result: Result, *, recordings: Sequence[ReducedRecording]) -> tuple[Finding, ...]:
     """Where the first row is read when the next trigger has already come.
 
@@ -107,7 +124,7 @@ def of_next_trigger(result: Result, *, recordings: Sequence[ReducedRecording]) -
         With their triggers, and the rows of their images.
     """
     name = next((name for name in ("trigger_delay", "exposure_midpoint_delay") if name in result.estimate), None)
-    triggers = [one for one in recordings if one.trigger_ticks.size > 1]
+    triggers = [one for one in recordings if one.trigger_ticks.size > 1 and one.events is None]
     if name is None or not triggers:
         return ()
     period_s = min(float(np.diff(one.trigger_ticks).min()) / one.track.clock_frequency_hz for one in triggers)

@@ -7,6 +7,12 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Latency, Rig
 
 _SAME_SPEED = 1.02
+_OF_EVENT = {
+    "trigger": "that the trigger is stamped at the edge that the camera takes, and by the counter that stamps the gates",
+    "strobe": "which edge of the strobe is stamped",
+    "stamp": "that the stamps are as the camera gave them",
+    "arrival": "that the program that stamped the arrivals, and what else that computer does, stay the same",
+}
 
 
 def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ...]:
@@ -34,8 +40,8 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ..
         "count_time": has_window and not several,
         "[latency]": bool(stated),
         "clock_frequency, where rotation_speed is wrong by as much": True,
-        "trigger_delay_time_set": True,
-        "that the trigger is stamped at the edge that the camera takes, and by the counter that stamps the gates": True,
+        "trigger_delay_time_set": recordings[0].events is None,
+        _OF_EVENT["trigger" if recordings[0].events is None else recordings[0].events.kind]: True,
         "that the control gate stamps the edge of each slot that is in register with the cutouts": not several,
     }
     return (

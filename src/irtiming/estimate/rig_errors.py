@@ -22,6 +22,7 @@ from irtiming.records.wheel_geometry import WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
 
 CLOCK = "clock_error"
+EVENT_SOURCE = "scatter of the frames' stamps"
 _EXACT = Measured(0.0)
 _SAME_SPEED = 1.02
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -75,7 +76,11 @@ def of(
         How the gates' angle follows from their distance.
     """
     clock = USUAL_CLOCK if rig.clock is None else rig.clock.relative_error
-    shared = [*_latencies(recordings, rig.latency, geometry), *_clock(recordings, fits, clock)]
+    shared = [
+        *_latencies(recordings, rig.latency, geometry),
+        *_event_grids(recordings),
+        *_clock(recordings, fits, clock),
+    ]
     speeds = [fit.angular_frequency_rad_per_s for fit in fits]
     several = max(speeds) > _SAME_SPEED * min(speeds)
     missing = [words for name, words in _LATENCIES.items() if getattr(rig.latency or Latency(), f"{name}_s") is None]
@@ -148,6 +153,17 @@ def _latencies(
                     name=f"latency_{name}", effects=by_recording, u=u, source=source, kind="B", measured=(u, "s")
                 )
             )
+    return found
+
+
+def _event_grids(recordings: Sequence[ReducedRecording]) -> list[SharedNumber]:
+    """By how much the grid through the stamps of each recording may lie beside its place, s; none of triggers or strobes."""
+    found = []
+    for place, one in enumerate(recordings):
+        u = 0.0 if one.events is None else one.events.u_grid_s
+        if u > 0:
+            effects = [dict.fromkeys(EDGE_DELAYS, 1.0) if k == place else {} for k in range(len(recordings))]
+            found.append(SharedNumber(name=f"event_grid_{place}", effects=effects, u=u, source=EVENT_SOURCE, kind="A"))
     return found
 
 

@@ -133,7 +133,7 @@ def _of_recordings(
     """The same with each recording's file beside its relative delay, and with what only the recordings tell of the result."""
     result = found.result
     findings = (
-        *result.findings,
+        *doubts.of_events(result.findings, recordings),
         *doubts.of_next_trigger(result, recordings=recordings),
         *scatter.of_triggers(fits, recordings),
         *on_trust.of(recordings, rig=rig),

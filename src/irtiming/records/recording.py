@@ -1,4 +1,4 @@
-"""One uninterrupted series of triggered frames with the timestamps taken beside it."""
+"""One uninterrupted series of frames, triggered or of a camera that runs free, with the timestamps taken beside it."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,10 +9,12 @@ import numpy as np
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
+from irtiming.records.frame_events import FrameEvent, FrameEvents
 from irtiming.records.short_repr import short_repr
 
 CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
+TimestampClock = Literal["camera", "computer"]
 USUAL_READOUT: Mapping[CameraType, ReadoutMode] = {"photon": "snapshot", "microbolometer": "rolling"}
 """How cameras of a type are read where nobody says."""
 
@@ -68,11 +70,15 @@ class Recording:
     ``camera_trigger_ticks`` are nominal triggers, before ``trigger_delay_time_set_s`` is added.
     ``lost_after_ticks`` has the last known time before each loss of timestamps; empty: none was lost, None: not known.
     ``start_time`` is text in ISO 8601, empty where unknown. Shapes: frame_number (n_frame,), each ticks array (n_edge,).
-    What the camera and this computer said of each frame is kept as it came, shape (n_frame,): ``frame_id``,
-    ``frame_timestamp_ticks`` of the camera's own clock of ``timestamp_frequency_hz``, and ``frame_host_time_s``.
-    ``ending`` is "complete", or why the recording ended early; empty where unknown. ``findings``
-    are the warnings of its file, which do not stop an analysis.
-    ``is_simulated`` says that no camera made it, as far as the file tells.
+    ``frame_event`` says what a frame's delay counts from: its trigger, or, where the camera runs free, its strobe
+    (``camera_input_ticks``), its time stamp or its arrival; there are then no triggers, and ``frame_number`` is the camera's
+    count. Clock exchanges, shape (n_exchange,): a clock was read at ``..._ticks`` between ``..._before_s`` and ``..._after_s``
+    of this computer's clock; ``counter_exchange`` of the counter, ``camera_exchange`` of the camera's clock.
+    ``timestamp_clock`` says whose time ``frame_timestamp_ticks`` are. ``events`` is what placing the events in counter time
+    found; None until then, or of triggers. What the camera and this computer said of each frame is kept as it came, shape
+    (n_frame,): ``frame_id``, ``frame_timestamp_ticks`` of the camera's own clock of ``timestamp_frequency_hz``, and
+    ``frame_host_time_s``. ``ending`` is "complete", or why the recording ended early; empty where unknown. ``findings`` are the
+    warnings of its file, which do not stop an analysis. ``is_simulated`` says that no camera made it, as far as the file tells.
     """
 
     __repr__ = short_repr
@@ -102,7 +108,16 @@ class Recording:
     frame_id: Ticks | None = None
     frame_timestamp_ticks: Ticks | None = None
     timestamp_frequency_hz: float | None = None
+    timestamp_clock: TimestampClock = "camera"
     frame_host_time_s: Array | None = None
+    frame_event: FrameEvent = "trigger"
+    counter_exchange_before_s: Array | None = None
+    counter_exchange_ticks: Ticks | None = None
+    counter_exchange_after_s: Array | None = None
+    camera_exchange_before_s: Array | None = None
+    camera_exchange_ticks: Ticks | None = None
+    camera_exchange_after_s: Array | None = None
+    events: FrameEvents | None = None
     camera: CameraIdentity | None = None
     start_time: str = ""
     ending: str = ""

@@ -8,6 +8,7 @@ from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.finding import Finding
+from irtiming.records.frame_events import FrameEvents
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.short_repr import short_repr
 from irtiming.records.wheel_track import WheelTrack
@@ -281,6 +282,8 @@ class ReducedRecording:
         Fingerprint of the non-uniformity references; empty without.
     axle
         Wheel centre and mask in the image; None where they were not, or are not yet, found.
+    events
+        What the frames' delays count from, where the camera runs free: ``trigger_ticks`` are then these events; None of triggers.
     integration_time_s, blackbody_temperature_k, frame_period_s, bit_depth, camera, start_time, is_simulated
         As the recording tells them; None, or empty, where it does not.
     """
@@ -316,6 +319,7 @@ class ReducedRecording:
     camera: CameraIdentity | None = None
     start_time: str = ""
     is_simulated: bool = False
+    events: FrameEvents | None = None
     findings: tuple[Finding, ...] = ()
 
     @property

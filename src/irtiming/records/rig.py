@@ -66,13 +66,15 @@ class MaskOpening:
 class Latency:
     """How much later than the event its edge is timestamped, s; None where rig.toml does not state it.
 
-    ``application_gate_s`` and ``control_gate_s``: an edge that passes the beam. ``trigger_s`` the other way: how much later than
-    its timestamp the trigger is at the camera's connector, from where its delay counts.
+    ``application_gate_s`` and ``control_gate_s``: an edge that passes the beam. ``camera_input_s``: an edge of the camera's
+    strobe. ``trigger_s`` the other way: how much later than its timestamp the trigger is at the camera's connector, from where
+    its delay counts.
     """
 
     application_gate_s: Measured | None = None
     control_gate_s: Measured | None = None
     trigger_s: Measured | None = None
+    camera_input_s: Measured | None = None
 
 
 @final

@@ -98,6 +98,12 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
         )
     for other in before:
         _refuse_another_camera(recording, other)
+        kinds = [one.events.kind if one.events else "trigger" for one in (recording, other)]
+        if kinds[0] != kinds[1]:
+            raise EstimationError(
+                f"{recording.name} counts from the {kinds[0]} (frame_event), {other.name} from the {kinds[1]}: all must count "
+                "from one event; analyse them apart"
+            )
     if before and choices.reference_edge != "automatic":
         raise EstimationError(
             f"the {choices.reference_edge} application edge was named as reference, which may be another edge in "

@@ -27,6 +27,8 @@ _CORNERS = tuple(
 _FRAMES_PER_NUMBER = 3
 _FAR = 6.0  # standard uncertainties, which take for noise what waves of higher order leave; by chance never
 _OUTLIER = 6.0
+_OF_SLOPE = 0.75 * 12**0.5
+"""Of a straight line through evenly spread points: u of its rise from the first part to the last, over u of its middle."""
 
 
 @final
@@ -115,7 +117,9 @@ def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding
     if late is None:
         return ()
     first, last = int(np.argmin(late.angle_rad)), int(np.argmax(late.angle_rad))
-    apart, u = float(np.ptp(late.angle_rad)), float(np.hypot(late.u_rad[first], late.u_rad[last]))
+    grid_rad = 0.0 if recording.events is None else TURN * recording.rotation_speed_hz * recording.events.u_grid_s
+    apart = float(np.ptp(late.angle_rad))
+    u = float(np.hypot.reduce([late.u_rad[first], late.u_rad[last], _OF_SLOPE * grid_rad]))
     if apart <= max(_FAR * u, 2 * rig.mask_opening.centre_angle_rad.standard_uncertainty):
         return ()
     apart_ms, u_ms = (1e3 * angle / (TURN * recording.rotation_speed_hz) for angle in (apart, u))

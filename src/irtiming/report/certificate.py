@@ -3,11 +3,12 @@
 from datetime import datetime
 
 from irtiming.records.analysis import Analysis
-from irtiming.report import result
+from irtiming.report import event_words, result
 from irtiming.report.blocks import Section
 from irtiming.report.page import Certificate, Content, render
 from irtiming.report.sections import (
     diagnosis,
+    events,
     image,
     inputs,
     joint_fit,
@@ -45,13 +46,14 @@ def page(analysis: Analysis, *, created: datetime | None = None) -> str:
         warnings=result.warnings(analysis),
         sections=sections(analysis),
     )
-    return render(content, created=created)
+    return event_words.text(render(content, created=created), event_words.event_of(analysis))
 
 
 def sections(analysis: Analysis) -> tuple[Section, ...]:
     """The body of the page, in the order of the argument; each section asks the analysis what it has."""
     made = (
         parameters.section(analysis),
+        events.section(analysis),
         relative_delays.section(analysis),
         pixel_sums.section(analysis),
         *row_sums.sections(analysis),

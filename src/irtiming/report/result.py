@@ -6,7 +6,7 @@ import numpy as np
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.result import Contribution, Result
-from irtiming.report import budget, camera_noise, result_of_fits, result_of_inputs, result_of_wheel
+from irtiming.report import budget, camera_noise, event_words, result_of_fits, result_of_inputs, result_of_wheel
 from irtiming.report.combination import combined
 from irtiming.report.meanings import (
     RELATIVE_SIGN,
@@ -34,6 +34,11 @@ def result(analysis: Analysis) -> dict[str, Any]:
     Keys method, camera, readout_mode, parameters, bounds, correlation, relative_delays, budget, warnings and
     findings; beside them the fits, the other method, choices, inputs and software. All values are of the types that JSON has.
     """
+    return event_words.data(_result(analysis), event_words.event_of(analysis))
+
+
+def _result(analysis: Analysis) -> dict[str, Any]:
+    """The same, as of triggers."""
     core = _core(analysis, analysis.result)
     both = (analysis.best, *(() if analysis.published is None else (analysis.published.result,)))
     two = analysis.two_constants
@@ -41,6 +46,7 @@ def result(analysis: Analysis) -> dict[str, Any]:
         "method": analysis.result.method,
         "camera": analysis.camera_type,
         "readout_mode": analysis.readout_mode,
+        "frame_event": event_words.event_of(analysis),
         "item": result_of_inputs.item(analysis.item),
         "simulated": analysis.is_simulated,
         **core,
@@ -76,7 +82,8 @@ def result(analysis: Analysis) -> dict[str, Any]:
 
 def warnings(analysis: Analysis) -> tuple[str, ...]:
     """Findings that a person should know of, one sentence each."""
-    return tuple(one.sentence() for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
+    told = (one.sentence() for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
+    return tuple(event_words.text(one, event_words.event_of(analysis)) for one in told)
 
 
 def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:

@@ -4,11 +4,16 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+import numpy as np
+
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.frame_events import FrameEvents
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Measured, Rig
 
 _UNITS = ("m", "rad", "s", "px")
+JITTER_QUANTILES = (0.05, 0.5, 0.95, 0.99)
+_BINS = 40
 
 
 def item(camera: CameraIdentity) -> dict[str, str | None]:
@@ -49,6 +54,27 @@ def of_recording(recording: ReducedRecording) -> dict[str, Any]:
         "start_time": recording.start_time or None,
         "item": None if recording.camera is None else item(recording.camera),
         "simulated": recording.is_simulated,
+        "event": None if recording.events is None else event(recording.events),
+    }
+
+
+def event(found: FrameEvents) -> dict[str, Any]:
+    """Events of a recording whose camera runs free: period, clock, and how they scatter about their grid."""
+    counts, edges_s = np.histogram(found.deviation_s, bins=_BINS)
+    return {
+        "kind": found.kind,
+        "period": found.period_s,
+        "clock_rate": found.relative_rate,
+        "clock_rate_standard_uncertainty": found.u_relative_rate,
+        "clock_offset": found.offset_s,
+        "clock_standard_uncertainty": found.u_clock_s,
+        "grid_standard_uncertainty": found.u_grid_s,
+        "jitter": {
+            "standard_deviation": float(found.deviation_s.std(ddof=1)),
+            "quantiles": {f"{share:g}": float(np.quantile(found.deviation_s, share)) for share in JITTER_QUANTILES},
+            "histogram": {"edges": [float(one) for one in edges_s], "counts": [int(one) for one in counts]},
+        },
+        "unit": "s",
     }
 
 

@@ -9,10 +9,12 @@ from irtiming.archive import rig_writer, writer
 from irtiming.archive.json_file import make_folder, write_json
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
+from irtiming.records.frame_events import FreeEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
 from irtiming.records.rig import Rotation
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.defects import Defects, with_defects
+from irtiming.twin.free_camera import draw_free
 from irtiming.twin.laboratory import in_laboratory
 from irtiming.twin.readout import refuse_slow_readout
 from irtiming.twin.rig import SimulatedRig, draw, series, truth
@@ -117,6 +119,7 @@ class SimulationOrder:
     lost_frames: int = 0
     defects: Defects = field(default_factory=Defects)
     laboratory: bool = False
+    free_running: FreeEvent | None = None
 
     def __post_init__(self) -> None:
         for delay_s in self.delay_s:
@@ -133,6 +136,12 @@ class SimulationOrder:
             raise PlanError(
                 f"a mask offset of {1e3 * aside:g} mm was asked for; it must lie within +-{1e3 * _FURTHEST_M:g} mm: the mask "
                 "itself is no larger"
+            )
+        if self.free_running is not None and any(self.delay_s):
+            raise PlanError(
+                "{delay_s} is set with {free_running}; a camera that runs free has no trigger to delay, leave out {delay_s}",
+                "delay_s",
+                "free_running",
             )
         if self.lost_frames >= self.frames:
             raise PlanError(
@@ -165,6 +174,8 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
         If this camera or rig cannot be, or a file cannot be written.
     """
     rig = _drawn(order)
+    if order.free_running is not None:
+        rig = replace(rig, scene=replace(rig.scene, free=draw_free(order.free_running, seed=order.seed)))
     scenes = _scenes(rig.scene, order)
     for scene in scenes:
         _refuse_impossible(scene)

@@ -32,6 +32,7 @@ Purpose = Literal[
     "laboratory",
     "statement",
     "pulses",
+    "free camera",
 ]
 """What a series of random numbers is for; the order counts, so add at the end."""
 

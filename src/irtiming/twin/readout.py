@@ -9,6 +9,7 @@ import numpy as np
 from irtiming.errors import PlanError
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.twin.clockwork import Motion
+from irtiming.twin.free_camera import begun_s
 from irtiming.twin.lag import Fading
 from irtiming.twin.noise import FixedPattern, Values, corrected_pattern, digitise, fixed_pattern, generator
 from irtiming.twin.scene import CameraTiming, Detector, Scene, Timing
@@ -122,7 +123,7 @@ def wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> Whee
     trigger, before = scene.trigger, exposures_before(scene.timing)
     clock_hz = trigger.true_frequency_hz
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / clock_hz + trigger.late_trigger_s
-    triggered_s = np.arange(-before, trigger.n_triggers) * trigger.camera_period_ticks / clock_hz + set_s
+    triggered_s = begun_s(trigger, scene.free, number=np.arange(-before, trigger.n_triggers)) + set_s
     jitter = generator(seed, "exposure").standard_normal(triggered_s.size)
     view = view_of_wheel(scene, motion)
     epoch, level_dn = upkeep_at(scene, triggered_s)

@@ -13,7 +13,7 @@ from irtiming.records.arrays import Ticks
 from irtiming.records.camera_frame import SIMULATED_VENDOR, CameraIdentity
 from irtiming.records.recording import FrameStack, NonuniformityReference, Recording
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
-from irtiming.twin import kept_frames, window
+from irtiming.twin import free_camera, kept_frames, window
 from irtiming.twin.clockwork import Motion, TickStreams, spin, tick_streams
 from irtiming.twin.defects import defects_of
 from irtiming.twin.frames import SimulatedFrames, nonuniformity_reference
@@ -220,7 +220,7 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
     kept, trigger, timing = _kept_frames(scene, seed), scene.trigger, scene.timing
     photon = isinstance(timing, CameraTiming)
     referenced = photon and scene.radiance.reference_frames > 0
-    return Recording(
+    run = Recording(
         name=name,
         camera_type="photon" if photon else "microbolometer",
         readout_mode=readout_mode_of(timing),
@@ -244,6 +244,7 @@ def recorded(scene: Scene, motion: Motion, *, ticks: TickStreams, seed: int, nam
         is_simulated=True,
         source=f"twin, seed {seed}",
     )
+    return run if scene.free is None else replace(run, **free_camera.observed(scene, scene.free, kept=kept, seed=seed))
 
 
 def _identity(scene: Scene, *, photon: bool) -> CameraIdentity:
@@ -357,7 +358,8 @@ def _lag_truth(timing: BolometerTiming) -> dict[str, object]:
 def _camera_truth(scene: Scene) -> dict[str, object]:
     """What is true of this kind of camera only."""
     timing = scene.timing
-    shared: dict[str, object] = {"readout_mode": readout_mode_of(timing), "trigger_delay_s": timing.trigger_delay_s}
+    name, delay_s = _delay_truth(scene)
+    shared: dict[str, object] = {"readout_mode": readout_mode_of(timing), name: delay_s}
     if timing.row_delay_s is not None:
         shared["row_delay_s"] = timing.row_delay_s
     if isinstance(timing, BolometerTiming):
@@ -365,10 +367,19 @@ def _camera_truth(scene: Scene) -> dict[str, object]:
     return {
         "camera": "photon",
         **shared,
-        "exposure_midpoint_delay_s": timing.trigger_delay_s + window.centre_s(timing),
+        "exposure_midpoint_delay_s": delay_s + window.centre_s(timing),
         "integration_time_s": timing.integration_time_s,
         **(_upkeep_truth(scene) if scene.correction.events or scene.drift != Drift() else {}),
     }
+
+
+def _delay_truth(scene: Scene) -> tuple[str, float]:
+    """Name and true value of the first delay: from the trigger, or from the event of a camera that runs free."""
+    after_s, free = scene.timing.trigger_delay_s, scene.free
+    if free is None:
+        return "trigger_delay_s", after_s
+    name = "strobe_delay_s" if free.event == "strobe" else "timestamp_delay_s"
+    return name, free_camera.delay_s(free, exposed_after_s=after_s)
 
 
 def _upkeep_truth(scene: Scene) -> dict[str, object]:

@@ -14,6 +14,7 @@ from irtiming.errors import GeometryError, PlanError
 from irtiming.records.recording import ReadoutMode
 from irtiming.records.rig import Rotation
 from irtiming.twin.beams import Beams
+from irtiming.twin.free_running import FreeRunning
 from irtiming.twin.in_camera import InCamera
 from irtiming.twin.optics import Optics
 from irtiming.twin.upkeep import Drift, SelfCorrection, Sway
@@ -315,7 +316,8 @@ class Faults:
 class Scene:
     """The whole simulated experiment; every number is the true one.
 
-    The kind of ``timing`` is the kind of camera.
+    The kind of ``timing`` is the kind of camera. ``free`` is None of a camera that is triggered; where it is not, ``trigger``
+    still has the period of the frames and how many there are.
     """
 
     wheel: ChopperWheel = field(default_factory=ChopperWheel)
@@ -332,6 +334,7 @@ class Scene:
     drift: Drift = field(default_factory=Drift)
     sway: Sway = field(default_factory=Sway)
     in_camera: InCamera = field(default_factory=InCamera)
+    free: FreeRunning | None = None
 
 
 def paper_scene(rows: int = 512, columns: int = 640) -> Scene:

@@ -70,6 +70,7 @@ class FrameAngles:
             camera=one.camera,
             start_time=one.start_time,
             is_simulated=one.is_simulated,
+            events=one.events,
             **(found | {"findings": (*read, *found["findings"])}),
         )
 

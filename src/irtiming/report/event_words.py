@@ -1,0 +1,82 @@
+"""Words for what a delay counts from: where a camera runs free, a strobe or a stamp stands in the place of the trigger.
+
+The estimation knows one event per frame, whatever it was, and calls its delay that of the trigger. What a person or another
+program reads passes through here and gets the event's own name.
+"""
+
+import re
+from typing import Any
+
+from irtiming.records.analysis import Analysis
+from irtiming.records.frame_events import FrameEvent
+
+PARAMETERS: dict[FrameEvent, str] = {
+    "trigger": "trigger_delay", "strobe": "strobe_delay", "stamp": "timestamp_delay", "arrival": "timestamp_delay",
+}  # fmt: skip
+"""Name of the first delay by the event that it counts from."""
+
+_NOUNS: dict[FrameEvent, str] = {
+    "trigger": "the trigger edge that the camera accepts", "strobe": "the edge of the camera's strobe",
+    "stamp": "the frame's stamp (median)", "arrival": "the frame's arrival (median)",
+}  # fmt: skip
+_WAYS = {
+    "strobe": ("latency of the camera input", "camera input"),
+    "stamp": ("relation of the stamps' clock to the counter", "stamps' clock"),
+    "arrival": ("relation of the computer's clock to the counter", "computer's clock"),
+}
+_AS_THEY_ARE = ("file", "sha256", "recording")
+
+
+def event_of(analysis: Analysis) -> FrameEvent:
+    """What the delays of an analysis count from."""
+    events = analysis.recordings[0].events
+    return "trigger" if events is None else events.kind
+
+
+def text(said: str, event: FrameEvent) -> str:
+    """The same text with the event's own words.
+
+    Parameters
+    ----------
+    said
+        Plain text or HTML, which speaks of triggers.
+    event
+        What the delays count from.
+    """
+    if event == "trigger":
+        return said
+    name = PARAMETERS[event]
+    way, short = _WAYS[event]
+    for pattern, words in (
+        (r"the trigger edge that the\s+camera accepts|the trigger edge", _NOUNS[event]),
+        (r" The delay set in the trigger generator is taken off\.", ""),
+        (r"their triggers are skipped", "their places are left out"),
+        (r"at the trigger\b", "at the event"),
+        (r"\bthat were triggered earlier", "whose event came earlier"),
+        (r"latency of the trigger path", way),
+        (r"\btrigger path\b", short),
+        (r"\btrigger_delay(?!_time)", name),
+        (r"\btrigger delay(?!s? set)", name.replace("_", " ")),
+        (r"\bTrigger delay(?!s? set)", name.replace("_", " ").capitalize()),
+    ):
+        said = re.sub(pattern, words, said)
+    return said
+
+
+def data(said: Any, event: FrameEvent) -> Any:
+    """The same plain data, keys and texts with the event's own words; names of files stay as they are.
+
+    Parameters
+    ----------
+    said
+        Mappings, lists, texts and numbers.
+    event
+        What the delays count from.
+    """
+    if event == "trigger":
+        return said
+    if isinstance(said, dict):
+        return {text(key, event): value if key in _AS_THEY_ARE else data(value, event) for key, value in said.items()}
+    if isinstance(said, list | tuple):
+        return [data(one, event) for one in said]
+    return text(said, event) if isinstance(said, str) else said
