@@ -50,14 +50,14 @@ class Relation:
 
 
 def relation(
-    before_s: Array, reading_s: Array, after_s: Array, *, name: str, middle_s: float | None = None
+    reading_s: Array, *, before_s: Array, after_s: Array, name: str, middle_s: float | None = None
 ) -> Relation:
     """The computer's clock over another one.
 
     Parameters
     ----------
-    before_s, reading_s, after_s
-        Shape (n,): the computer's clock, the other's, the computer's again, s; small numbers, so that no digits are lost.
+    reading_s, before_s, after_s
+        Shape (n,): the other clock, and the computer's before and after it was read, s; small numbers, so that no digits are lost.
     name
         Of the other clock, for messages.
     middle_s
@@ -153,7 +153,13 @@ def of_counter(recording: Recording, *, middle_s: float | None = None) -> Relati
         return None
     zero = zeros(recording)
     reading_s = (ticks - zero.counter_ticks) / recording.clock_frequency_hz
-    return relation(before - zero.computer_s, reading_s, after - zero.computer_s, name="the counter", middle_s=middle_s)
+    return relation(
+        reading_s,
+        before_s=before - zero.computer_s,
+        after_s=after - zero.computer_s,
+        name="the counter",
+        middle_s=middle_s,
+    )
 
 
 def of_camera(recording: Recording, *, middle_s: float | None = None) -> Relation | None:
@@ -169,7 +175,13 @@ def of_camera(recording: Recording, *, middle_s: float | None = None) -> Relatio
         return None
     zero = zeros(recording)
     reading_s = (ticks - zero.camera_ticks) / frequency_hz
-    return relation(before - zero.computer_s, reading_s, after - zero.computer_s, name="the camera", middle_s=middle_s)
+    return relation(
+        reading_s,
+        before_s=before - zero.computer_s,
+        after_s=after - zero.computer_s,
+        name="the camera",
+        middle_s=middle_s,
+    )
 
 
 def arrival_after_s(recording: Recording, edge_s: Array) -> float | None:

@@ -16,48 +16,48 @@ from irtiming.twin.scene import Faults, paper_scene, with_wheel_speed
 BASE = with_wheel_speed(paper_scene(32, 40), 3.0, samples=200)
 
 
-def recorded(free, *, seed=1, lost=7):
+def _recorded(free, *, seed=1, lost=7):
     """Recording whose frames nobody makes, and the true moments at which its frames began, s from the twin's zero."""
     scene = replace(BASE, free=free, faults=Faults(lost_frames=lost))
     run = twin.simulate(scene, seed=seed)
     return run, free_camera.begun_s(scene.trigger, free, number=run.frame_number)
 
 
-def event_s(placed):
+def _event_s(placed):
     """Time of each frame's event, s from the twin's zero."""
     ticks = placed.camera_trigger_ticks[placed.frame_number] - first_trigger_ticks(BASE.trigger)
     return ticks / BASE.trigger.clock_frequency_hz
 
 
-def codes(placed):
+def _codes(placed):
     return [one.code for one in placed.events.findings]
 
 
 def test_each_frame_gets_its_own_strobe_edge_though_frames_are_lost():
     """Oracle: when the twin's camera began each frame; the strobe comes 600 us later with 0.1 us of jitter."""
-    run, begun_s = recorded(FreeRunning(event="strobe"))
+    run, begun_s = _recorded(FreeRunning(event="strobe"))
     placed = placing.placed(run)
-    assert np.abs(event_s(placed) - begun_s - 600e-6).max() < 0.6e-6
-    assert codes(placed) == ["strobe-pairing"]
+    assert np.abs(_event_s(placed) - begun_s - 600e-6).max() < 0.6e-6
+    assert _codes(placed) == ["strobe-pairing"]
     assert placed.events.period_s == pytest.approx(float(np.median(np.diff(begun_s))), rel=1e-8)
     assert placing.placed(placed) is placed
 
 
 def test_edges_before_and_after_the_recording_leave_whole_periods_open():
     """Oracle: the same; frames arrive within a period after their strobe, which chooses the right edge but proves nothing."""
-    run, begun_s = recorded(FreeRunning(event="strobe", frames_before=3, frames_after=2))
+    run, begun_s = _recorded(FreeRunning(event="strobe", frames_before=3, frames_after=2))
     placed = placing.placed(run)
-    assert np.abs(event_s(placed) - begun_s - 600e-6).max() < 0.6e-6
-    assert codes(placed) == ["strobe-pairing-ambiguous"]
+    assert np.abs(_event_s(placed) - begun_s - 600e-6).max() < 0.6e-6
+    assert _codes(placed) == ["strobe-pairing-ambiguous"]
     blind = placing.placed(replace(run, frame_host_time_s=None))
-    periods = (event_s(blind) - begun_s - 600e-6) / blind.events.period_s
+    periods = (_event_s(blind) - begun_s - 600e-6) / blind.events.period_s
     assert np.allclose(periods, -3, atol=1e-4)  # the first edge, three frames early
-    assert codes(blind) == ["strobe-pairing-ambiguous"]
+    assert _codes(blind) == ["strobe-pairing-ambiguous"]
 
 
 def test_an_irregular_camera_proves_its_pairing_by_its_stamps():
     """Oracle: frames whose period wanders by 40 us, as strobe and stamps both saw; edge 4 is the first frame's."""
-    run, _ = recorded(FreeRunning(event="strobe"), lost=0)
+    run, _ = _recorded(FreeRunning(event="strobe"), lost=0)
     random = np.random.default_rng(5)
     began_s = np.cumsum(33e-3 + 40e-6 * random.standard_normal(209))
     edges = np.rint(began_s * run.clock_frequency_hz).astype(np.int64)
@@ -70,13 +70,13 @@ def test_an_irregular_camera_proves_its_pairing_by_its_stamps():
         frame_host_time_s=None,
     )
     placed = placing.placed(irregular)
-    assert codes(placed) == ["strobe-pairing"]
+    assert _codes(placed) == ["strobe-pairing"]
     assert placed.camera_trigger_ticks[0] == edges[4]
 
 
 def test_a_strobe_that_cannot_be_paired_is_refused():
     """Oracle: hand-made cases: fewer edges than frames; more, with nothing that counts frames; no edges."""
-    run, _ = recorded(FreeRunning(event="strobe"), lost=0)
+    run, _ = _recorded(FreeRunning(event="strobe"), lost=0)
     unknown = {"frame_id": None, "frame_timestamp_ticks": None, "frame_host_time_s": None}
     edges = run.camera_input_ticks
     for change, words in (
@@ -92,21 +92,21 @@ def test_a_strobe_that_cannot_be_paired_is_refused():
 def test_the_grid_lies_at_the_median_of_stamps_and_arrivals(event):
     """Oracle: the twin's times, and the median of the latency's distribution by root finding: within 3.5 u, 1 chance in 2000."""
     free = FreeRunning(event=event)
-    run, begun_s = recorded(free)
+    run, begun_s = _recorded(free)
     placed = placing.placed(run)
     usual_s = free.stamp_after_s if event == "stamp" else free_camera.usual_latency_s(free)
-    off_s = float(np.mean(event_s(placed) - begun_s - usual_s))
+    off_s = float(np.mean(_event_s(placed) - begun_s - usual_s))
     u_s = np.hypot(placed.events.u_grid_s, placed.events.u_clock_s)
     assert abs(off_s) < 3.5 * u_s
     assert u_s < 100e-6
     rate = (1 + (free.rate_error if event == "stamp" else free.computer_rate_error)) - 1
     assert placed.events.relative_rate == pytest.approx(rate, abs=20e-6)
-    assert codes(placed) == ["event-grid"]
+    assert _codes(placed) == ["event-grid"]
 
 
 def test_stamps_without_a_way_to_the_counter_are_refused():
     """Oracle: hand-made: without exchanges of the camera, or of the counter, no time can be told."""
-    run, _ = recorded(FreeRunning(event="stamp"))
+    run, _ = _recorded(FreeRunning(event="stamp"))
     with pytest.raises(ReductionError, match="camera's own clock"):
         placing.placed(replace(run, camera_exchange_ticks=None))
     with pytest.raises(ReductionError, match="nothing relates the computer's clock to the counter"):
@@ -120,7 +120,7 @@ def test_stamps_without_a_way_to_the_counter_are_refused():
 def test_stamps_of_the_computers_clock_need_no_exchange_with_the_camera():
     """Oracle: the same stamps rewritten in the computer's nanoseconds since 1970, where doubles have lost their last digits."""
     free = FreeRunning(event="stamp", computer_zero_s=1.7e9)
-    run, begun_s = recorded(free, lost=0)
+    run, begun_s = _recorded(free, lost=0)
     exact = begun_s + free.stamp_after_s
     ns = (exact * (1 + free.computer_rate_error) * 1e9).astype(np.int64) + 1_700_000_000 * 10**9
     placed = placing.placed(
@@ -132,7 +132,7 @@ def test_stamps_of_the_computers_clock_need_no_exchange_with_the_camera():
             camera_exchange_ticks=None,
         )
     )
-    assert abs(float(np.mean(event_s(placed) - exact))) < 3.5 * placed.events.u_clock_s
+    assert abs(float(np.mean(_event_s(placed) - exact))) < 3.5 * placed.events.u_clock_s
 
 
 def test_no_exchange_ever_contradicts_its_bounds():
@@ -143,7 +143,7 @@ def test_no_exchange_ever_contradicts_its_bounds():
         rate, offset = random.normal(0, 20e-6), random.normal(0, 1e-3)
         true = reading + offset + rate * (reading - 5.0)
         before, after = true - random.exponential(80e-6, 12), true + random.exponential(80e-6, 12)
-        found = clocks.relation(before, reading, after, name="a clock", middle_s=5.0)
+        found = clocks.relation(reading, before_s=before, after_s=after, name="a clock", middle_s=5.0)
         slopes = rate + np.linspace(-60e-6, 60e-6, 2001)[:, None]
         low = np.max(before - reading - slopes * (reading - 5.0), axis=1)
         high = np.min(after - reading - slopes * (reading - 5.0), axis=1)
@@ -160,7 +160,7 @@ def test_exchanges_that_disagree_are_said_aloud():
     """Oracle: hand-made: three exchanges of 10 us with a clock that jumps by 1 ms; a line misses one of them by 0.5 ms."""
     reading = np.array([0.0, 5.0, 10.0])
     middle = reading + np.array([0.0, 1e-3, 0.0])
-    found = clocks.relation(middle - 5e-6, reading, middle + 5e-6, name="a clock")
+    found = clocks.relation(reading, before_s=middle - 5e-6, after_s=middle + 5e-6, name="a clock")
     assert found.slack_s == pytest.approx(0.495e-3, abs=2e-6)
     assert found.u_offset_s >= found.slack_s
 
