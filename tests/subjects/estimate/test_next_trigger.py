@@ -20,7 +20,7 @@ RIG = Rig(
 def _recording(*, wheel_hz=3.0, lost=(), window_s=None):
     track = SimpleNamespace(clock_frequency_hz=HZ, angular_frequency_rad_per_s=2 * np.pi * wheel_hz)
     return SimpleNamespace(
-        trigger_ticks=np.delete(7000 + PERIOD_TICKS * np.arange(50), lost), track=track, camera_type="photon",
+        trigger_ticks=np.delete(7000 + PERIOD_TICKS * np.arange(50), lost), track=track, events=None, camera_type="photon",
         opening=SimpleNamespace(mask=np.zeros((101, 40), bool)), integration_time_s=window_s,
     )  # fmt: skip
 

@@ -55,7 +55,7 @@ def _recordings(rates_hz, *, register_hz=None, late_s=0.0):
                 angular_frequency_rad_per_s=TURN * hz, register_rad_per_s=register, slot_deviation_rad=np.zeros(100),
                 gate_separation_rad=SEPARATION + TURN * hz * late_s,
             ),
-            integration_time_s=None, camera_type="photon",
+            integration_time_s=None, camera_type="photon", events=None,
         )
         for hz in rates_hz
     ]  # fmt: skip

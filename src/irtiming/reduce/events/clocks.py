@@ -57,7 +57,7 @@ def relation(
     Parameters
     ----------
     reading_s, before_s, after_s
-        Shape (n,): the other clock, and the computer's before and after it was read, s; small numbers, so that no digits are lost.
+        Shape (n,): the other clock, and the computer's before and after it was read, s; small, so that no digits are lost.
     name
         Of the other clock, for messages.
     middle_s
