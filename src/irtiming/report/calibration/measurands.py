@@ -15,6 +15,7 @@ LEADING = ("trigger_delay", "exposure_midpoint_delay", "time_constant", "row_del
 """What a reader wants to know first, as far as a camera has it."""
 
 CLOCK = "clock of the trigger generator"
+_LEAST_SHARE = 1e-7  # of u, below which a contribution is the rounding of numbers
 _RIG_KEYS = {
     "mask centre angle phi_M": "mask.centre_angle",
     "gate distance d (caliper)": "beams.half_separation",
@@ -101,7 +102,7 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
     one = result.parameters[name]
     u, freedom = one.standard_uncertainty or 0.0, _freedom(one.effective_degrees_of_freedom)
     k = one.coverage_factor or budget.coverage_factor(freedom)
-    lines = [_line(part, name, rig=rig) for part in result.contributions if part.standard_uncertainty.get(name)]
+    lines = [_line(part, name, rig=rig) for part in result.contributions if _counts(part.standard_uncertainty.get(name), u)]
     lines.sort(key=lambda line: -line.contribution)
     if not lines:
         lines = [_own("fit of all recordings", u)]
@@ -135,6 +136,11 @@ def _line(part: Contribution, name: str, *, rig: dict[str, RigValue]) -> BudgetL
         source=part.source, kind=part.type, distribution=distribution, estimate=estimate, u=u, unit=part.measured.unit,
         sensitivity=contribution / u, contribution=contribution, degrees_of_freedom=freedom,
     )  # fmt: skip
+
+
+def _counts(contribution: float | None, u: float) -> bool:
+    """Whether it is more than what numbers are rounded to."""
+    return contribution is not None and contribution > _LEAST_SHARE * u
 
 
 def _own(source: str, u: float, *, kind: str = "A", distribution: str = "normal", freedom: float = inf) -> BudgetLine:
