@@ -58,6 +58,11 @@ def ticks_to_seconds(ticks: int, clock_frequency_hz: float) -> float:
     return ticks / clock_frequency_hz
 
 
+def counted(n: int, noun: str) -> str:
+    """So many of something: ``"1 recording"``, ``"2 recordings"``."""
+    return f"{n} {noun}{'' if n == 1 else 's'}"
+
+
 def readable_time(time_s: float) -> str:
     """Seconds as people read them: ``"250 us"``, ``"33 s"``, ``"11 min"``."""
     size = abs(time_s)

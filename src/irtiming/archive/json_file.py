@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,9 @@ from typing import Any
 import numpy as np
 
 from irtiming.errors import ArchiveError
+
+STANDARD_OUTPUT = Path("-")
+"""What a person writes for the standard output in place of a file."""
 
 
 def write_json(content: Mapping[str, Any], path: str | Path) -> None:
@@ -53,7 +57,7 @@ def plain(value: Any) -> Any:
 def write_atomically(content: str | bytes, path: str | Path) -> None:
     """Write text as UTF-8, or bytes, under a temporary name and rename it when it is complete.
 
-    What is no file of its own, such as /dev/stdout or a pipe, is written to as it stands.
+    What is no file of its own, such as a pipe, is written to as it stands; ``-`` is the standard output.
 
     Raises
     ------
@@ -61,6 +65,8 @@ def write_atomically(content: str | bytes, path: str | Path) -> None:
         If the folder does not exist, or the file cannot be written.
     """
     target, stored = Path(path), content.encode() if isinstance(content, str) else content
+    if target == STANDARD_OUTPUT:
+        return _print(stored)
     part = target.with_name(f"{target.name}.{os.getpid()}.part")
     if target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
@@ -72,6 +78,16 @@ def write_atomically(content: str | bytes, path: str | Path) -> None:
     except OSError as error:
         part.unlink(missing_ok=True)
         raise unwritable(target, error) from error
+
+
+def _print(content: bytes) -> None:
+    """To what was the standard output when the program began, wherever its other words go."""
+    stream = sys.__stdout__
+    if stream is None:
+        raise ArchiveError("there is no standard output to write to; name a file")
+    stream.flush()
+    stream.buffer.write(content)
+    stream.buffer.flush()
 
 
 def _write_into(content: bytes, target: Path) -> None:
@@ -112,6 +128,8 @@ def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> No
         If the path is a folder or one of the other files, or its folder does not exist or may not be written to.
     """
     target = Path(path)
+    if target == STANDARD_OUTPUT:
+        return
     if target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
     if target.resolve() in {Path(other).resolve() for other in besides}:

@@ -14,7 +14,7 @@ def calibrate_wheel(
         list[Path], typer.Argument(help="Recordings of one wheel, of any camera, at any speeds, in any order.")
     ],
     rig: RigFile,
-    out: Annotated[Path, typer.Option(metavar="OUT", help="Write the calibration there, as JSON.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="OUT", help="Write the calibration there, as JSON.")],
     picture: Annotated[
         Path | None, typer.Option(metavar="OUT", help="Draw the slots and their orders there, as SVG.")
     ] = None,

@@ -43,19 +43,18 @@ def show_checked(found: CheckedCertificate, *, json: Path | None) -> None:
     """
     if json is not None:
         write_json(asdict(found), json)
-    if str(json) != "-":
-        screen = Console()
-        say(f"certificate {found.number} of {found.laboratory} for {found.customer}", screen)
-        for item in found.items:
-            say(f"item: {item}", screen)
-        table = Table("measurand", "value", "U", "k", "unit", "conformity", box=None, pad_edge=False)
-        for one in found.quantities:
-            k = f"{one.coverage_factor:.2f}"
-            table.add_row(one.name, f"{one.value:.9g}", f"{one.expanded:.3g}", k, one.unit, one.conformity or "–")
-        screen.print(table)
-        if found.is_simulated:
-            say("SIMULATED: a specimen without validity", screen)
-        say("it holds a signature, which was not verified" if found.is_signed else "it is not signed", screen)
+    screen = Console()
+    say(f"certificate {found.number} of {found.laboratory} for {found.customer}", screen)
+    for item in found.items:
+        say(f"item: {item}", screen)
+    table = Table("measurand", "value", "U", "k", "unit", "conformity", box=None, pad_edge=False)
+    for one in found.quantities:
+        k = f"{one.coverage_factor:.2f}"
+        table.add_row(one.name, f"{one.value:.9g}", f"{one.expanded:.3g}", k, one.unit, one.conformity or "–")
+    screen.print(table)
+    if found.is_simulated:
+        say("SIMULATED: a specimen without validity", screen)
+    say("it holds a signature, which was not verified" if found.is_signed else "it is not signed", screen)
     if found.problems:
         raise ArchiveError(
             f"the certificate does not agree with itself: {'; '.join(found.problems)}; ask its laboratory"

@@ -63,7 +63,8 @@ def record(
     port: Port,
     plan: Annotated[Path, typer.Option(metavar="FILE", help="Plan that irtiming plan --json wrote.")],
     out: Annotated[
-        Path, typer.Option(metavar="OUT", help="Write the timestamps there (.nxs); combine adds the frames.")
+        Path,
+        typer.Option("--out", "-o", metavar="OUT", help="Write the timestamps there (.nxs); combine adds the frames."),
     ],
     run: Annotated[int, typer.Option(min=1, help="Which run of the plan, counted from 1.")] = 1,
     falling: Annotated[
@@ -112,7 +113,9 @@ def combine(
     frames: Annotated[
         Path, typer.Argument(help="The camera's frames of that run, in any format that irtiming info knows.")
     ],
-    out: Annotated[Path, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")],
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="OUT", help="Recording to make of frames and timestamps.")
+    ],
     camera: ArrayCamera = None,
     readout: ArrayReadout = None,
     integration_time: ArrayIntegration = None,

@@ -38,7 +38,9 @@ def import_capture(
             help="Recording that the timestamps are for, or its frames, in any format that irtiming info knows."
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="OUT", help="Recording to make of frames and timestamps.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="OUT", help="Recording to make of frames and timestamps.")
+    ] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write the timestamps there.")] = None,
     clock: Annotated[
         str | None,

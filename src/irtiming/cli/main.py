@@ -7,7 +7,11 @@ stopped by Ctrl-C.
 import os
 import signal
 import sys
-from typing import NoReturn
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext, redirect_stdout
+from importlib import metadata
+from itertools import pairwise
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -42,6 +46,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 COMMANDS = (
     discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, explain,
@@ -53,6 +58,17 @@ app.add_typer(apply)
 app.add_typer(latency)
 app.add_typer(gateware)
 
+
+@app.callback(invoke_without_command=True)
+def irtiming(
+    version: Annotated[bool, typer.Option("--version", is_eager=True, help="Print it and end.")] = False,
+) -> None:
+    """Measure the timing of a thermal infrared camera with a chopper wheel and a blackbody."""
+    if version:
+        print(f"irtiming {metadata.version('irtiming')}")  # noqa: T201
+        raise typer.Exit
+
+
 _STOPPED = "stopped; files not yet finished were removed or end in .part"
 
 
@@ -61,7 +77,8 @@ def run() -> None:
     try:
         if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
             signal.signal(signal.SIGINT, signal.default_int_handler)
-        app()
+        with _words_aside(sys.argv[1:]):
+            app()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # whoever read the output has enough of it
     except (IrTimingError, OSError) as error:
@@ -77,6 +94,14 @@ def run() -> None:
         raise
     finally:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is over; Ctrl-C would only disturb the last words
+
+
+@contextmanager
+def _words_aside(arguments: list[str]) -> Iterator[None]:
+    """With ``--json -`` the standard output is JSON alone, and what is said to people goes to standard error."""
+    asked = "--json=-" in arguments or ("--json", "-") in pairwise(arguments)
+    with redirect_stdout(sys.stderr) if asked else nullcontext():
+        yield
 
 
 def _end(message: str, status: int) -> NoReturn:

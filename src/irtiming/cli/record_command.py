@@ -11,7 +11,10 @@ from irtiming.cli.options import filled
 
 def record(
     plan: Annotated[Path, typer.Argument(metavar="PLAN", help="plan.toml: devices, camera, runs, temperatures.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the recordings; it is made if it is not there.")],
+    out: Annotated[
+        Path,
+        typer.Option("--out", "-o", metavar="DIR", help="Folder for the recordings; it is made if it is not there."),
+    ],
     rig: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="rig.toml: analyse while frames arrive, and show what is known so far."),
@@ -31,10 +34,10 @@ def record(
     runs: Annotated[str | None, typer.Option(metavar="N", help="Only these runs of the series, such as 1,3-5.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="OUT", help="Write a summary there.")] = None,
 ) -> None:
-    """Record a series: wheel at speed, blackbody stable, camera armed, triggers, frames and timestamps into one file per run.
+    r"""Record a series: wheel at speed, blackbody stable, camera armed, triggers, frames and timestamps into one file per run.
 
     Ctrl-C closes the file with what it has. The same command again goes on where the series was interrupted. With --rig the
-    estimate tightens on the screen, and the series ends when the uncertainty that plan.toml wishes for ([stop]) is reached.
+    estimate tightens on the screen, and the series ends when the uncertainty that plan.toml wishes for (\[stop]) is reached.
     """
     given = locals()
     from rich.console import Console

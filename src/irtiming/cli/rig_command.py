@@ -40,7 +40,10 @@ def rig(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="Write plan.toml, rig.toml and truth.json of this rig there; made if not there."
+            "--out",
+            "-o",
+            metavar="DIR",
+            help="Write plan.toml, rig.toml and truth.json of this rig there; made if not there.",
         ),
     ] = None,
     duration: Duration = None,

@@ -10,6 +10,7 @@ from irtiming.cli.options import filled, in_options
 from irtiming.cli.screen import say
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin.optics import GlareShape
+from irtiming.units import counted
 
 OutDir = Annotated[Path, typer.Argument(help="Folder for the recordings; made if it is not there.")]
 Camera = Annotated[
@@ -197,6 +198,7 @@ def simulate(
     tail: TailTime = None,
     count_time_error: CountTimeError = None,
     laboratory: Laboratory = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace recordings of those names.")] = False,
     json: Json = None,
 ) -> None:
     """Simulate a measurement: recordings, rig.toml and truth.json.
@@ -232,6 +234,6 @@ def simulate(
     )
     with shown("frames") as told:
         made = make_recordings(order, progress=told)
-    say(f"{len(made.recordings)} recordings, rig.toml and truth.json in {out_dir}")
+    say(f"{counted(len(made.recordings), 'recording')}, rig.toml and truth.json in {out_dir}")
     if json is not None:
         write_json({"camera": camera, "seed": seed, **vars(made)}, json)

@@ -12,6 +12,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit, Result
 from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.units import counted
 
 _CONTRADICTS = 4.0  # standard uncertainties
 _LARGEST_EDGE_RAD = 5e-3
@@ -213,9 +214,8 @@ def of_joint(joint: JointFit) -> tuple[Finding, ...]:
             Finding(
                 code="residuals-not-white",
                 severity="warning",
-                what=f"residuals of {int(np.sum(white < LEAST_WHITENESS))} of {white.size} recordings are not white along "
-                "the wheel "
-                f"angle (smallest probability {white.min():.1g})",
+                what=f"residuals of {int(np.sum(white < LEAST_WHITENESS))} of {counted(white.size, 'recording')} are not white "
+                f"along the wheel angle (smallest probability {white.min():.1g})",
                 cure="their uncertainty is widened for it",
             )
         )
@@ -249,9 +249,8 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
         Finding(
             code="residuals-correlated",
             severity="warning",
-            what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated along the wheel angle: the rig "
-            "differs from "
-            "the model by more than noise (figure of the residuals)",
+            what=f"residuals of {len(widened)} of {counted(len(fits), 'recording')} are correlated along the wheel angle: the "
+            "rig differs from the model by more than noise (figure of the residuals)",
             cure=f"their uncertainty was widened by up to {max(widened):.1f}",
         ),
     )
@@ -304,9 +303,8 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
             Finding(
                 code="row-residuals-correlated",
                 severity="warning",
-                what=f"residuals of {len(widened)} of {len(fits)} recordings are correlated: the rig differs from the model "
-                "by more "
-                "than noise (figure of the residuals)",
+                what=f"residuals of {len(widened)} of {counted(len(fits), 'recording')} are correlated: the rig differs from the "
+                "model by more than noise (figure of the residuals)",
                 cure=f"their uncertainty was widened by up to {max(widened):.1f}",
             )
         )

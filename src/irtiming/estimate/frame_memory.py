@@ -11,6 +11,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.result import LEAST_WHITENESS
 from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
+from irtiming.units import counted
 
 _SEEN = 3.0  # standard uncertainties from which a share is told from none
 _CONTRADICTS = 4.0  # standard uncertainties between statement and frames
@@ -143,9 +144,9 @@ def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
         Finding(
             code="residuals-not-white-in-time",
             severity="warning",
-            what=f"residuals of {len(low)} of {len(told)} recordings are not white in the order of the triggers (correlation of "
-            f"successive frames up to {largest:+.2f}): the camera's level sways from frame to frame, or a filter in the camera "
-            "is not the one of the model",
+            what=f"residuals of {len(low)} of {counted(len(told), 'recording')} are not white in the order of the "
+            f"triggers (correlation of successive frames up to {largest:+.2f}): the camera's level sways from frame to frame, or "
+            "a filter in the camera is not the one of the model",
             cure="their uncertainty is widened for it",
         ),
     )

@@ -6,8 +6,11 @@ from typing import Literal, final
 from irtiming.errors import EstimationError, UnitError, listed
 from irtiming.records.recording import Recording
 
-Method = Literal["pixel-sum", "published"]
-"""The project's best method, and the procedure of Schatz 2023 step by step."""
+Method = Literal["pixel-sum", "row-sum", "published"]
+"""As results name them: the project's best by what it sums, and the procedure of Schatz 2023 step by step.
+
+The first, which nobody need say, is the best for every kind of camera; row sums are those of cameras that lag or roll.
+"""
 
 _PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
 """Choices that mean something for the pixel sums of a snapshot photon camera only."""
@@ -80,6 +83,12 @@ class Choices:
                 f"{listed(given)} with {recording.name}, the recording of a {kind} camera, which is analysed without threshold "
                 f"values, plateaus and straight slopes; leave {'them' if len(given) > 1 else 'it'} out",
                 *given,
+            )
+        if self.method == "row-sum" and (recording.camera_type, recording.readout_mode) == ("photon", "snapshot"):
+            raise EstimationError(
+                f"{{method}} row-sum with {recording.name}, the recording of a snapshot photon camera, whose rows are all read "
+                "at once: its pixels are summed; leave it out",
+                "method",
             )
         if self.substrate_temperature_k is not None and recording.camera_type != "microbolometer":
             raise EstimationError(

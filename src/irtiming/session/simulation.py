@@ -102,7 +102,10 @@ class CameraOrder:
 @final
 @dataclass(frozen=True, kw_only=True)
 class SimulationOrder:
-    """What a person wants simulated: a rig whose imperfections the ``seed`` draws, and runs at all speeds with all delays."""
+    """What a person wants simulated: a rig whose imperfections the ``seed`` draws, and runs at all speeds with all delays.
+
+    ``force`` replaces recordings of those names.
+    """
 
     folder: Path
     camera: CameraOrder
@@ -120,6 +123,7 @@ class SimulationOrder:
     defects: Defects = field(default_factory=Defects)
     laboratory: bool = False
     free_running: FreeEvent | None = None
+    force: bool = False
 
     def __post_init__(self) -> None:
         for delay_s in self.delay_s:
@@ -187,7 +191,9 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
     recordings = list[Path]()
     for recording in _recordings(scenes, order):
         path = order.folder / f"{recording.name}.nxs"
-        writer.write(recording, path, truth=known, progress=_share(order, len(recordings), progress))
+        writer.write(
+            recording, path, truth=known, overwrite=order.force, progress=_share(order, len(recordings), progress)
+        )
         recordings.append(path)
     return Simulated(recordings=tuple(recordings), rig=measured, truth=true)
 

@@ -335,7 +335,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
     ("change", "says"),
     [
         ({"six": SIX - 9e-3 * IS_EDGE}, "rows would be read before the trigger, the first at -6.700 ms"),
-        ({"widening": 9.0}, "residuals of 1 of 1 recordings are correlated.*widened by up to 3.0"),
+        ({"widening": 9.0}, "residuals of 1 of 1 recording are correlated.*widened by up to 3.0"),
         (
             {"row_delay": 61e-6},
             r"row delay by the row sums 60.000 us, by the phases of the pixels 61.000 us: they differ by 7.1 u",

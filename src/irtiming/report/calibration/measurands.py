@@ -102,7 +102,9 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
     one = result.parameters[name]
     u, freedom = one.standard_uncertainty or 0.0, _freedom(one.effective_degrees_of_freedom)
     k = one.coverage_factor or budget.coverage_factor(freedom)
-    lines = [_line(part, name, rig=rig) for part in result.contributions if _counts(part.standard_uncertainty.get(name), u)]
+    lines = [
+        _line(part, name, rig=rig) for part in result.contributions if _counts(part.standard_uncertainty.get(name), u)
+    ]
     lines.sort(key=lambda line: -line.contribution)
     if not lines:
         lines = [_own("fit of all recordings", u)]
