@@ -27,7 +27,7 @@ def _light(angle, *, noise=1e-3, seed=0):
 
 
 def _found(light, angle):
-    recording = SimpleNamespace(name="run", rotation_speed_hz=HZ)
+    recording = SimpleNamespace(name="run", events=None, rotation_speed_hz=HZ)
     return steadiness.findings(SimpleNamespace(recording=recording, angle_rad=angle), RIG, light_dn=light)
 
 
