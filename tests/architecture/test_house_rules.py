@@ -24,6 +24,7 @@ HOMES = {
     "matplotlib": "report",
     "jinja2": "report",
     "pyGigEVision": "instruments",
+    "pyarrow": "archive",
     "pydantic": "archive",
     "pydantic_core": "archive",
     "pymeasure": "instruments",

@@ -1,12 +1,13 @@
-"""Times of frames and rows written: as CSV, or into a copy of the recording as NeXus fields."""
+"""Times of frames and rows written: as CSV, as Parquet, or into a copy of the recording as NeXus fields."""
 
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, final
+from typing import IO, Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.hdf5_output import writing
@@ -17,6 +18,8 @@ from irtiming.records.arrays import Array, Ticks
 
 FRAME_TIMES = f"{ENTRY}/frame_times"
 """Group of the times in a copy of a recording."""
+
+_ROWS_TOGETHER = 2**18  # lines of Parquet that are written at once
 
 
 @final
@@ -59,6 +62,51 @@ def write_csv(times: TimesToWrite, path: str | Path) -> None:
         part.unlink(missing_ok=True)
 
 
+def write_parquet(times: TimesToWrite, path: str | Path) -> None:
+    """The same columns in Parquet, times as whole nanoseconds (``NAME_ns``); what they mean stands in the metadata ``irtiming``.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be written, or its library is missing.
+    """
+    try:
+        import pyarrow as arrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise ArchiveError(f"{path}: Parquet needs the library pyarrow: pip install 'irtiming[parquet]'") from error
+    target = Path(path)
+    part = target.with_name(f"{target.name}.part")
+    fields = [arrow.field("frame", arrow.int64()), arrow.field("row", arrow.int32())]
+    for name in times.offset_s:
+        fields += [arrow.field(f"{name}_ns", arrow.int64())]
+        fields += [arrow.field(f"{kind}_{name}{unit}", arrow.float64()) for kind, unit in (("u", "_s"), ("r", ""))]
+    schema = arrow.schema(fields, metadata={"irtiming": "\n".join(times.head)})
+    together = max(1, _ROWS_TOGETHER // times.rows.size)
+    try:
+        with parquet.ParquetWriter(part, schema) as writer:
+            for first in range(0, times.frames.size, together):
+                table = list(_columns(times, slice(first, first + together)))
+                writer.write_table(arrow.table(table, schema=schema))
+        part.replace(target)
+    except OSError as error:
+        raise unwritable(target, error) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _columns(times: TimesToWrite, at: slice) -> Iterator[NDArray[Any]]:
+    """Columns of some frames, frame after frame, shape (n_line,) each."""
+    frames, rows = times.frames[at], times.rows
+    yield np.repeat(frames, rows.size)
+    yield np.tile(rows, frames.size).astype(np.int32)
+    for name, offset_s in times.offset_s.items():
+        since_s = (times.trigger_s[at, None] + offset_s).ravel()
+        yield _whole_nanoseconds(times.origin_s, since_s)
+        yield np.tile(times.u_s[name], frames.size)
+        yield np.tile(times.correlation[name], frames.size)
+
+
 def _write_lines(times: TimesToWrite, file: IO[str]) -> None:
     file.writelines(f"# {line}\n" for line in times.head)
     names = list(times.offset_s)
@@ -80,10 +128,15 @@ def _write_lines(times: TimesToWrite, file: IO[str]) -> None:
 
 def _nanoseconds(origin_s: int, since_s: Array) -> list[str]:
     """Seconds with nine decimals, exact for any whole origin, shape (row,)."""
+    total = _whole_nanoseconds(origin_s, since_s)
+    return [f"{'-' if one < 0 else ''}{abs(one) // 10**9}.{abs(one) % 10**9:09d}" for one in total.tolist()]
+
+
+def _whole_nanoseconds(origin_s: int, since_s: Array) -> Ticks:
+    """The same as whole numbers, same shape."""
     whole = np.floor(since_s)
     nanos = np.rint((since_s - whole) * 1e9).astype(np.int64)
-    total = (origin_s + whole.astype(np.int64)) * 10**9 + nanos
-    return [f"{'-' if one < 0 else ''}{abs(one) // 10**9}.{abs(one) % 10**9:09d}" for one in total.tolist()]
+    return (origin_s + whole.astype(np.int64)) * 10**9 + nanos
 
 
 def write_into_copy(times: TimesToWrite, recording: str | Path, *, path: str | Path) -> None:

@@ -25,7 +25,9 @@ def time(
     ],
     out: Annotated[
         Path,
-        typer.Option(..., metavar="OUT", help="CSV to write, or .nxs: a copy of the recording with the times in it."),
+        typer.Option(
+            ..., metavar="OUT", help="CSV to write, .parquet, or .nxs: a copy of the recording with the times in it."
+        ),
     ],
     kind: Annotated[
         StampKind | None,

@@ -8,11 +8,11 @@ from typing import final
 import numpy as np
 
 from irtiming.apply import camera_timing, frame_times
-from irtiming.apply.camera_timing import MEANINGS, CameraTiming
+from irtiming.apply.camera_timing import MEANINGS
 from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
 from irtiming.archive import layout
-from irtiming.archive.frame_times_file import TimesToWrite, write_csv, write_into_copy
+from irtiming.archive.frame_times_file import TimesToWrite, write_csv, write_into_copy, write_parquet
 from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
@@ -33,17 +33,6 @@ class TimeOrder:
     rows: tuple[int, ...] | None = None
 
 
-def read_camera(path: Path) -> CameraTiming:
-    """The camera of a result file.
-
-    Raises
-    ------
-    IrTimingError
-        If the file is no result, or its numbers cannot be applied; names the file.
-    """
-    return camera_timing.of_result(read_result(path))
-
-
 def generator_of(result: Result) -> Generator:
     """What rig.toml stated of the trigger generator with which the result was measured."""
     told = {one.name: one for one in result.rig.values if isinstance(one.value, float | int)}
@@ -58,7 +47,7 @@ def generator_of(result: Result) -> Generator:
 
 
 def apply_time(order: TimeOrder) -> FrameTimes:
-    """When each row of each frame was exposed or read; written as CSV, or into a copy of the recording.
+    """When each row of each frame was exposed or read; written as CSV or Parquet, or into a copy of the recording.
 
     Raises
     ------
@@ -81,6 +70,8 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     written = _to_write(times, stamped, order)
     if is_copy:
         write_into_copy(written, order.stamps.source, path=order.out)
+    elif order.out.suffix.lower() == ".parquet":
+        write_parquet(written, order.out)
     else:
         write_csv(written, order.out)
     return times

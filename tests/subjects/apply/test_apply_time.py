@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from made_up_result import BOLOMETER, COOLED, made_up_result
+from pyarrow import parquet
 
 from irtiming.archive import reader
 from irtiming.archive.result_file import write_result
@@ -70,6 +71,14 @@ def test_times_of_a_recording_are_trigger_plus_set_delay_plus_delay(tmp_path, ha
         assert times["start_time"].attrs["units"] == "s"
         assert times["start_time_errors"][0] == pytest.approx(found[0]["u_start_s"], rel=1e-3)
     assert np.array_equal(reader.read(tmp_path / "with.nxs").frame_number, np.arange(20))
+
+    status, _, error = told("apply", "time", result, recording, "--out", tmp_path / "times.parquet")
+    assert status == 0, error
+    table = parquet.read_table(tmp_path / "times.parquet")
+    assert b"positive after it" in table.schema.metadata[b"irtiming"]
+    assert table["frame"].to_pylist() == list(range(20))
+    assert table["start_ns"][7].as_py() == pytest.approx(1e9 * found[7]["start_s"], abs=1)
+    assert table["u_end_s"][7].as_py() == pytest.approx(found[7]["u_end_s"], rel=1e-3)
 
 
 def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path, told):
