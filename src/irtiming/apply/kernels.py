@@ -39,12 +39,15 @@ def correct(
         Shape (row, column), float32; filled.
     """
     n_rows, n_columns = frame.shape
+    is_plain = numbers.shape[0] == 1 and numbers[0, 0] == 0  # the frame before is what its pixels saw: one is enough
     power, gain = np.empty(n_columns, np.float32), np.empty(n_columns, np.float32)
     for band in range(gains.shape[0]):
         first, end = band * TILE, min(n_rows, (band + 1) * TILE)
         power[:] = 0
         for row in range(first, end):
-            if numbers.shape[0] == 1:
+            if numbers.shape[0] == 1 and is_plain:
+                _invert_plain(frame[row], memory[1, row], memory[2, row], numbers[0], corrected[row])
+            elif numbers.shape[0] == 1:
                 _invert(frame[row], memory[0, row], memory[1, row], memory[2, row], numbers[0], corrected[row])
             else:
                 _invert_by_value(frame[row], memory[0, row], memory[1, row], memory[2, row], numbers, corrected[row])
@@ -55,7 +58,7 @@ def correct(
             gains[band, tile] = max(0.0, 1 - noise_power / mean) if mean > 0 else 0.0
             gain[left:right] = gains[band, tile]
         for row in range(first, end):
-            _blend(memory[0, row], gain, corrected[row])
+            _blend(memory[1 if is_plain else 0, row], gain, corrected[row])
 
 
 @njit(cache=True, fastmath=True, nogil=True)
@@ -79,6 +82,21 @@ def _invert(
         last[k] = np.float32(values[k])
     for k in range(n):
         change[k] = scene[k] - last[k]
+
+
+@njit(cache=True, fastmath=True, nogil=True)
+def _invert_plain(
+    values: np.ndarray, pixel: np.ndarray, scene: np.ndarray, numbers: np.ndarray, change: np.ndarray
+) -> None:
+    """The same without a filter, all (column,): a third less to read and write."""
+    decay, before, over_now = numbers[1], numbers[2], np.float32(1) / numbers[3]
+    n = len(values)
+    for k in range(n):
+        scene[k] = (np.float32(values[k]) - decay * pixel[k] - before * scene[k]) * over_now
+    for k in range(n):
+        pixel[k] = np.float32(values[k])
+    for k in range(n):
+        change[k] = scene[k] - pixel[k]
 
 
 @njit(cache=True, fastmath=True, nogil=True)
