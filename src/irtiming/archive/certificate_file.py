@@ -170,6 +170,9 @@ class Limit(Part):
     lower: Time | None = Field(None, examples=["350 us"])
     upper: Time | None = Field(None, examples=["450 us"])
     specification: Text | None = Field(None, description="where the limit stands")
+    serial_number: Text | None = Field(
+        None, description="of the camera that it is for; default: all of the certificate"
+    )
 
     @model_validator(mode="after")
     def _refuse_empty(self) -> "Limit":

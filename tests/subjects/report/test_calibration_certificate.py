@@ -224,6 +224,13 @@ def test_two_cameras_on_one_certificate(analysis: Analysis, rolling: Analysis) -
     assert [item.form.owner_number for item in told.items] == [None, "IR-9"]
     assert [one.item for one in told.results] == [0, 1]
     assert [row.name for row in told.results[1].headline] == ["trigger_delay", "time_constant", "row_delay"]
+    judged_one = collect(
+        files, form(item=[], limit=[{"parameter": "trigger_delay", "upper": "1 ms", "serial_number": "9"}])
+    )
+    assert [one.headline[0].conformity and one.headline[0].conformity.outcome for one in judged_one.results] == [
+        None,
+        "fail",
+    ]
     with pytest.raises(ArchiveError, match=r"a.json names no serial number, and the results are of several cameras"):
         collect([result_file(analysis, "a.json"), result_file(rolling, "b.json")], form())
 

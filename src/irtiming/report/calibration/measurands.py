@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 from typing import final
 
-from irtiming.archive.certificate_file import CertificateFile
+from irtiming.archive.certificate_file import CertificateFile, Limit
 from irtiming.archive.result_model import CombinedDelay, Contribution, Result, RigValue
 from irtiming.errors import ArchiveError
 from irtiming.report import budget
@@ -108,7 +108,7 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
     lines.sort(key=lambda line: -line.contribution)
     if not lines:
         lines = [_own("fit of all recordings", u)]
-    limit = next((limit for limit in form.limit if limit.parameter == name), None)
+    limit = next((one for one in form.limit if one.parameter == name and _is_for(one, result)), None)
     limits = (None, None) if limit is None else limit.bounds_s
     value = one.value or 0.0
     return Measurand(
@@ -138,6 +138,10 @@ def _line(part: Contribution, name: str, *, rig: dict[str, RigValue]) -> BudgetL
         source=part.source, kind=part.type, distribution=distribution, estimate=estimate, u=u, unit=part.measured.unit,
         sensitivity=contribution / u, contribution=contribution, degrees_of_freedom=freedom,
     )  # fmt: skip
+
+
+def _is_for(limit: Limit, result: Result) -> bool:
+    return limit.serial_number in (None, result.item.serial_number)
 
 
 def _counts(contribution: float | None, u: float) -> bool:
