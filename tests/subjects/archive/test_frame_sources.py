@@ -2,6 +2,8 @@
 
 import json
 import struct
+from contextlib import nullcontext
+from importlib.metadata import EntryPoint
 
 import h5py
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 import tifffile
 
 from irtiming.archive.frames.opening import open_frames, reader_of, readers
+from irtiming.archive.frames.source import FrameFacts, FrameReader, Frames
 from irtiming.errors import ArchiveError
 
 STACK = np.random.default_rng(3).integers(0, 2**14, (7, 24, 30), dtype=np.uint16)
@@ -200,3 +203,25 @@ def test_three_frames_that_tifffile_takes_for_colours_are_frames(tmp_path):
     with pytest.warns(DeprecationWarning, match="stored as RGB"):
         tifffile.imwrite(tmp_path / "a.tif", STACK[:3])
     assert np.array_equal(_all(open_frames(tmp_path / "a.tif")), STACK[:3])
+
+
+def test_a_reader_of_another_package_is_found_and_takes_no_format_away(tmp_path, monkeypatch):
+    """Oracle: entry points as an installed package has them; a name of ours stays ours."""
+    theirs = EntryPoint(name="theirs", value="test_frame_sources:THEIRS", group="irtiming.frames")
+    ours = EntryPoint(name="tiff", value="test_frame_sources:THEIRS", group="irtiming.frames")
+    monkeypatch.setattr("irtiming.archive.frames.opening.entry_points", lambda group: [theirs, ours])
+    readers.cache_clear()
+    try:
+        (tmp_path / "a.new").write_bytes(b"NEW FORMAT")
+        assert open_frames(tmp_path / "a.new").shape == (1, 2, 3)
+        assert readers()["tiff"].title == "TIFF"
+    finally:
+        readers.cache_clear()
+
+
+def _open_theirs(path):
+    facts = FrameFacts(format="theirs", frames=1, rows=2, columns=3, dtype="uint8")
+    return Frames(path, facts, lambda: nullcontext(lambda first, count: np.zeros((count, 2, 3), np.uint8)))
+
+
+THEIRS = FrameReader(title="theirs", takes=lambda _, begin: begin.startswith(b"NEW"), open=_open_theirs)

@@ -2,12 +2,13 @@
 
 import hashlib
 import os
+import struct
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from makers_files import FRAMES, TIMES_S, WRITERS, expected
+from makers_files import FRAMES, TIMES_S, WRITERS, expected, fff
 
 from irtiming.archive.frames.opening import open_frames
 from irtiming.errors import ArchiveError
@@ -96,6 +97,19 @@ def test_a_cut_file_is_refused_in_one_line(name, tmp_path):
         with pytest.raises(ArchiveError, match=name) as caught:
             _all(open_frames(tmp_path / name))
         assert "\n" not in str(caught.value)
+
+
+def test_a_packed_picture_may_be_shorter_than_its_record_by_some_padding(tmp_path):
+    """Oracle: a CSQ of a FLIR T1030sc, whose last record ends four bytes behind the file; its picture is whole."""
+    one = fff("<", "jpeg-ls")
+    place = one.index(struct.pack("<2H", 1, 0)) + 16
+    length = struct.unpack_from("<I", one, place)[0]
+    info = one[64 + 64 + length :]
+    moved = bytearray(one[: 64 + 64] + info + one[64 + 64 : 64 + 64 + length])
+    struct.pack_into("<2I", moved, place - 4, 128 + len(info), length + 4)
+    struct.pack_into("<I", moved, place + 32 - 4, 128)
+    (tmp_path / "a.csq").write_bytes(moved)
+    assert np.array_equal(_all(open_frames(tmp_path / "a.csq")), FRAMES[:1])
 
 
 def test_a_reader_whose_library_is_missing_names_the_cure(tmp_path, monkeypatch):

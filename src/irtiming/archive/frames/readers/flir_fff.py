@@ -20,6 +20,7 @@ from irtiming.records.camera_frame import CameraIdentity
 _MAGIC = (b"FFF\0", b"AFF\0")
 _HEAD_BYTES, _RECORD_BYTES, _RAW_HEAD_BYTES = 64, 32, 32
 _MOST_RECORDS = 4096
+_PADDING_BYTES = 8
 _RAW_DATA, _CAMERA_INFO = 0x01, 0x20
 _TEST = 2  # what the first number of a record is in its own byte order
 _TIME = 0x384
@@ -122,7 +123,10 @@ def _one(file: IO[bytes], begin: int, *, size: int, number: int) -> Any:
     length = directory + n_records * _RECORD_BYTES
     raw = camera = None
     for kind, _, _, _, offset, n_bytes, *_ in struct.iter_unpack(f"{order}2H7I", entries):
-        if kind and begin + offset + n_bytes > size:
+        beyond = begin + offset + n_bytes - size if kind else 0
+        if kind == _RAW_DATA and 0 < beyond < _PADDING_BYTES:  # a packed picture's length is rounded up
+            n_bytes, beyond = n_bytes - beyond, 0
+        if beyond > 0:
             raise EOFError(
                 f"frame {number} ends at byte {begin + offset + n_bytes}, the file at {size}: it is cut short"
             )
