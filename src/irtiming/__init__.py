@@ -17,16 +17,27 @@ from irtiming import plan as _folder_of_planning
 from irtiming.errors import IrTimingError
 
 if TYPE_CHECKING:
-    from irtiming.interface.files import open_recording, read_result, read_rig
+    from irtiming.interface.files import open_frames, open_recording, read_result, read_rig
     from irtiming.interface.measuring import analyse, simulate
     from irtiming.interface.planning import plan
     from irtiming.records.choices import Choices
 
-__all__ = ["Choices", "IrTimingError", "analyse", "open_recording", "plan", "read_result", "read_rig", "simulate"]
+__all__ = [
+    "Choices",
+    "IrTimingError",
+    "analyse",
+    "open_frames",
+    "open_recording",
+    "plan",
+    "read_result",
+    "read_rig",
+    "simulate",
+]
 
 _HOMES = {
     "Choices": "irtiming.records.choices",
     "analyse": "irtiming.interface.measuring",
+    "open_frames": "irtiming.interface.files",
     "open_recording": "irtiming.interface.files",
     "read_result": "irtiming.interface.files",
     "read_rig": "irtiming.interface.files",

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from irtiming.archive import reader, result_file, rig_file
+from irtiming.archive.frames import opening
+from irtiming.archive.frames.source import FrameSource
 from irtiming.interface.timing_result import TimingResult
 from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
@@ -17,6 +19,17 @@ def open_recording(path: str | Path) -> Recording:
         If the file cannot be read, or is no sound recording; the message says field, what is, and what to do.
     """
     return reader.read(path)
+
+
+def open_frames(path: str | Path) -> FrameSource:
+    """Frames in a file of any format that is known, or in a folder; they stay there and are read when they are needed.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or is of no format that is known.
+    """
+    return opening.open_frames(path)
 
 
 def read_rig(path: str | Path) -> Rig:
