@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
+from scipy import ndimage
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import contrast_look, lens_knowledge, sector_image
@@ -46,6 +47,7 @@ _U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's
 _CLUSTER_PX = 3.0
 _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
 _ODD = 10  # times the standard deviation
+_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 _BLUR_SHAPE = (
     0.2  # of the blur's width: where the light of a pixel on the border may lie beside the middle that a Gaussian gives
 )
@@ -334,9 +336,15 @@ def _scatter(residual: Array, u: float) -> float:
 
 
 def _odd(seen: SeenContrast, border: Array, *, gain_scatter: float, border_scatter: float) -> Mask:
-    """Pixels that stray from the model far more than noise, gains and the border's weight (roi rows, roi columns) let them."""
-    usual = np.hypot(np.hypot(seen.u, gain_scatter), border_scatter * border)
-    return np.asarray(np.abs(seen.residual) > _ODD * usual)
+    """Pixels that stray from the model far more than noise, gains and the border's weight (roi rows, roi columns) let them.
+
+    A dead pixel beside the opening strays by little, but alone: there no gain acts on light, so neighbours tell.
+    """
+    burrs = border_scatter * border
+    usual = np.hypot(np.hypot(seen.u, gain_scatter), burrs)
+    beside = seen.residual - ndimage.median_filter(seen.residual, footprint=_NEIGHBOURS)
+    alone = np.hypot(np.hypot(seen.u, gain_scatter * np.clip(seen.light, 0, 1)), burrs)
+    return np.asarray((np.abs(seen.residual) > _ODD * usual) | (np.abs(beside) > _ODD * alone))
 
 
 def _border_weight(light: Array, blur_px: float) -> Array:

@@ -1,6 +1,7 @@
 """The sector that comes back from a contrast image of known light."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -249,3 +250,23 @@ def test_a_tilted_camera_with_its_lens_centre_aside(brute_bolometer, brute_rows,
         assert abs(getattr(found.shape, name) - getattr(truth, name)) < 4 * found.u(name), name
     assert abs(found.shape.keystone_row) > 4 * found.u("keystone_row")
     assert abs(found.row_delay_s - tilted.row_delay_s) < 4 * found.u_row_delay_s
+
+
+@pytest.mark.parametrize(
+    ("at", "stray", "is_odd"), [(3, 0.011, True), (3, 0.009, False), (12, 0.15, False), (12, 0.25, True)]
+)
+def test_a_lone_dead_pixel_beside_the_opening_is_odd(at, stray, is_odd):
+    """Oracle: by hand; ten times a noise of 0.001 beside the light, ten times gains of 0.02 within; no neighbour is."""
+    residual, light = np.zeros((16, 16)), np.zeros((16, 16))
+    light[8:], residual[at, 5] = 1.0, stray
+    seen = SimpleNamespace(residual=residual, light=light, u=1e-3)
+    odd = sector_fit._odd(seen, np.zeros((16, 16)), gain_scatter=0.02, border_scatter=0.0)
+    assert odd[at, 5] == is_odd
+    assert odd.sum() == is_odd
+
+
+def test_structure_that_neighbours_share_is_not_odd():
+    """Oracle: by hand; stray light of 15 noises that falls off over the image is no dead pixel."""
+    residual = np.linspace(0.015, 0, 16)[:, None] + np.zeros((16, 16))
+    seen = SimpleNamespace(residual=residual, light=np.zeros((16, 16)), u=1e-3)
+    assert not sector_fit._odd(seen, np.zeros((16, 16)), gain_scatter=0.02, border_scatter=0.0).any()
