@@ -30,6 +30,7 @@ from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.info_command import info
+from irtiming.cli.interrupt import Interrupt
 from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
@@ -76,7 +77,7 @@ def run() -> None:
     """Run the command line; what the user can cure ends in one line and exit status 2."""
     try:
         if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+            signal.signal(signal.SIGINT, Interrupt())
         with _words_aside(sys.argv[1:]):
             app()
     except BrokenPipeError:

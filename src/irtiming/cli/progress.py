@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from irtiming.cli.interrupt import raise_dropped
+
 
 class Told(Protocol):
     """What the work calls as it goes on: its name, steps done and steps in all."""
@@ -19,7 +21,7 @@ class Told(Protocol):
 
 @contextmanager
 def shown(unit: str, console: Console | None = None) -> Iterator[Told]:
-    """Show each named piece of work while the block runs.
+    """Show each named piece of work while the block runs; Ctrl-C that got lost in it is raised again.
 
     Parameters
     ----------
@@ -37,6 +39,7 @@ def shown(unit: str, console: Console | None = None) -> Iterator[Told]:
         tasks: dict[str, int] = {}
 
         def told(name: str, done: int, total: int, /) -> None:
+            raise_dropped()
             if name not in tasks:
                 tasks[name] = int(progress.add_task(escape(name), total=total))
             progress.update(progress.tasks[tasks[name]].id, completed=done, total=total)
@@ -49,6 +52,7 @@ def _plain_lines(unit: str, console: Console) -> Told:
     begun: set[str] = set()
 
     def told(name: str, done: int, total: int, /) -> None:
+        raise_dropped()
         if done >= total or name not in begun:
             begun.add(name)
             console.print(f"{name}: {done} of {total} {unit}", highlight=False, soft_wrap=True, markup=False)

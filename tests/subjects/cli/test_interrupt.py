@@ -1,0 +1,38 @@
+"""Ctrl-C that a library drops: it is raised again where the work next tells how far it is."""
+
+import io
+import signal
+from contextlib import suppress
+
+import pytest
+from rich.console import Console
+
+from irtiming.cli.interrupt import Interrupt, raise_dropped
+from irtiming.cli.progress import shown
+
+
+@pytest.fixture
+def handled():
+    before = signal.signal(signal.SIGINT, handler := Interrupt())
+    yield handler
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("is_terminal", [False, True])
+def test_what_was_dropped_is_raised_at_the_next_report(handled, is_terminal):
+    """Oracle: a library that swallows what is raised within it, as numba does where it loads a kernel."""
+    console = Console(file=io.StringIO(), force_terminal=is_terminal)
+    with pytest.raises(KeyboardInterrupt), shown("frames", console) as told:  # noqa: PT012 - what comes before must pass
+        told("run", 1, 3)
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        told("run", 2, 3)
+
+
+def test_nothing_is_raised_where_nothing_was_pressed_or_another_handler_is_set(handled):
+    """Oracle: by hand."""
+    raise_dropped()
+    with pytest.raises(KeyboardInterrupt):
+        handled(signal.SIGINT, None)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    raise_dropped()
