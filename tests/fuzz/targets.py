@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import frame_files
 import h5py
@@ -23,6 +24,8 @@ import numpy as np
 from irtiming.acquire.journal import Journal
 from irtiming.archive import layout
 from irtiming.archive.captures.streams import captured_ticks
+from irtiming.archive.certificate_check import check_certificate
+from irtiming.archive.certificate_file import read_certificate_file
 from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.plan_file import read_plan
 from irtiming.archive.reader import read, read_acquisition, read_truth
@@ -44,6 +47,8 @@ from irtiming.instruments.genicam.gige_assembly import FrameAssembly
 from irtiming.instruments.genicam.gige_discovery import _identity
 from irtiming.instruments.thorlabs_mc2000b import MC2000B
 from irtiming.instruments.visa_line import Speech, TextAdapter
+from irtiming.report.calibration import dcc, page
+from irtiming.report.calibration.content import ResultFile, Sheet, collect
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -261,6 +266,23 @@ def _documents() -> dict[str, bytes]:
     return documents()
 
 
+def _certified(path: Path) -> Sheet:
+    """A certificate of a result, as a page and as XML."""
+    form = read_certificate_file(EXAMPLES / "certificate.toml")
+    sheet = collect([ResultFile(name=path.name, sha256="0" * 64, content=read_result(path))], form)
+    ElementTree.fromstring(dcc.xml(sheet, page=page.html(sheet, beside=path.parent)))
+    return sheet
+
+
+@cache
+def _certificate() -> bytes:
+    """Of the result among the documents."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "r.json"
+        path.write_bytes(_documents()["result"])
+        return dcc.xml(_certified(path)).encode()
+
+
 def _line(data: bytes) -> None:
     """The generator's bytes, to messages and timestamps."""
     messages, stamps = MessageStream(), TimestampStream(counter_ticks=0)
@@ -391,6 +413,16 @@ TARGETS = {
         seeds=lambda: [_documents()["wheel"]], take=_in_file("wheel.json", read_wheel_calibration), changes=_JSON
     ),
     "result.json": Target(seeds=lambda: [_documents()["result"]], take=_in_file("r.json", read_result), changes=_JSON),
+    "certificate.toml": Target(
+        seeds=lambda: [(EXAMPLES / "certificate.toml").read_bytes()],
+        take=_in_file("certificate.toml", read_certificate_file), changes=_TOML,
+    ),
+    "certificate of a result": Target(
+        seeds=lambda: [_documents()["result"]], take=_in_file("r.json", _certified), changes=_JSON
+    ),
+    "certificate.xml": Target(
+        seeds=lambda: [_certificate()], take=_in_file("certificate.xml", check_certificate), changes=_TOML
+    ),
     "plan.json": Target(seeds=lambda: [_documents()["plan"]], take=_in_file("p.json", read_plan), changes=_JSON),
     "journal": Target(
         seeds=lambda: [_documents()["journal"]],

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as Xml
 from irtiming.archive.certificate_file import Organisation
 from irtiming.report.calibration import conditions, rows
 from irtiming.report.calibration.content import CalibratedItem, MeasuredItem, Sheet
-from irtiming.report.calibration.dcc_numbers import UNITS, real
+from irtiming.report.calibration.dcc_numbers import UNITS, printable, real
 from irtiming.report.calibration.measurands import BudgetLine, Measurand
 from irtiming.report.calibration.words import translated
 from irtiming.report.sections.inputs import versions
@@ -52,9 +52,9 @@ def xml(sheet: Sheet, *, page: str = "") -> str:
 
 
 def _child(parent: Xml.Element, name: str, text: str | None = None, **attributes: str) -> Xml.Element:
-    found = Xml.SubElement(parent, f"{{{DCC}}}{name}", attributes)
+    found = Xml.SubElement(parent, f"{{{DCC}}}{name}", {key: printable(value) for key, value in attributes.items()})
     if text is not None:
-        found.text = text
+        found.text = printable(text)
     return found
 
 

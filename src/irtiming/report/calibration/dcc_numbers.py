@@ -1,5 +1,6 @@
 """Quantities of D-SI 2.1.0: value, unit, expanded uncertainty with its coverage factor."""
 
+import re
 from decimal import Decimal
 from math import erf, isfinite, sqrt
 from xml.etree import ElementTree as Xml
@@ -14,7 +15,13 @@ UNITS = {
 }  # fmt: skip
 """Units of this program, and what D-SI calls them."""
 
+_FORBIDDEN = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
 _ONE_SIGMA = erf(1 / sqrt(2))
+
+
+def printable(text: str) -> str:
+    """The text without what XML 1.0 does not allow (2.2)."""
+    return _FORBIDDEN.sub("\N{REPLACEMENT CHARACTER}", text)
 
 
 def decimal(value: float) -> str:
@@ -43,7 +50,7 @@ def real(
         Xml.SubElement(parent, f"{{{SI}}}{name}").text = text
 
     if label:
-        add(found, "label", label)
+        add(found, "label", printable(label))
     add(found, "value", decimal(value))
     add(found, "unit", UNITS.get(unit, r"\one"))
     if u is not None:

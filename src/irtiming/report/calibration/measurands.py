@@ -101,6 +101,11 @@ def of(result: Result, form: CertificateFile) -> Iterator[Measurand]:
 def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[str, RigValue]) -> Measurand:
     one = result.parameters[name]
     u, freedom = one.standard_uncertainty or 0.0, _freedom(one.effective_degrees_of_freedom)
+    if u < 0 or freedom < 1 or (one.coverage_factor or 1.0) < 1:
+        raise ArchiveError(
+            f"the result has {name} with u = {u:g}, k = {one.coverage_factor}, degrees of freedom {freedom:g}, which no "
+            "analysis gives; write it anew with irtiming analyse --json"
+        )
     k = one.coverage_factor or budget.coverage_factor(freedom)
     lines = [
         _line(part, name, rig=rig) for part in result.contributions if _counts(part.standard_uncertainty.get(name), u)
@@ -160,6 +165,11 @@ def _own(source: str, u: float, *, kind: str = "A", distribution: str = "normal"
 def _relative(result: Result, combined: CombinedDelay) -> Measurand:
     """Delay beyond that of the smallest set delay; the clock's part is the nominal delay times its relative uncertainty."""
     u = combined.standard_uncertainty or 0.0
+    if u < 0 or not combined.nominal > 0:
+        raise ArchiveError(
+            f"the result has a relative delay of nominally {combined.nominal:g} s with u = {u:g}, which no analysis gives; write "
+            "it anew with irtiming analyse --json"
+        )
     single = [one for one in result.relative_delays if abs(one.nominal - combined.nominal) < 1e-9]
     clock = max((_beyond(one.standard_uncertainty, one.deviation_standard_uncertainty) for one in single), default=0.0)
     clock = min(clock, u)
