@@ -28,8 +28,9 @@ def import_capture(
             ...,
             "--map",
             metavar="STREAM=LINE,...",
-            help="Line of each stream: camera_trigger, control_slot, application_slot and, if wanted, application_edges, "
-            "such as camera_trigger=D0,control_slot=!D1,application_slot=D2; '!' where the falling edge counts.",
+            help="Line of each stream: camera_trigger, or camera_input for the strobe of a camera that runs free, control_slot, "
+            "application_slot and, if wanted, application_edges, such as "
+            "camera_trigger=D0,control_slot=!D1,application_slot=D2; '!' where the falling edge counts.",
         ),
     ],
     frames: Annotated[
@@ -71,8 +72,9 @@ def import_capture(
 ) -> None:
     """Take timestamps from a logic analyser's capture, and put them and the frames into a recording.
 
-    The capture must hold the camera trigger and both light gates, since an analyser has its own clock. The file of the frames
-    is left as it is. A capture in which data were lost is refused with the time of the loss.
+    The capture must hold both light gates and the camera trigger, or the strobe of a camera that runs free, since an
+    analyser has its own clock. The file of the frames is left as it is. A capture in which data were lost is refused with
+    the time of the loss.
     """
     given = locals()
     from irtiming.archive.captures.timed_recording import CameraFacts

@@ -76,6 +76,36 @@ def test_delayed_triggers_and_what_the_camera_sent_back_are_never_of_the_old_clo
         assert found.camera_input_ticks.tolist() == brought[layout.CAMERA_INPUT].tolist()
 
 
+def _strobe() -> CapturedTicks:
+    """The same capture with a strobe in the place of the trigger."""
+    streams = dict(_ticks().streams)
+    streams[layout.CAMERA_INPUT] = streams.pop(layout.CAMERA_TRIGGER) + 1234
+    return CapturedTicks(clock_frequency_hz=CLOCK_HZ, streams=streams)
+
+
+def test_a_capture_with_a_strobe_makes_the_recording_of_a_camera_that_runs_free(hand_made, tmp_path):
+    """Oracle: the streams that went in; a trigger of the old clock is gone, and comes back with a capture that has one."""
+
+    def change(file):
+        file["entry/instrument/camera/trigger_delay_time_set"][()] = 0.0
+
+    free, again = tmp_path / "free.nxs", tmp_path / "again.nxs"
+    write_timed(hand_made(change), free, ticks=_strobe())
+    run = reader.read(free)
+    assert run.frame_event == "strobe"
+    assert run.camera_trigger_ticks.size == 0
+    assert np.array_equal(run.camera_input_ticks, _strobe().streams[layout.CAMERA_INPUT])
+    write_timed(free, again, ticks=_ticks())
+    assert reader.read(again).frame_event == "trigger"
+    assert reader.read(again).camera_input_ticks is None
+    frames = tmp_path / "frames.npy"
+    np.save(frames, np.ones((20, 8, 9), np.uint16))
+    write_timed(frames, tmp_path / "array.nxs", ticks=_strobe(), facts=FACTS)
+    assert reader.read(tmp_path / "array.nxs").frame_event == "strobe"
+    with pytest.raises(ArchiveError, match="no camera_trigger; leave out --delayed-trigger"):
+        write_timed(frames, tmp_path / "late.nxs", ticks=_strobe(), facts=FACTS, is_delayed=True)
+
+
 def test_periods_that_are_no_whole_ticks_of_the_new_clock_are_left_out(hand_made, tmp_path):
     """Oracle: by hand; 1 622 016 ticks of 49.152 MHz are 330 000.1 and so on of a clock of 10.000003 MHz."""
     ticks = _ticks()

@@ -22,9 +22,10 @@ STREAMS: tuple[Field, ...] = (
     layout.CONTROL_SLOT,
     layout.APPLICATION_SLOT,
     layout.APPLICATION_EDGES,
+    layout.CAMERA_INPUT,
     layout.SPARE,
 )
-"""What a capture can give to a recording; the first three are needed."""
+"""What a capture can give to a recording; the first three are needed, of a camera that runs free its strobe, not its trigger."""
 
 FALLING = "!"
 """Before the name of a line of which the falling edge counts."""
@@ -62,10 +63,14 @@ def line_map(text: str) -> dict[Field, str]:
         if known[name] in lines:
             raise ArchiveError(f"--map: {name} is given twice; a stream has one line")
         lines[known[name]] = line
-    missing = [field.name for field in STREAMS if field.required and field not in lines]
+    needed = [field for field in STREAMS if field.required and field is not layout.CAMERA_TRIGGER]
+    missing = [field.name for field in needed if field not in lines]
+    if layout.CAMERA_TRIGGER not in lines and layout.CAMERA_INPUT not in lines:
+        missing.insert(0, layout.CAMERA_TRIGGER.name)
     if missing:
         raise ArchiveError(
-            f"--map: {' and '.join(missing)} is missing; the capture must hold triggers and both light gates"
+            f"--map: {' and '.join(missing)} is missing; the capture must hold triggers, or the strobe of a camera that runs "
+            f"free as {layout.CAMERA_INPUT.name}, and both light gates"
         )
     if lines.get(layout.APPLICATION_EDGES, "").startswith(FALLING):
         raise ArchiveError("--map: application_edges takes both edges of its line; leave out the '!'")

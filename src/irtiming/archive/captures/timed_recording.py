@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
+import numpy as np
 
 from irtiming.archive import consistency, layout
 from irtiming.archive.captures.camera_frames import CameraFacts as CameraFacts
@@ -23,6 +24,7 @@ from irtiming.archive.tick_checks import check_ticks
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
+from irtiming.records.frame_events import FrameEvent
 from irtiming.records.recording import USUAL_READOUT, Recording
 
 if TYPE_CHECKING:
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
 
 _REPLACED = (
     layout.CLOCK_FREQUENCY, layout.CAMERA_PERIOD, layout.WHEEL_PERIOD, layout.LOST_AFTER, layout.CAMERA_TRIGGER_DELAYED,
-    layout.CAMERA_INPUT, *STREAMS,
+    layout.COUNTER_EXCHANGE_BEFORE, layout.COUNTER_EXCHANGE, layout.COUNTER_EXCHANGE_AFTER, *STREAMS,
 )  # fmt: skip
 """What is in ticks: of the old clock it means nothing beside the new one."""
 
@@ -69,6 +71,8 @@ def write_timed(
         If a file cannot be read or written, or frames and timestamps contradict each other.
     """
     source, target = Path(frames), Path(out)
+    if is_delayed and layout.CAMERA_TRIGGER not in ticks.streams:
+        raise ArchiveError("--map has no camera_trigger; leave out --delayed-trigger, or name the line of the trigger")
     if target.exists():
         raise ArchiveError(f"{target}: exists already; choose another name")
     is_recording = source.suffix.lower() != ".npz" and _is_recording(source, facts)
@@ -115,9 +119,18 @@ def _replace_ticks(source: Path, part: Path, ticks: CapturedTicks, *, is_delayed
                 if field in values:
                     dataset = group.create_dataset(field.name, data=values[field])
                     dataset.attrs["units"] = field.unit
+            if layout.FRAME_EVENT.path in file:
+                del file[layout.FRAME_EVENT.path]
+            if (event := _event(ticks)) != "trigger":
+                file[layout.FRAME_EVENT.path] = event
             group.attrs["NX_class"] = layout.GROUPS[layout.TRIGGER_GENERATOR]
     except H5_ERRORS as error:
         raise ArchiveError(f"{part}: cannot be written ({reason_of(error)}); is the disk full?") from error
+
+
+def _event(ticks: CapturedTicks) -> FrameEvent:
+    """What frames count from: a capture without triggers has the strobe of a camera that runs free."""
+    return "trigger" if layout.CAMERA_TRIGGER in ticks.streams else "strobe"
 
 
 def _periods(file: h5py.File, ticks: CapturedTicks) -> dict[Field, int]:
@@ -152,7 +165,8 @@ def _from_frames(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
         camera_type=facts.camera_type,
         readout_mode=facts.readout_mode or USUAL_READOUT[facts.camera_type],
         clock_frequency_hz=float(ticks.clock_frequency_hz),
-        camera_trigger_ticks=ticks.streams[layout.CAMERA_TRIGGER],
+        frame_event=_event(ticks),
+        camera_trigger_ticks=ticks.streams.get(layout.CAMERA_TRIGGER, np.zeros(0, np.int64)),
         control_slot_ticks=ticks.streams[layout.CONTROL_SLOT],
         application_slot_ticks=ticks.streams[layout.APPLICATION_SLOT],
         application_edge_ticks=ticks.streams.get(layout.APPLICATION_EDGES),
