@@ -22,6 +22,7 @@ import mutations
 import numpy as np
 
 from irtiming.acquire.journal import Journal
+from irtiming.apply import camera_timing, export, handover
 from irtiming.archive import layout
 from irtiming.archive.captures.streams import captured_ticks
 from irtiming.archive.certificate_check import check_certificate
@@ -33,6 +34,7 @@ from irtiming.archive.reference_file import read_reference
 from irtiming.archive.result_file import read_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
+from irtiming.archive.stamps_file import read_stamps
 from irtiming.archive.timestamps_file import read_timestamps
 from irtiming.archive.verify import verify
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
@@ -220,6 +222,18 @@ def _tables() -> list[bytes]:
     return [plain, plain.replace(b",", b";"), b"\n".join(plain.split(b"\n")[1:]).replace(b",", b"\t")]
 
 
+def _stamps() -> list[bytes]:
+    lines = [f"{i},{1_700_000_000_000_000_000 + 33_000_000 * i},x" for i in range(20)]
+    return ["\n".join(["# a camera", "seq,stamp_ns,note", *lines]).encode(), b"t_s\n0.1\n0.2\n"]
+
+
+def _hand_over(path: Path) -> None:
+    given = handover.of_camera(camera_timing.of_result(read_result(path)))
+    for program in handover.PROGRAMS:
+        with suppress(IrTimingError):
+            export.text_for(program, given)
+
+
 def _sessions() -> list[bytes]:
     found = []
     for packed in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
@@ -396,6 +410,7 @@ TARGETS = {
     ),
     "value change dump": Target(seeds=_vcds, take=_in_file("a.vcd", _capture), changes=_TOML),
     "table": Target(seeds=_tables, take=_in_file("a.csv", _capture), changes=_TOML),
+    "stamps": Target(seeds=_stamps, take=_in_file("a.csv", read_stamps), changes=_TOML),
     "sigrok session": Target(seeds=_sessions, take=_in_file("a.sr", _capture)),
     "saleae": Target(seeds=_saleae, take=_take_saleae),
     "npz": Target(
@@ -412,7 +427,9 @@ TARGETS = {
     "wheel.json": Target(
         seeds=lambda: [_documents()["wheel"]], take=_in_file("wheel.json", read_wheel_calibration), changes=_JSON
     ),
-    "result.json": Target(seeds=lambda: [_documents()["result"]], take=_in_file("r.json", read_result), changes=_JSON),
+    "result.json": Target(
+        seeds=lambda: [_documents()["result"]], take=_in_file("r.json", read_result, _hand_over), changes=_JSON
+    ),
     "certificate.toml": Target(
         seeds=lambda: [(EXAMPLES / "certificate.toml").read_bytes()],
         take=_in_file("certificate.toml", read_certificate_file), changes=_TOML,

@@ -35,6 +35,8 @@ _TAKEN = (
     "trigger_delay", "exposure_midpoint_delay", "integration_time", "row_delay", "time_constant", "recursive_filter",
     "pixel_memory",
 )  # fmt: skip
+_SHARES = ("recursive_filter", "pixel_memory")
+_MOST_SHARE, _LONGEST_S, _MOST_ROWS = 0.9, 60.0, 2**16
 _SURE = 2.0  # standard uncertainties, from which a share of the frame before counts as there
 
 
@@ -156,7 +158,7 @@ class CameraTiming:
     def _of_frames_before(self, moment: Moment, frame_period_s: float | None) -> Moment:
         """The effective moment: a share k of the frame before puts it k / (1 - k) frames back, a memory s by s frames."""
         factors, constant_s = dict(moment.factors), moment.constant_s
-        for name in ("recursive_filter", "pixel_memory"):
+        for name in _SHARES:
             if name not in self.estimate or frame_period_s is None:
                 continue
             share = self.estimate.value(name)
@@ -199,6 +201,7 @@ def of_result(result: Result) -> CameraTiming:
     ]
     if lacking:
         raise EstimationError(f"the result does not know {', '.join(lacking)}; analyse recordings that determine it")
+    _require_plausible(names, values, u)
     estimate = Estimate(
         names=names,
         units=tuple(result.parameters[name].unit for name in names),
@@ -214,6 +217,17 @@ def of_result(result: Result) -> CameraTiming:
         not_in_uncertainty=tuple(result.not_in_uncertainty),
         simulated=result.simulated,
     )
+
+
+def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:
+    """Refuse numbers that no camera has: nothing is to be made of a file that somebody changed."""
+    for name, value, one in zip(names, values, u, strict=True):
+        most, unit = (_MOST_SHARE, "") if name in _SHARES else (_LONGEST_S, " s")
+        if not (abs(value) <= most and 0 <= one <= most):
+            raise EstimationError(
+                f"the result has {name} = {value:g} ± {one:g}{unit}, must be within ±{most:g}{unit}; write it anew with "
+                "irtiming analyse --json"
+            )
 
 
 def _correlation(result: Result, names: tuple[str, ...]) -> Array:
@@ -232,9 +246,13 @@ def _correlation(result: Result, names: tuple[str, ...]) -> Array:
 
 def _conditions(result: Result) -> Conditions:
     images = {(one.image.rows, one.image.columns) for one in result.inputs if one.image is not None}
-    periods = {one.frame_period for one in result.inputs if one.frame_period}
-    windows = {one.integration_time for one in result.inputs if one.integration_time}
+    periods = {one.frame_period for one in result.inputs if one.frame_period and 0 < one.frame_period <= _LONGEST_S}
+    windows = {
+        one.integration_time for one in result.inputs if one.integration_time and 0 < one.integration_time <= _LONGEST_S
+    }
     rows, columns = images.pop() if len(images) == 1 else (None, None)
+    if rows is not None and not 0 < rows <= _MOST_ROWS:
+        raise EstimationError(f"the result is of images of {rows} rows, must be from 1 to {_MOST_ROWS}")
     return Conditions(
         camera_type=result.camera,
         readout_mode=result.readout_mode or USUAL_READOUT[result.camera],

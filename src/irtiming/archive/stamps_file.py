@@ -18,7 +18,9 @@ UNITS = {"s": Decimal(1), "ms": Decimal("1e-3"), "us": Decimal("1e-6"), "ns": De
 _NUMBERS = ("frame", "frame_id", "frame_number", "seq")
 _MOST_BYTES = 2**29
 _MOST_LINE = 2**16
-_LARGEST_S = 10**11
+_MOST_STAMPS = 2**22
+_LARGEST_S = 9 * 10**9  # so that nanoseconds fit 64 bits
+_LARGEST_NUMBER = 2**62
 
 
 @final
@@ -90,9 +92,11 @@ def _read(path: Path, lines: Iterator[list[str]], *, column: str | None, unit: s
             raise ArchiveError(
                 f"{path}: data line {n + 1} has {len(values)} values, there are {len(names)} columns; mend it"
             )
-        times.append(_number(path, values[names.index(chosen)], n) * scale)
+        if n == _MOST_STAMPS:
+            raise ArchiveError(f"{path}: has more than {_MOST_STAMPS} stamps; cut it into pieces")
+        times.append(_number(path, values[names.index(chosen)], n, largest=_LARGEST_S / scale) * scale)
         if counted is not None:
-            numbers.append(int(_number(path, values[names.index(counted)], n)))
+            numbers.append(int(_number(path, values[names.index(counted)], n, largest=Decimal(_LARGEST_NUMBER))))
     if not times:
         raise ArchiveError(f"{path}: has no stamps; give one line per frame")
     origin = int(times[0])
@@ -118,11 +122,11 @@ def _column(path: Path, names: list[str], column: str | None) -> str:
     return fitting[0]
 
 
-def _number(path: Path, text: str, line: int) -> Decimal:
+def _number(path: Path, text: str, line: int, *, largest: Decimal) -> Decimal:
     try:
         value = Decimal(text.strip())
     except InvalidOperation as error:
         raise ArchiveError(f"{path}: data line {line + 1} has '{text[:40]}', must be a number; mend it") from error
-    if not value.is_finite() or abs(value) > _LARGEST_S * 10**9:
+    if not value.is_finite() or not -largest <= value <= largest:
         raise ArchiveError(f"{path}: data line {line + 1} has {text[:40]}, which is no stamp; mend it")
     return value

@@ -204,3 +204,28 @@ def test_a_latency_of_the_trigger_path_cancels_where_the_same_generator_stamps()
     times = frame_times.apply(timing, triggers)
     assert times.time_s("reading")[0, 0] == pytest.approx(1 + seen_s, abs=1e-12)
     assert times.u_s("reading")[0] == pytest.approx(u_seen_s, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [
+        ({"trigger_delay": (1e300, 1e-6)}, "trigger_delay = 1e+300 ± 1e-06 s, must be within ±60 s"),
+        ({"trigger_delay": (1e-3, -1e-6)}, "trigger_delay = 0.001 ± -1e-06 s"),
+        (
+            {"trigger_delay": (1e-3, 1e-6), "recursive_filter": (1.0, 1e-3)},
+            "recursive_filter = 1 ± 0.001, must be within ±0.9",
+        ),
+    ],
+)
+def test_numbers_that_no_camera_has_are_refused(numbers, said):
+    """Oracle: the words; what was made of them would be no time."""
+    result = made_up_result("microbolometer", "snapshot", {"time_constant": (1e-3, 1e-6)} | numbers)
+    with pytest.raises(EstimationError) as caught:
+        camera_timing.of_result(result)
+    assert said in str(caught.value)
+
+
+def test_a_giant_image_is_refused():
+    """Oracle: the words; its rows would fill any memory."""
+    with pytest.raises(EstimationError, match="images of 1000000000000 rows"):
+        camera_timing.of_result(made_up_result("microbolometer", "rolling", BOLOMETER, rows=10**12))

@@ -39,6 +39,8 @@ def test_the_column_and_its_unit_may_be_named(tmp_path):
         ("a_s,b_s\n1,2\n", "2 columns end in a unit"),
         ("t_s\n", "has no stamps"),
         ("t_s\n1\nx\n", "data line 2 has 'x', must be a number"),
+        ("t_s\n1e10\n", "data line 1 has 1e10, which is no stamp"),
+        ("t_s\n1e999999999\n", "which is no stamp"),
         ("t_s\nnan\n", "data line 1 has nan, which is no stamp"),
         ("t_s,a\n1\n", "data line 1 has 1 values, there are 2 columns"),
         ("t_s\n1\0\n", "is no CSV"),
