@@ -36,6 +36,10 @@ from mistake_table import MISTAKES, ON_TRUST, ArrayFrames, Camera, Case
 FAR_OFF = 4.0
 ROWS, COLUMNS, FRAMES, WHEEL_HZ, SEED = 120, 160, 500, 3.0, 1
 OTHER_DELAY_S = 25e-3
+HEAD = (
+    "| mistake | verdict | error/u, us | **doubts**, warnings, or refusal | run with |",
+    "| --- | --- | --- | --- | --- |",
+)
 
 
 def sound(camera: Camera, seed: int = SEED) -> tuple[Case, Scene]:
@@ -165,12 +169,8 @@ def table(lines: list[dict[str, Any]]) -> str:
     """All lines as Markdown, and how many of each verdict."""
     usual = next((line["doubts"] for line in lines if line["name"] == "none"), [])
     count = Counter(verdict(line, usual) for line in lines)
-    head = [
-        "| mistake | verdict | error/u, us | **doubts**, warnings, or refusal | run with |",
-        "| --- | --- | --- | --- | --- |",
-    ]
     return "\n".join(
-        [*head, *(row(line, usual) for line in lines), "", ", ".join(f"{n} {v}" for v, n in count.most_common())]
+        [*HEAD, *(row(line, usual) for line in lines), "", ", ".join(f"{n} {v}" for v, n in count.most_common())]
     )
 
 
