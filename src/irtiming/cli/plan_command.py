@@ -1,11 +1,14 @@
 """`irtiming plan`: from wishes to the trigger schemes that meet them, as a table, a drawing and JSON."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from irtiming.cli.options import filled, in_options
+from irtiming.errors import PlanError, listed
+from irtiming.plan.wishes import exact_number, whole_number
 from irtiming.records.recording import CameraType, ReadoutMode
 
 
@@ -64,6 +67,14 @@ def plan(
     like: Annotated[
         Path | None, typer.Option(metavar="RESULT", help="With --for: take the camera from this result JSON.")
     ] = None,
+    free_running: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PERIOD",
+            help="Period of a camera that runs free, such as '33.3 ms': wheel speeds near --wheel-hz at which its frames, "
+            "--samples in a run, visit all angles evenly.",
+        ),
+    ] = None,
     most: Annotated[int, typer.Option(min=1, max=10_000, help="Rows of the table.")] = 10,
     json: Annotated[Path | None, typer.Option(help="Write all schemes and the plan to this file.")] = None,
     picture: Annotated[Path | None, typer.Option(help="Draw the sampling order of the best to this SVG.")] = None,
@@ -71,9 +82,13 @@ def plan(
     """Find every trigger scheme that meets the wishes, best first.
 
     With --for: the shortest measurements that should reach an uncertainty, whatever wheel speeds and runs that takes. Clock,
-    frame rate and samples are then those of the paper if not given, and the wheel may turn at 2 to 50 Hz.
+    frame rate and samples are then those of the paper if not given, and the wheel may turn at 2 to 50 Hz. With --free-running:
+    wheel speeds for a camera that takes no triggers, and the uncertainty to expect of a run at each.
     """
     given = locals()
+    if free_running is not None:
+        _of_free_camera(given)
+        return
     from irtiming.cli.plan_tables import show
     from irtiming.records.series_plan import TriggerWishes
     from irtiming.session.camera import Described
@@ -92,3 +107,33 @@ def plan(
     )
     order = filled(PlanOrder, given, wishes=wishes, camera=filled(Described, given))
     show(make_plan(order), most=most)
+
+
+_OF_TRIGGERS = (
+    "wanted", "clock_hz", "frame_hz", "frame_hz_min", "frame_hz_max", "samples_min", "samples_max", "wheel_tolerance",
+    "between_corrections", "delay", "picture",
+)  # fmt: skip
+
+
+def _of_free_camera(given: Mapping[str, Any]) -> None:
+    """Wheel speeds for a camera that runs free."""
+    from irtiming.cli.plan_tables import show_free
+    from irtiming.session.camera import Described
+    from irtiming.session.free_plan import USUAL_HZ, FreePlanOrder
+    from irtiming.session.free_plan import plan as make_free_plan
+
+    if foreign := [name for name in _OF_TRIGGERS if given[name]]:
+        raise PlanError(
+            f"{listed(foreign)} with {{free_running}}, which has no triggers to plan; leave out {listed(foreign)}",
+            *foreign,
+            "free_running",
+        )
+    order = filled(
+        FreePlanOrder,
+        given,
+        camera=filled(Described, given),
+        samples=1000 if given["samples"] is None else whole_number(given["samples"], "the number of samples"),
+        wheel_hz=tuple(float(exact_number(text, "the wheel rate")) for text in given["wheel_hz"] or ()) or USUAL_HZ,
+        tolerance=1e-4,
+    )
+    show_free(make_free_plan(order), most=given["most"])

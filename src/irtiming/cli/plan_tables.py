@@ -18,6 +18,7 @@ from irtiming.plan.targets import Target
 from irtiming.plan.wishes import as_text, is_prime
 from irtiming.records.camera_description import Camera, Microbolometer
 from irtiming.records.trigger_plan import TriggerPlan
+from irtiming.session.free_plan import FreePlanned
 from irtiming.session.plan import Planned, Proposed
 from irtiming.units import readable_time, ticks_to_seconds
 
@@ -31,6 +32,29 @@ def show(planned: Planned | Proposed, *, most: int) -> None:
         _show_proposed(planned, console)
     else:
         _show_schemes(planned, most, console)
+
+
+def show_free(planned: FreePlanned, *, most: int) -> None:
+    """Print wheel speeds for a camera that runs free, the most even first, with the uncertainties to expect."""
+    shown = planned.speeds[:most]
+    names = next(([each.name for each in one.uncertainties] for one in shown if one.is_even), [])
+    table = _numbers(
+        "Wheel speeds for a camera that runs free, most even first",
+        "wheel / Hz",
+        "largest gap",
+        *(f"u of {name.replace('trigger_delay', 'delay').replace('_', ' ')}" for name in names),
+    )
+    for one in shown:
+        found = {each.name: readable_time(float(f"{each.standard_uncertainty_s:.2g}")) for each in one.uncertainties}
+        table.add_row(f"{one.wheel_rate_hz:.5g}", f"{one.largest_gap:.2f}", *(found.get(name, "-") for name in names))
+    console = Console(highlight=False)
+    console.print(table)
+    lines = [
+        f"largest gap between angles of {planned.order.samples} frames, over the even one: 1 at best; the worst within "
+        f"+-{1e6 * planned.order.tolerance:g} ppm of rate and period",
+        "u: of one run, k = 1, of a strobe; stamps and arrivals add the scatter of their grid and what relates their clock",
+    ]
+    _print_lines(lines, console)
 
 
 def _show_schemes(planned: Planned, most: int, console: Console) -> None:
