@@ -13,7 +13,7 @@ GROUP = "irtiming.frames"
 _READERS = "irtiming.archive.frames.readers"
 _BUILT_IN = (
     "hdf5_stack", "tiff", "numpy_array", "telops_hcc", "flir_fff", "flir_sfmov", "cedip_ptw", "infratec_irb", "norpix_seq",
-    "fits", "video", "picture", "envi", "raw", "folder",
+    "fits", "video", "picture", "envi", "raw", "ros_bag", "folder",
 )  # fmt: skip
 _SNIFFED_BYTES = 4096
 
