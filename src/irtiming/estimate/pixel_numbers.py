@@ -37,7 +37,9 @@ def opening_and_window(
     sample_s = min(
         TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
     )
-    memory = float(np.mean([fit.estimate.value(pixel_sums.MEMORY) for fit in fits]))
+    memory, bow = (
+        float(np.mean([fit.estimate.value(name) for fit in fits])) for name in (pixel_sums.MEMORY, pixel_sums.BOW)
+    )
     return [
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
         shared_numbers.same(WINDOW, fits, start=sample_s, u=UNKNOWN_S),
@@ -51,6 +53,7 @@ def opening_and_window(
         *_glare(recordings, fits),
         shared_numbers.uneven_edges(fits),
         shared_numbers.same(pixel_sums.MEMORY, fits, unit="1", start=memory),
+        shared_numbers.same(pixel_sums.BOW, fits, unit="1", start=bow),
     ]
 
 

@@ -2,14 +2,14 @@ r"""The pixel sums of one recording: what they say of the numbers that they foll
 
 Frame n, whose exposure has its middle at the wheel angle theta_n, has the sum (`physics.light.pixel_sum`)
 
-.. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{bow}\,U(\theta_n) +
-\mathrm{plate}\,P(\theta_n) +
+.. math:: \mathrm{covered}(t_n) + \mathrm{step}(t_n)\,(F(\theta_n) + \mathrm{skew}\,S(\theta_n) + \mathrm{plate}\,P(\theta_n) +
 \mathrm{blades}\,B(\theta_n) + \mathrm{beside}\,B'(\theta_n))
 
 Its local numbers, by name, are one delay per wheel edge (the middle of the window after the trigger and the delay set, as the
 passing of that edge shows it), the opening angle, the length of the window, by how much the mask's radial edges miss the axle,
-and the share s of the frame before that a pixel keeps: of all shapes the frame holds 1 - s as they are and s as they were one
-trigger earlier (`physics.response.pixel_memory`). All the others are the recording's own; they enter linearly and are projected
+by how much the opening is brighter at both its ends than in its middle (bow), and the share s of the frame before that a pixel
+keeps: of all shapes the frame holds 1 - s as they are and s as they were one trigger earlier
+(`physics.response.pixel_memory`). All the others are the recording's own; they enter linearly and are projected
 out. Covered level and step drift as smooth curves and jump where a camera corrects itself, with as many numbers as the recording
 asks for (`inference.drifting_levels`).
 
@@ -47,8 +47,13 @@ MEMORY = pixel_memory.PARAMETER
 GLARE = "glare"
 """Share of the light that goes astray, out of the summed pixels where it comes from the opening's ends."""
 
-SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", GLARE, MEMORY)
-"""Local numbers beside the edges' delays: rad, s, rad, rad, 1, 1."""
+BOW = "bow"
+"""By how much the opening is brighter at both its ends than in its middle."""
+
+SHAPE = ("opening_angle", "integration_time", "lean_low", "lean_high", GLARE, MEMORY, BOW)
+"""Local numbers beside the edges' delays: rad, s, rad, rad, 1, 1, 1."""
+
+_OWN_SHAPE = ("opening_angle", MEMORY, BOW)  # that one recording alone tells, and all share
 
 CORNERS = "corner_variance"
 """Local number that may stand beside them: what else rounds the corners, rad^2."""
@@ -138,6 +143,7 @@ class PixelSums:
             radii=self.radii,
             region=self.region,
             glare=numbers.get(GLARE, 0.0),
+            bow=numbers.get(BOW, 0.0),
             lost=self.lost,
             tails=tuple((numbers.get(name, 0.0), omega * time_s) for name, time_s in self.tails_s.items()),
             corner_variance_rad2=numbers.get(CORNERS, 0.0),
@@ -286,13 +292,13 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
 def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
     axle = given.reduced.axle
     glare = 0.0 if axle is None else axle.glare
-    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, glare, 0.0)
+    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, glare, 0.0, 0.0)
     return dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True))
 
 
 def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
-    """Edge delays, opening angle and memory at their best."""
-    held = [name for name in SHAPE if name not in ("opening_angle", MEMORY)]
+    """Edge delays, opening angle, memory and bow at their best."""
+    held = [name for name in SHAPE if name not in _OWN_SHAPE]
     found = optimiser.minimise(given.at, start=start, held=held).values
     if not 0.2 < found["opening_angle"] / given.wheel.opening_angle_rad < 5:
         raise EstimationError(
@@ -362,7 +368,7 @@ def _scan(given: PixelSums) -> float:
 
 
 def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, float]) -> EdgeDelayFit:
-    names, half_s = (*EDGE_DELAYS, "opening_angle", MEMORY), (given.reduced.integration_time_s or 0.0) / 2
+    names, half_s = (*EDGE_DELAYS, *_OWN_SHAPE), (given.reduced.integration_time_s or 0.0) / 2
     best = given.projected(numbers)
     step = float(best.levels[1])
     free = best.at.residual.size - len(names) - best.levels.size
@@ -385,7 +391,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         angular_frequency_rad_per_s=given.angular_frequency_rad_per_s,
         estimate=Estimate(
             names=names,
-            units=("s",) * 4 + ("rad", "1"),
+            units=("s",) * 4 + ("rad", "1", "1"),
             values=np.array([numbers[name] for name in names]),
             covariance=white * best.at.deviance / free * widening,
         ),

@@ -1,6 +1,6 @@
 r"""What one run of a photon camera can tell: derivatives of the pixel sum, each a closed form (Schatz 2023, eq. 1, figure 4b).
 
-A frame's sum over the opening is  f = covered + step (F + skew S + bow U + plate P + blades B + beside B' + drift t)  with
+A frame's sum over the opening is  f = covered + step (F + bow U + skew S + plate P + blades B + beside B' + drift t)  with
 shapes and slopes of `physics.light.pixel_sum`, averaged over the integration. Its parameters:
 
 ===================  =======================================================================================
@@ -54,16 +54,16 @@ class Structure:
 
 SHARED_SHAPE = Structure(
     own=("covered", "step", "drift", *pixel_sum.SMALL),
-    shared=("trigger_delay", "integration_time", "opening_angle", pixel_memory.PARAMETER),
+    shared=("trigger_delay", "integration_time", "opening_angle", pixel_memory.PARAMETER, "bow"),
 )
-"""All runs share opening, integration time and memory, and none is known; each has its own levels, step and drift."""
+"""All runs share opening, integration time, memory and bow, and none is known; each has its own levels, step and drift."""
 
 KNOWN_WINDOW = Structure(
     own=SHARED_SHAPE.own, shared=tuple(name for name in SHARED_SHAPE.shared if name != "integration_time")
 )
 """The same, but the integration time is known exactly."""
 
-OWN_SHAPE = Structure(own=(*SHARED_SHAPE.own, "opening_angle"), shared=("trigger_delay", pixel_memory.PARAMETER))
+OWN_SHAPE = Structure(own=(*SHARED_SHAPE.own, "opening_angle"), shared=("trigger_delay", pixel_memory.PARAMETER, "bow"))
 """Each run has an opening of its own, and the integration time is known."""
 
 

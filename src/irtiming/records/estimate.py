@@ -226,7 +226,7 @@ class EdgeDelayFit:
     @property
     def n_own(self) -> int:
         """Numbers that the recording has for itself: covered level, step, `pixel_sum.SMALL`, and what levels drift by."""
-        return 7 + (1 if self.levels is None else self.levels.n_numbers)
+        return 6 + (1 if self.levels is None else self.levels.n_numbers)
 
     @property
     def covariance_s2(self) -> Array:

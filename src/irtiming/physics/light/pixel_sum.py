@@ -1,14 +1,15 @@
 r"""The sum over the mask opening as the wheel covers and uncovers it, averaged over the integration window (eq. 1, figure 4b).
 
-.. math:: f = F + \mathrm{skew}\, S + \mathrm{bow}\, U + \mathrm{plate}\, P + \mathrm{blades}\, B +
-\mathrm{beside}\, B'
+.. math:: f = F + \mathrm{skew}\, S + \mathrm{plate}\, P + \mathrm{blades}\, B + \mathrm{beside}\, B'
 
 F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
-earlier than drawn. S is the trace of an opening that is brighter towards one end, U that of one that is brighter at both ends
-than in its middle, as a lens with distortion shows it, P that of a mask plate as warm as neither wheel
+earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
 nor blackbody: an opening that is wider by the summed border. B is half the share that the second blade covers (edges 2 to 3) less
 half of what the first does: the two are not equally warm. B' is the same for the summed border alone: the wheel turns before the
 mask plate too. Blur moves light but keeps its sum, so it has no place here.
+
+A lens with distortion, or a mask beside the axle, shows the opening brighter at both ends than in its middle: F grows by bow U,
+the same in all recordings of one camera in one place.
 
 Glare reaches farther than the pixels that are summed: from the opening's ends it takes more light out of the sum than from its
 middle. With R what the open part loses, were all light astray, and r what the whole opening does, F is less by g (R - r F).
@@ -45,7 +46,7 @@ from irtiming.physics.wheel import (
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_geometry import WheelModel
 
-SMALL = ("skew", "bow", "plate", "blades", "beside")
+SMALL = ("skew", "plate", "blades", "beside")
 """What the sum holds beside F, a little of each."""
 
 _NARROWEST_RAD = 1e-3
@@ -104,6 +105,8 @@ class Passing:
         Shares that come after the window's end, and the angles by which the wheel turns in their time constants.
     corner_variance_rad2
         By how much more than the window something rounds the corners by an angle, as the variance of that angle.
+    bow
+        By how much the opening is brighter at both ends than in its middle.
     """
 
     wheel: WheelModel
@@ -120,6 +123,7 @@ class Passing:
     lost: SummedRegion | None = None
     tails: tuple[tuple[float, float], ...] = ()
     corner_variance_rad2: float = 0.0
+    bow: float = 0.0
 
     @cached_property
     def sweep_rad(self) -> float:
@@ -179,7 +183,7 @@ class Passing:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """F, S, U, P, B and B'; shapes (n,)."""
+    """F with all that belongs to it, S, U, P, B and B'; shapes (n,)."""
 
     fraction: Array
     skew: Array
@@ -190,7 +194,7 @@ class Shapes:
 
     @property
     def small(self) -> Array:
-        """All but F, shape (n, 5)."""
+        """What stands beside F, shape (n, 4)."""
         return np.stack([getattr(self, name) for name in SMALL], axis=1)
 
 
@@ -206,10 +210,11 @@ def shapes(passing: Passing) -> Shapes:
     fraction = fraction - passing.glare * _lost(passing, fraction)
     for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
         fraction = fraction + share * late
+    bow = bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
     return Shapes(
-        fraction=fraction,
+        fraction=fraction + passing.bow * bow,
         skew=skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
-        bow=bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
+        bow=bow,
         plate=_plate(passing),
         blades=passing.opening.blades,
         beside=passing.wide_sector.blades - passing.sector.blades,
@@ -236,7 +241,6 @@ def slopes(
     passing: Passing,
     *,
     skew: float = 0.0,
-    bow: float = 0.0,
     plate: float = 0.0,
     blades: float = 0.0,
     beside: float = 0.0,
@@ -247,26 +251,27 @@ def slopes(
     ----------
     passing
         Wheel, window and opening.
-    skew, bow, plate, blades, beside
-        Amounts of S, U, P, B and B'.
+    skew, plate, blades, beside
+        Amounts of S, P, B and B'.
 
     Returns
     -------
     By ``edge_0`` .. ``edge_3`` (per rad by which the edge comes earlier; their sum is the derivative to the wheel angle),
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
-    ``glare`` (per unit), ``corner_variance`` (per rad^2), ``tail_0``, .. (per unit of each share).
+    ``glare`` and ``bow`` (per unit), ``corner_variance`` (per rad^2), ``tail_0``, .. (per unit of each share).
     """
     plain, astray = passing.opening.fraction_slopes, _lost(passing, passing.opening.fraction)
     out = plain - passing.glare * _lost_slopes(passing, plain)
     out += blades * passing.opening.blades_slopes
     out[:6] += plate * _plate_slopes(passing) + skew * _uneven_slopes(skewed_fraction, passing)
-    out[:6] += bow * _uneven_slopes(bowed_fraction, passing)
+    out[:6] += passing.bow * _uneven_slopes(bowed_fraction, passing)
     out[:6] += beside * (passing.wide_sector.blades_slopes - passing.sector.blades_slopes)[:6]
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    tails = {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
-    return dict(zip(names, out, strict=True)) | {"corner_variance": corners, "glare": -astray} | tails
+    others = {"corner_variance": corners, "glare": -astray}
+    others["bow"] = bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
+    return dict(zip(names, out, strict=True)) | others | {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
 
 
 def _tails(passing: Passing) -> list[Array]:

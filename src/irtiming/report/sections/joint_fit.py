@@ -33,6 +33,7 @@ _MEANINGS = {
     "integration_time": "length of the integration window",
     "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
     "pixel_memory": "share of the frame before that a pixel keeps",
+    "bow": "by how much the opening is brighter at both ends than in its middle",
     "glare": "share of the opening’s light that goes astray in camera and lens",
     "window_tail_fast": "share of all that the camera takes in which comes soon after its window",
     "window_tail_slow": "share of all that the camera takes in which comes long after its window",
