@@ -38,6 +38,11 @@ def test_the_delay_of_a_free_running_camera_under_its_own_name(event, name, tmp_
     jitter = result["inputs"][0]["event"]["jitter"]
     assert sum(jitter["histogram"]["counts"]) == 237
     assert list(jitter["quantiles"]) == ["0.05", "0.5", "0.95", "0.99"]
+    explained = run(app, ["explain", str(tmp_path / "result.json")])
+    assert isinstance(explained.exception, EstimationError)
+    assert f"counts from the {event} of a camera that runs free" in str(explained.exception)
+    looped = run(app, ["latency", "loopback", file, "--line", "camera_input"])
+    assert "has no camera_trigger" in str(looped.exception)
     sources = {line["source"]: line["type"] for line in result["contributions"]}
     if event == "arrival":
         assert sources["relation of the computer's clock to the counter"] == "B"

@@ -184,8 +184,13 @@ def of_result(result: Result) -> CameraTiming:
     Raises
     ------
     EstimationError
-        If it has no trigger delay, or one of its numbers or their correlations is missing.
+        If it counts from no trigger, has no trigger delay, or one of its numbers or their correlations is missing.
     """
+    if result.frame_event != "trigger":
+        raise EstimationError(
+            f"the result counts from the {result.frame_event} of a camera that runs free, which can be applied to "
+            f"triggers only; add its delay to the {result.frame_event} of each frame yourself"
+        )
     names = tuple(name for name in _TAKEN if name in result.parameters)
     delays = {"trigger_delay", "exposure_midpoint_delay"} & set(names)
     needed = {"time_constant"} if result.camera == "microbolometer" else set()

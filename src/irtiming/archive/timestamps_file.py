@@ -133,10 +133,10 @@ def read_timestamps(path: str | Path) -> TimedRun:
         raise complaint.as_error(path) from complaint
 
 
-def _camera_stamps(file: h5py.File, triggers: Ticks) -> tuple[Ticks, Ticks] | None:
+def _camera_stamps(file: h5py.File, triggers: Ticks | None) -> tuple[Ticks, Ticks] | None:
     """The camera's timestamp of each frame beside the tick of its trigger; None where the file has none."""
     stamps, numbers = read_field(file, layout.FRAME_TIMESTAMP), read_field(file, layout.FRAME_NUMBER)
-    if stamps is None:
+    if stamps is None or triggers is None:
         return None
     numbers = np.arange(stamps.size) if numbers is None else numbers
     if numbers.size != stamps.size:

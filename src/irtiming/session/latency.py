@@ -214,6 +214,11 @@ def _loop(run: TimedRun, line: LoopLine) -> LoopBack:
     field = _LOOP_LINES[line]
     triggers = run.streams.get(layout.CAMERA_TRIGGER_DELAYED)
     if triggers is None or not triggers.size:
+        if layout.CAMERA_TRIGGER not in run.streams:
+            raise EstimationError(
+                f"{run.name} has no camera_trigger: its camera runs free, and a loop-back needs triggers; record some "
+                "that are led back to the input"
+            )
         delay = round(run.trigger_delay_time_set_s * run.clock_frequency_hz)
         triggers = run.streams[layout.CAMERA_TRIGGER] + delay
     stamps = run.streams.get(field)
