@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 from xml.etree import ElementTree
 
 import frame_files
@@ -49,6 +49,7 @@ from irtiming.instruments.genicam.gige_assembly import FrameAssembly
 from irtiming.instruments.genicam.gige_discovery import _identity
 from irtiming.instruments.thorlabs_mc2000b import MC2000B
 from irtiming.instruments.visa_line import Speech, TextAdapter
+from irtiming.records.application import Program
 from irtiming.report.calibration import dcc, page
 from irtiming.report.calibration.content import ResultFile, Sheet, collect
 
@@ -229,7 +230,7 @@ def _stamps() -> list[bytes]:
 
 def _hand_over(path: Path) -> None:
     given = handover.of_camera(camera_timing.of_result(read_result(path)))
-    for program in handover.PROGRAMS:
+    for program in get_args(Program):
         with suppress(IrTimingError):
             export.text_for(program, given)
 

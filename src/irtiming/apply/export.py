@@ -3,8 +3,9 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 
-from irtiming.apply.handover import HandOver, Number, Program
+from irtiming.apply.handover import HandOver, Number
 from irtiming.errors import EstimationError
+from irtiming.records.application import Program
 
 
 def text_for(program: Program, given: HandOver) -> str:

@@ -9,15 +9,12 @@ tau and damps by :math:`1/\sqrt{1 + (\omega\tau)^2}`; `Validity` says up to whic
 
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
 from irtiming.apply.camera_timing import CameraTiming, Moment
 from irtiming.errors import EstimationError
-
-Program = Literal["kalibr", "openvins", "vins", "gyroflow", "opendronemap", "android", "opencv", "ros2"]
-PROGRAMS: tuple[Program, ...] = ("kalibr", "openvins", "vins", "gyroflow", "opendronemap", "android", "opencv", "ros2")
 
 _DAMPING = 0.01
 

@@ -1,15 +1,12 @@
 """Stamps of frames: what was written beside each frame, and how sure it is of the trigger edge that made the frame."""
 
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array, Ticks
-
-StampKind = Literal["trigger", "camera", "arrival"]
-KINDS: tuple[StampKind, ...] = ("trigger", "camera", "arrival")
 
 UNKNOWN_CLOCK = 50e-6 / 3**0.5
 """Relative standard uncertainty of a crystal's rate that nobody measured: rectangular."""

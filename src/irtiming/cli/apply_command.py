@@ -5,10 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.apply.handover import Program
-from irtiming.apply.stamps import Latency, StampKind
 from irtiming.cli.screen import say
 from irtiming.errors import UnitError
+from irtiming.records.application import Program, StampKind
 from irtiming.units import seconds
 
 app = typer.Typer(name="apply", help="Apply a result to frames of the same camera.", no_args_is_help=True)
@@ -63,6 +62,7 @@ def time(
     Start, middle and end of the integration of a photon camera; of a lagging one the moment of reading; and the effective moment:
     the scene is seen as it was then. A result for another camera, integration time, readout mode or image size is refused.
     """
+    from irtiming.apply.stamps import Latency
     from irtiming.session.apply_time import TimeOrder, apply_time
     from irtiming.session.frame_stamps import StampsWanted
 

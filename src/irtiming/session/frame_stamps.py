@@ -9,12 +9,13 @@ import numpy as np
 
 from irtiming.apply import clock_model, conditions, stamps
 from irtiming.apply.camera_timing import CameraTiming, Conditions
-from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency, StampKind, TriggerTimes
+from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency, TriggerTimes
 from irtiming.archive import layout, reader
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
 from irtiming.archive.stamps_file import read_stamps
 from irtiming.errors import ConditionError
+from irtiming.records.application import StampKind
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
 from irtiming.units import readable_time

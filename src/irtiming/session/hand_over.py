@@ -7,9 +7,10 @@ from typing import final
 
 from irtiming.apply import camera_timing, export, handover
 from irtiming.apply.camera_timing import CameraTiming
-from irtiming.apply.handover import HandOver, Number, Program
+from irtiming.apply.handover import HandOver, Number
 from irtiming.archive.json_file import require_place, write_atomically
 from irtiming.archive.result_file import read_result
+from irtiming.records.application import Program
 from irtiming.report.rounding import significant, time_text
 
 
