@@ -3,6 +3,7 @@
 import importlib.util
 import json
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from made_up_result import BOLOMETER, COOLED, made_up_result
 from irtiming.apply import camera_timing, export, handover
 from irtiming.archive.result_file import write_result
 from irtiming.errors import EstimationError
+from irtiming.records.application import Program
 from irtiming.session import hand_over
 
 ROLLING = made_up_result("microbolometer", "rolling", BOLOMETER)
@@ -120,7 +122,7 @@ def test_opencv_reads_its_numbers():
     assert found["time_constant_s"] == pytest.approx(5e-3)
 
 
-@pytest.mark.parametrize("program", handover.PROGRAMS)
+@pytest.mark.parametrize("program", get_args(Program))
 def test_every_file_says_event_validity_and_what_is_not_held(program):
     """Oracle: the words; a lag of 5 ms keeps 99 % up to 0.1425 / (2 pi tau) = 4.54 Hz, and SIMULATED comes first."""
     result = ROLLING.model_copy(update={"not_in_uncertainty": ["the weather"], "simulated": True})
