@@ -11,7 +11,14 @@ import pytest
 
 from irtiming.archive.verify import verify
 
-_PROGRAM = [sys.executable, "-c", "from irtiming.cli import start; print('here', flush=True); start.run()"]
+_START = """
+import signal
+from irtiming.cli import start
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores it
+print("here", flush=True)
+start.run()
+"""
+_PROGRAM = [sys.executable, "-c", _START]
 """The program, which says when it is there: until then Python itself starts, with a word of its own for who stops it."""
 
 _STOPPED = (130, -signal.SIGINT)
