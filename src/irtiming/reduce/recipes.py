@@ -11,6 +11,7 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.reduce import clipping, pixel_sums, row_sums, suspicions
+from irtiming.reduce.events import period
 from irtiming.reduce.wheel import wheel_angles
 
 _FEWEST_FRAMES = 100
@@ -54,7 +55,7 @@ def reduce(
         clipping.refuse(recording, reduced.opening.mask)
     if before is not None:
         _refuse_moved(recording, reduced.opening.mask, before.mask)
-    return reduced
+    return period.refined(reduced)
 
 
 def _refuse_moved(recording: Recording, mask: Mask, before: Mask) -> None:

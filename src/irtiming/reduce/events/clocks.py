@@ -17,6 +17,9 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
 
 _FEWEST = 2
+_MOST = 2000
+"""Exchanges that are taken, the quickest: each is a bound, and slow ones bound nothing."""
+
 _US = 1e6
 _LARGEST_RATE = 1e-3
 """Relative; no two crystals are so far apart."""
@@ -73,6 +76,11 @@ def relation(
             f"{reading_s.size} exchanges relate the clock of {name} to the computer's, at least {_FEWEST} at two times are "
             "needed; read it at the beginning and at the end of the recording, and often between"
         )
+    if not all(np.all(np.isfinite(column)) for column in (before_s, reading_s, after_s)):
+        raise ReductionError(f"an exchange with the clock of {name} has a time that is no number; leave it out")
+    if reading_s.size > _MOST:
+        tight = np.sort(np.argsort(after_s - before_s, kind="stable")[:_MOST])
+        before_s, reading_s, after_s = before_s[tight], reading_s[tight], after_s[tight]
     middle = float(reading_s.min() + reading_s.max()) / 2 if middle_s is None else middle_s
     span = float(np.abs(reading_s - middle).max())
     place = (reading_s - middle) / span

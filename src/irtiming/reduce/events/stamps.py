@@ -58,6 +58,11 @@ def place(recording: Recording) -> Placed:
         If nothing relates the two, there are too few frames, or the stamps are no grid.
     """
     own_s = _own_s(recording)
+    if not np.all(np.isfinite(own_s)):
+        raise ReductionError(
+            f"{recording.name}: the time of frame {int(np.argmin(np.isfinite(own_s)))} is no number; write one for each "
+            "frame, and frame_status for those that did not come"
+        )
     counted = counts(recording)
     by_own = grid(counted.number, own_s, name=recording.name)
     middle = by_own.start_s + by_own.period_s * float(counted.number[-1]) / 2
@@ -94,8 +99,13 @@ def _own_s(recording: Recording) -> Array:
         raise ReductionError(
             f"{recording.name}: frame_timestamp or timestamp_frequency is missing; record the stamp of each frame with its clock"
         )
-    if recording.timestamp_clock == "camera":
-        return np.asarray((ticks - zero.camera_ticks) / frequency_hz)
+    if np.any(ticks == 0):
+        raise ReductionError(
+            f"{recording.name}: frame_timestamp of frame {int(np.argmax(ticks == 0))} is 0, unknown; every frame needs its stamp"
+        )
+    if recording.timestamp_clock == "camera" or frequency_hz % 1:
+        origin_s = 0.0 if recording.timestamp_clock == "camera" else zero.computer_s - zero.camera_ticks / frequency_hz
+        return np.asarray((ticks - zero.camera_ticks) / frequency_hz - origin_s)
     seconds, rest = np.divmod(ticks, round(frequency_hz))
     whole = np.floor(zero.computer_s)
     return np.asarray((seconds - int(whole)) + rest / frequency_hz - (zero.computer_s - whole))

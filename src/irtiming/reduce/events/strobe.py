@@ -59,7 +59,7 @@ def place(recording: Recording) -> Placed:
             f"{recording.name}: camera_input holds {0 if edges is None else edges.size} edges for {n_frames} frames, at least "
             f"{_FEWEST} are needed; connect the camera's strobe output and record again"
         )
-    train = number_edges(edges, period_ticks=float(np.median(np.diff(edges))), name="camera_input")
+    train = _numbered(edges, recording)
     counted = counts(recording)
     spare = int(train.number[-1]) - int(counted.number[-1])
     if spare < 0:
@@ -79,6 +79,17 @@ def place(recording: Recording) -> Placed:
         ticks=ticks, frame_number=counted.number,
         events=_events(recording, counted, ticks, findings=(*_of_train(train, recording), *findings)),
     )  # fmt: skip
+
+
+def _numbered(edges: Ticks, recording: Recording) -> EdgeTrain:
+    """The edges along their own rhythm; what is said of a wheel's edges would not help with those of a strobe."""
+    try:
+        return number_edges(edges, period_ticks=max(float(np.median(np.diff(edges))), 1.0), name="camera_input")
+    except ReductionError as error:
+        raise ReductionError(
+            f"{recording.name}: the {edges.size} edges of camera_input have no steady rhythm, a camera that runs free must have "
+            "one period; fix its frame rate (no automatic exposure), and see that none of them bounces"
+        ) from error
 
 
 def _of_train(train: EdgeTrain, recording: Recording) -> tuple[Finding, ...]:

@@ -88,6 +88,28 @@ def test_a_strobe_that_cannot_be_paired_is_refused():
             placing.placed(replace(run, **change))
 
 
+def test_events_that_are_no_train_are_refused_in_words_of_a_camera():
+    """Oracle: hand-made cases: strobes at random, a stamp and an arrival that are missing, an exchange that never ended."""
+    strobe, stamp, arrival = (
+        _recorded(FreeRunning(event=event), lost=0)[0] for event in ("strobe", "stamp", "arrival")
+    )
+    random = np.random.default_rng(1)
+    edges = np.sort(random.integers(0, 2**32, 200))
+    gone = np.where(np.arange(200) == 17, 0, stamp.frame_timestamp_ticks)
+    never = np.where(np.arange(200) == 5, np.nan, arrival.frame_host_time_s)
+    endless = arrival.counter_exchange_after_s.copy()
+    endless[3] = np.inf
+    for run, change, words in (
+        (strobe, {"camera_input_ticks": edges}, "camera_input have no steady rhythm"),
+        (stamp, {"frame_timestamp_ticks": gone}, "frame 17 is 0, unknown"),
+        (arrival, {"frame_host_time_s": never}, "frame 5 is no number"),
+        (arrival, {"counter_exchange_after_s": endless}, "the counter has a time that is no number"),
+        (arrival, {"frame_host_time_s": np.sort(random.uniform(1e4, 1e4 + 9, 200))}, "further than .* from a grid"),
+    ):
+        with pytest.raises(ReductionError, match=words):
+            placing.placed(replace(run, **change))
+
+
 @pytest.mark.parametrize("event", ["stamp", "arrival"])
 def test_the_grid_lies_at_the_median_of_stamps_and_arrivals(event):
     """Oracle: the twin's times, and the median of the latency's distribution by root finding: within 3.5 u, 1 chance in 2000."""
