@@ -125,8 +125,11 @@ def _complain_if_required(file: h5py.File, field: Field) -> None:
 
 def _is_required(file: h5py.File, field: Field) -> bool:
     """Whether the field must be there: a camera that runs free has no triggers."""
-    if field is not layout.CAMERA_TRIGGER or layout.FRAME_EVENT.path not in file:
+    if field is not layout.CAMERA_TRIGGER:
         return field.required
+    with damage_at(layout.FRAME_EVENT.path):
+        if layout.FRAME_EVENT.path not in file:
+            return field.required
     return read_field(file, layout.FRAME_EVENT) == "trigger"
 
 
