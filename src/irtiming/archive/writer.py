@@ -242,8 +242,8 @@ def values_of(recording: Recording) -> dict[Field, Any]:
     """What a recording says, by field of the file, None where it says nothing; frames and reference stacks are written apart."""
     values = {field: getattr(recording, field.attribute) for field in layout.FIELDS if field.attribute}
     values |= {} if recording.camera is None else identity_values(recording.camera)
-    if recording.frame_event != "trigger":
-        values[layout.CAMERA_TRIGGER] = None
+    unsaid = layout.FRAME_EVENT if recording.frame_event == "trigger" else layout.CAMERA_TRIGGER
+    values |= {unsaid: None} | ({layout.TIMESTAMP_CLOCK: None} if recording.timestamp_clock == "camera" else {})
     return {field: None if isinstance(value, str) and not value else value for field, value in values.items()}
 
 
