@@ -14,6 +14,7 @@ from irtiming.records.arrays import Array
 from irtiming.records.result import Profile
 
 _GAIN = 1e-7  # of the deviance: along a valley with a bent floor a search gains little for long, and a profile needs no more
+_ENOUGH = 1e-2  # of a deviance that is 1 at one standard uncertainty: the end of an interval to half a hundredth of it
 _POINTS = (-2.0, -1.0, 1.0, 2.0)  # standard uncertainties
 
 
@@ -95,7 +96,7 @@ def _lost(one: Measurand, at: Joint, *, value: float, start: Array) -> float:
     model = residuals(at.models, at.shared)
     begin = {name: float(x) for name, x in zip(names, start, strict=True) if name != pivot}
     held = _held(model, names, pivot=pivot, others=others, value=value / one.weights[pivot])
-    found: Minimum = optimiser.minimise(held, start=begin, gain=_GAIN)
+    found: Minimum = optimiser.minimise(held, start=begin, gain=_GAIN, enough=_ENOUGH)
     return found.at.deviance - at.found.at.deviance
 
 

@@ -21,6 +21,7 @@ from irtiming.records.arrays import Array
 _GAIN = 1e-9  # of the deviance
 _STEP = 1e-10  # of the parameters in units of the trust region
 _MOST_EVALUATIONS = 200
+_IN_A_ROW = 3  # evaluations
 _SETTLED = 0.1  # standard uncertainties that a further Newton step would move
 
 
@@ -91,6 +92,7 @@ def minimise(
     held: Collection[str] = (),
     lowest: Mapping[str, float] | None = None,
     gain: float = _GAIN,
+    enough: float = 0.0,
 ) -> Minimum:
     """Least squares in the numbers that are not held.
 
@@ -106,6 +108,8 @@ def minimise(
         Least values of some.
     gain
         Share of the deviance: the search ends where a step gains less.
+    enough
+        Deviance: the search also ends where three evaluations in a row gained less together; 0: it does not.
 
     Raises
     ------
@@ -115,7 +119,7 @@ def minimise(
     names, bounds = tuple(start), lowest or {}
     free = tuple(name for name in names if name not in held)
     columns = [names.index(name) for name in free]
-    seen = _Remembered(model, dict(start), free)
+    seen = _Remembered(model, dict(start), free, enough=enough)
     begin = np.maximum([start[name] for name in free], [bounds.get(name, -np.inf) for name in free])
     if not np.all(np.isfinite(seen.at(begin).residual)):
         raise EstimationError(
@@ -123,35 +127,47 @@ def minimise(
         )
     if not free:
         return Minimum(start=dict(start), values=dict(start), free=(), at=seen.at(begin), n_steps=1, decrement=0.0)
-    found = least_squares(
-        seen.residual,
-        begin,
-        jac=seen.jacobian,
-        bounds=([bounds.get(name, -np.inf) for name in free], np.inf),
-        method="trf",
-        x_scale="jac",
-        ftol=gain,
-        xtol=_STEP,
-        gtol=None,
-        max_nfev=_MOST_EVALUATIONS,
-    )
-    at = seen.at(found.x)
+    try:
+        best = least_squares(
+            seen.residual,
+            begin,
+            jac=seen.jacobian,
+            bounds=([bounds.get(name, -np.inf) for name in free], np.inf),
+            method="trf",
+            x_scale="jac",
+            ftol=gain,
+            xtol=_STEP,
+            gtol=None,
+            max_nfev=_MOST_EVALUATIONS,
+        ).x
+    except _EnoughError:
+        best = seen.best
+    at = seen.at(best)
     return Minimum(
         start=dict(start),
-        values=seen.named(found.x),
+        values=seen.named(best),
         free=free,
         at=at,
-        n_steps=int(found.nfev),
+        n_steps=len(seen.deviances),
         decrement=_decrement(at, columns),
     )
 
 
+class _EnoughError(Exception):
+    """The search has found all that was asked for."""
+
+
 @final
 class _Remembered:
-    """The model at named numbers, the last point kept: residuals and derivatives are asked for one after the other."""
+    """The model at named numbers, the last point kept: residuals and derivatives are asked for one after the other.
 
-    def __init__(self, model: Model, all_numbers: dict[str, float], free: tuple[str, ...]) -> None:
-        self._model, self._all, self._free = model, all_numbers, free
+    ``deviances`` are those of the search, ``best`` where the least of them was.
+    """
+
+    def __init__(self, model: Model, all_numbers: dict[str, float], free: tuple[str, ...], *, enough: float) -> None:
+        self._model, self._all, self._free, self._enough = model, all_numbers, free, enough
+        self.deviances: list[float] = []
+        self.best = np.array([all_numbers[name] for name in free])
         self._key: bytes = b""
         self._last: Linearised | None = None
 
@@ -159,7 +175,13 @@ class _Remembered:
         return self._all | dict(zip(self._free, (float(value) for value in free_values), strict=True))
 
     def residual(self, free_values: Array) -> Array:
-        return self.at(free_values).residual
+        there = self.at(free_values)
+        if there.deviance < min(self.deviances, default=np.inf):
+            self.best = np.array(free_values, float)
+        self.deviances.append(there.deviance)
+        if self._enough and min(self.deviances[:-_IN_A_ROW], default=np.inf) - min(self.deviances) < self._enough:
+            raise _EnoughError
+        return there.residual
 
     def jacobian(self, free_values: Array) -> Array:
         """Derivatives to the free numbers."""
