@@ -9,6 +9,9 @@ so d is the amount of the contrast's slopes in that of a part, beside the contra
 leave of waves of higher order is alike for all pixels that are covered at the same time, so pixels of the same phase are taken
 for one observation in the uncertainty of d: a jackknife that leaves out one cluster at a time (Efron and Stein, Annals of
 Statistics 9 (1981) 586).
+
+Levels that sway while frames visit the wheel's angles slowly change the contrast of some phases and not of others. By a share s
+of the contrast that looks like a move of the border by s times its width, which no pixels' scatter tells: so much is no doubt.
 """
 
 from collections.abc import Sequence
@@ -35,6 +38,7 @@ _ROUNDS = 4
 _FEWEST_PIXELS = 60
 _MARGIN_PX = 3  # beyond the blurred border
 _SMOOTHED_PX = 1.5
+_SWAY = 0.1  # of the contrast: by as much levels may sway within a part
 _FAR = 6.0
 """Standard uncertainties: of a few ten clusters, with Student's t, less than once in 10 000 runs by chance."""
 
@@ -45,13 +49,15 @@ class Places:
     """Where the opening lies in each part of a run, from where it lies on average.
 
     ``moved_px`` (n_part, 2) along rows downwards and columns to the right; ``covariance_px2`` (n_part, 2, 2); ``first_frame``
-    where each part begins; ``radius_px`` from the wheel's axle to the opening, as the phases of neighbours tell it.
+    where each part begins; ``radius_px`` from the wheel's axle to the opening, as the phases of neighbours tell it; ``border_px``
+    how far its blurred border reaches beyond it.
     """
 
     first_frame: tuple[int, ...]
     moved_px: Array
     covariance_px2: Array
     radius_px: float
+    border_px: int
 
     def between(self, first: int, last: int) -> tuple[Array, float]:
         """By how much the opening moved from one part to another, shape (2,), px, and how many standard uncertainties that is."""
@@ -109,6 +115,7 @@ def places(seen: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) 
         moved_px=np.array([moved for moved, _ in found]),
         covariance_px2=np.array([covariance for _, covariance in found]),
         radius_px=_radius_px(direction, inner),
+        border_px=opening.border_px,
     )
 
 
@@ -204,7 +211,7 @@ def _jackknife(columns: Array, left: Array, clusters: Ticks) -> Array:
 
 
 def findings(found: Places | None, rig: Rig, *, name: str) -> tuple[Finding, ...]:
-    """A doubt where the opening moves by more than its noise, and by more than the stated angle of the mask may be off.
+    """A doubt where the opening moves by more than its noise, than the stated angle of the mask may be off, and than sway feigns.
 
     Parameters
     ----------
@@ -226,7 +233,8 @@ def findings(found: Places | None, rig: Rig, *, name: str) -> tuple[Finding, ...
         return ()
     apart, pull, first, last = max(beyond_doubt, key=lambda move: float(np.hypot(*move[0])))
     size = float(np.hypot(*apart))
-    if size <= 2 * rig.mask_opening.centre_angle_rad.standard_uncertainty * found.radius_px:
+    u_mask_px = rig.mask_opening.centre_angle_rad.standard_uncertainty * found.radius_px
+    if size <= max(2 * u_mask_px, _SWAY * found.border_px):
         return ()
     return (
         Finding(

@@ -107,6 +107,14 @@ def test_as_much_as_the_mask_may_be_off_is_no_doubt():
     assert motion.findings(found, RIG, name="run") == ()
 
 
+def test_as_much_as_a_sway_feigns_is_no_doubt():
+    """Oracle: by hand; a tenth of the contrast over a border of 2 px is 0.2 px."""
+    for right, is_doubt in ((0.15, False), (0.3, True)):
+        found = motion.places(*_seen(_from_half(0.0, right), noise=0.5))
+        assert found.between(0, 3)[1] > 6
+        assert bool(motion.findings(found, RIG, name="run")) == is_doubt
+
+
 def test_few_frames_tell_nothing():
     """Oracle: by hand; four parts of thirty frames have fewer than 2.5 frames for each of 20 numbers."""
     seen, opening = _seen(_still())
