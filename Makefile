@@ -11,7 +11,7 @@ demo: .venv/ready
 test: .venv/ready-for-tests check
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \
 		pango-view:pango1.0-tools
-	OMP_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist worksteal
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
 check: .venv/ready-for-tests
 	$(BIN)/ruff check

@@ -127,21 +127,7 @@ def minimise(
         )
     if not free:
         return Minimum(start=dict(start), values=dict(start), free=(), at=seen.at(begin), n_steps=1, decrement=0.0)
-    try:
-        best = least_squares(
-            seen.residual,
-            begin,
-            jac=seen.jacobian,
-            bounds=([bounds.get(name, -np.inf) for name in free], np.inf),
-            method="trf",
-            x_scale="jac",
-            ftol=gain,
-            xtol=_STEP,
-            gtol=None,
-            max_nfev=_MOST_EVALUATIONS,
-        ).x
-    except _EnoughError:
-        best = seen.best
+    best = _searched(seen, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=gain)
     at = seen.at(best)
     return Minimum(
         start=dict(start),
@@ -151,6 +137,27 @@ def minimise(
         n_steps=len(seen.deviances),
         decrement=_decrement(at, columns),
     )
+
+
+def _searched(seen: "_Remembered", begin: Array, *, lowest: list[float], gain: float) -> Array:
+    """Free numbers at the least deviance, shape (n_free,)."""
+    try:
+        return np.asarray(
+            least_squares(
+                seen.residual,
+                begin,
+                jac=seen.jacobian,
+                bounds=(lowest, np.inf),
+                method="trf",
+                x_scale="jac",
+                ftol=gain,
+                xtol=_STEP,
+                gtol=None,
+                max_nfev=_MOST_EVALUATIONS,
+            ).x
+        )
+    except _EnoughError:
+        return seen.best
 
 
 class _EnoughError(Exception):
