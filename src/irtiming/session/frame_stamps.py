@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.apply import clock_model, conditions, stamps
+from irtiming.apply import conditions, stamps
 from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency, TriggerTimes
 from irtiming.archive import layout, reader
@@ -15,6 +15,7 @@ from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
 from irtiming.archive.stamps_file import read_stamps
 from irtiming.errors import ConditionError
+from irtiming.inference import stamp_line
 from irtiming.records.application import StampKind
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
@@ -191,14 +192,13 @@ def _triggers(raw: _Raw, wanted: StampsWanted) -> TriggerTimes:
             time_s=raw.time_s - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=late.u_s,
             u_rate=UNKNOWN_CLOCK, scale=_SCALES["trigger"], remarks=tuple(remarks),
         )  # fmt: skip
-    numbers = clock_model.frame_numbers(raw.time_s) if raw.numbers is None else raw.numbers
-    period_s = float(np.median(np.diff(raw.time_s) / np.maximum(np.diff(numbers), 1)))
-    line = clock_model.line((numbers - numbers[0]) * period_s, raw.time_s)
-    on_line = line.stamp_s((numbers - numbers[0]) * period_s)
-    u_line_s = float(np.sqrt(np.mean(line.u_s((numbers - numbers[0]) * period_s) ** 2)))
+    numbers = stamp_line.numbered(raw.time_s) if raw.numbers is None else raw.numbers - raw.numbers[0]
+    line = stamp_line.grid(numbers, raw.time_s)
+    on_line = line.stamp_s(numbers.astype(np.float64))
+    u_line_s = float(np.sqrt(np.mean(line.u_s(numbers.astype(np.float64)) ** 2)))
     remarks.append(
-        f"stamps scatter by {readable_time(line.jitter_s)} about a regular frame clock, {100 * line.late_share:.1f} % are left "
-        f"out as late; frames every {readable_time(period_s * line.rate)}; it is taken that triggers were regular"
+        f"stamps scatter by {readable_time(line.jitter_s)} about a regular frame clock, {100 * line.late_share:.1f} % are later "
+        f"by five times as much; frames every {readable_time(line.rate)}; it is taken that triggers were regular"
     )
     return TriggerTimes(
         time_s=on_line - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=float(np.hypot(late.u_s, u_line_s)),
@@ -212,13 +212,13 @@ def _by_calibration(raw: _Raw, wanted: StampsWanted, late: Latency) -> TriggerTi
     recording = reader.read(wanted.calibrated_by)
     stamped = _of_triggers(recording, None)
     theirs = _of_recording(recording, replace(wanted, kind=raw.kind))
-    line = clock_model.line(stamped.triggers.time_s, theirs.time_s[stamped.frames])
-    time_s = line.time_s(raw.time_s + raw.origin_s - late.value_s)
-    beyond = float(np.max(np.abs(time_s - line.middle_s)))
+    line = stamp_line.median_line(stamped.triggers.time_s, theirs.time_s[stamped.frames])
+    time_s = line.x_of(raw.time_s + raw.origin_s - late.value_s)
+    beyond = float(np.max(np.abs(time_s - line.middle)))
     return TriggerTimes(
         time_s=time_s,
         u_own_s=float(np.hypot(line.jitter_s, raw.step_s / 12**0.5)),
-        u_common_s=float(np.hypot(late.u_s, line.u_s(np.array([line.middle_s + beyond]))[0])),
+        u_common_s=float(np.hypot(late.u_s, line.u_s(np.array([line.middle + beyond]))[0])),
         u_rate=UNKNOWN_CLOCK,
         scale=f"s of the trigger generator's counter in {wanted.calibrated_by.name}",
         remarks=(

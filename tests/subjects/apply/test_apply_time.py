@@ -94,7 +94,7 @@ def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path,
         "--latency", "12 ms", "--latency-u", "100 us",
     )  # fmt: skip
     assert status == 0
-    assert "10.0 % are left out as late" in said
+    assert "10.0 % are later by five times as much" in said
     text = next(line for line in (tmp_path / "times.csv").read_text().splitlines() if line.startswith("7,100,"))
     whole, nano = text.split(",")[2].split(".")
     since_s = int(whole) - 1_700_000_000 + int(nano) * 1e-9

@@ -6,11 +6,9 @@ from typing import Literal, final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.inference.stamp_line import numbered
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import Recording
-
-_LATEST = 31  # frames whose common place tells where the grid is by now
-_FAR = 0.25
 
 Source = Literal["frame_id", "frame_timestamp", "frame_number", "frame_host_time", "none"]
 
@@ -59,29 +57,6 @@ def stamps_s(recording: Recording) -> Array | None:
     if ticks is None or frequency_hz is None or (ticks[0] != 0 and bool(np.any(ticks == 0))):
         return None
     return np.asarray((ticks - ticks[0]) / frequency_hz)
-
-
-def numbered(time_s: Array) -> Ticks:
-    """Number of each time on a regular grid, from 0, shape (n,), by where the last ones were.
-
-    Parameters
-    ----------
-    time_s
-        Shape (n,), in order; some may be late, most are not.
-    """
-    steps = np.diff(time_s)
-    if steps.size == 0:
-        return np.zeros(time_s.size, np.int64)
-    period = float(np.median(steps))
-    near = steps[np.abs(steps - period) < _FAR * period]
-    period = float(near.mean()) if near.size else period
-    number = np.zeros(time_s.size, np.int64)
-    beside: list[float] = [0.0]
-    for i in range(1, time_s.size):
-        late = float(np.median(beside[-_LATEST:]))
-        number[i] = max(number[i - 1] + 1, round((time_s[i] - time_s[0] - late) / period))
-        beside.append(time_s[i] - time_s[0] - number[i] * period)
-    return number
 
 
 def _rising(number: Ticks, source: Source, recording: Recording) -> Counts:

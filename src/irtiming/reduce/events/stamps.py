@@ -1,17 +1,15 @@
 """Time stamps and arrivals of frames as events: a regular grid through them, in counter time.
 
 A camera that runs free makes its frames regularly, by its own clock; what scatters is the stamp. So the events are a grid of one
-period, laid through the stamps so that half of them are late and half early: the median (least absolute deviations; Koenker and
-Bassett, Econometrica 46 (1978) 33), which the tail of late arrivals does not move. For arrivals the event is thus the median
-arrival, and how they scatter about it is told beside the delay.
+period, the median line of `inference.stamp_line`: half of the stamps are late, half early, and the tail of late arrivals does not
+move it. For arrivals the event is thus the median arrival, and how they scatter about it is told beside the delay.
 """
-
-from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
-from irtiming.errors import ReductionError
+from irtiming.errors import EstimationError, ReductionError
+from irtiming.inference import stamp_line
+from irtiming.inference.stamp_line import StampLine
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvents
@@ -23,25 +21,8 @@ from irtiming.reduce.events.strobe import Placed
 from irtiming.units import readable_time
 
 _FEWEST = 30
-_STEPS = 60
-_BLOCKS = 16
-_NO_GRID = 0.25
-"""Part of a period within which most stamps must lie of the grid."""
-
 _BENT = 4.0
 """By so much the medians of parts of the recording may scatter more than independent stamps."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Grid:
-    """Median line of times over counts: ``start_s`` and ``period_s``, deviations shape (n,), u of its place, its bend."""
-
-    start_s: float
-    period_s: float
-    deviation_s: Array
-    u_s: float
-    bend: float
 
 
 def place(recording: Recording) -> Placed:
@@ -64,10 +45,10 @@ def place(recording: Recording) -> Placed:
             "frame, and frame_status for those that did not come"
         )
     counted = counts(recording)
-    by_own = grid(counted.number, own_s, name=recording.name)
-    middle = by_own.start_s + by_own.period_s * float(counted.number[-1]) / 2
-    links = _links(recording, own_middle_s=middle)
-    counter_s = _in_counter(links, by_own.start_s + by_own.period_s * np.arange(counted.number[-1] + 1.0))
+    by_own = _grid(counted.number, own_s, name=recording.name)
+    on_grid_s = by_own.stamp_s(np.arange(counted.number[-1] + 1.0))
+    links = _links(recording, own_middle_s=float(on_grid_s[0] + on_grid_s[-1]) / 2)
+    counter_s = _in_counter(links, on_grid_s)
     ticks = clocks.counter_ticks(recording, counter_s)
     period_s = float(counter_s[-1] - counter_s[0]) / max(1, int(counted.number[-1]))
     return Placed(
@@ -77,10 +58,10 @@ def place(recording: Recording) -> Placed:
             kind=recording.frame_event,
             period_s=period_s,
             deviation_s=by_own.deviation_s,
-            relative_rate=by_own.period_s / period_s - 1,
+            relative_rate=by_own.rate / period_s - 1,
             u_relative_rate=float(np.hypot.reduce([one.u_rate for one in links.values()])),
             offset_s=float(_in_counter(links, np.zeros(1))[0]),
-            u_grid_s=by_own.u_s,
+            u_grid_s=by_own.u_at_middle_s,
             u_clock_s=float(np.hypot.reduce([one.u_offset_s for one in links.values()])),
             findings=tuple(_findings(recording, by_own, links, source=counted.source)),
         ),
@@ -142,61 +123,17 @@ def _in_counter(links: dict[str, Relation], own_s: Array) -> Array:
     return links["counter"].reading_s(computer_s)
 
 
-def grid(number: Ticks, time_s: Array, *, name: str) -> Grid:
-    """Median line of times over counts.
-
-    Parameters
-    ----------
-    number, time_s
-        Shape (n,): count and time of each frame, s.
-    name
-        Of the recording, for messages.
-
-    Raises
-    ------
-    ReductionError
-        If there are too few, or half of them lie further than a quarter of a period from any grid.
-
-    Notes
-    -----
-    The place of a median of n independent values has the standard uncertainty 1 / (2 f sqrt(n)), f being their density there. The
-    medians of sixteen parts of the recording say the same without independence; the larger of the two is taken.
-    """
-    n = time_s.size
-    if n < _FEWEST:
-        raise ReductionError(f"{name}: {n} stamps, at least {_FEWEST} are needed for a grid; record longer")
-    x, middle = number - number.mean(), float(np.median(time_s))
-    of_s = time_s - middle
-    slope, offset = np.polyfit(x, of_s, 1)
-    for _ in range(_STEPS):
-        beside = of_s - offset - slope * x
-        weight = 1 / np.maximum(np.abs(beside), 1e-3 * np.median(np.abs(beside)) + 1e-12)
-        mean = float(weight @ x) / weight.sum()
-        slope = float((weight * (x - mean)) @ of_s) / float(weight @ (x - mean) ** 2)
-        offset = float(np.median(of_s - slope * x))
-    beside = of_s - offset - slope * x
-    if not np.median(np.abs(beside)) < _NO_GRID * slope:
-        raise ReductionError(
-            f"{name}: half of the stamps are further than {readable_time(float(f'{np.median(np.abs(beside)):.2g}'))} from a grid "
-            f"of {1e3 * slope:.4g} ms; check its frame rate, and which frames were lost"
-        )
-    parts = np.array([np.median(part) for part in np.array_split(beside, min(_BLOCKS, n // 5))])
-    u_alone = 0.5 / (_density(beside) * np.sqrt(n))
-    u_parts = float(parts.std(ddof=1)) / np.sqrt(parts.size)
-    start = float(offset - slope * number.mean()) + middle
-    return Grid(
-        start_s=start, period_s=float(slope), deviation_s=beside, u_s=max(u_alone, u_parts), bend=u_parts / u_alone
-    )
+def _grid(number: Ticks, time_s: Array, *, name: str) -> StampLine:
+    """Median line of times over counts; both shape (n,), time in s."""
+    if time_s.size < _FEWEST:
+        raise ReductionError(f"{name}: {time_s.size} stamps, at least {_FEWEST} are needed for a grid; record longer")
+    try:
+        return stamp_line.grid(number, time_s)
+    except EstimationError as error:
+        raise ReductionError(f"{name}: {error}") from error
 
 
-def _density(beside: Array) -> float:
-    """Density at zero, 1/s, by a box of the width that normal scatter of the middle half asks for."""
-    middle_half = float(np.subtract(*np.quantile(beside, (0.75, 0.25)))) / 1.349
-    half = max(1.06 * middle_half * beside.size**-0.2, 1e-12)
-    return max(1, int(np.count_nonzero(np.abs(beside) <= half))) / (2 * half * beside.size)
-
-
-def _findings(recording: Recording, found: Grid, links: dict[str, Relation], *, source: str) -> list[Finding]:
+def _findings(recording: Recording, found: StampLine, links: dict[str, Relation], *, source: str) -> list[Finding]:
     late_s, wide_s = (float(np.quantile(found.deviation_s, share)) for share in (0.99, 0.95))
     told = ", ".join(
         f"the {one} within {readable_time(float(f'{link.u_offset_s:.2g}'))}" for one, link in links.items()

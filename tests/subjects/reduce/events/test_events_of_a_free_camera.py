@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from irtiming.errors import ReductionError
-from irtiming.reduce.events import clocks, numbering, placing, stamps
+from irtiming.inference import stamp_line
+from irtiming.reduce.events import clocks, placing
 from irtiming.twin import free_camera
 from irtiming.twin import rig as twin
 from irtiming.twin.clockwork import first_trigger_ticks
@@ -193,16 +194,8 @@ def test_the_u_of_a_grid_is_that_of_its_scatter():
     number, pulls = np.arange(250), []
     for _ in range(100):
         late = random.gamma(2.0, 0.4e-3, 250) + np.where(random.random(250) < 0.02, random.uniform(0, 20e-3, 250), 0)
-        found = stamps.grid(number, 0.1 + 33e-3 * number + late, name="made up")
-        middle = found.start_s + found.period_s * 124.5 - 0.1 - 33e-3 * 124.5
-        pulls.append((middle - free_camera.usual_latency_s(FreeRunning(arrival_shortest_s=0.0))) / found.u_s)
+        found = stamp_line.grid(number, 0.1 + 33e-3 * number + late)
+        late_s = found.at_middle_s - 0.1 - 33e-3 * found.middle
+        pulls.append((late_s - free_camera.usual_latency_s(FreeRunning(arrival_shortest_s=0.0))) / found.u_at_middle_s)
     assert 0.7 < np.std(pulls) < 1.15
     assert abs(np.mean(pulls)) < 0.3
-
-
-def test_arrivals_alone_count_the_frames_that_were_lost():
-    """Oracle: the numbers that the times were made of: hiccups of 20 ms among frames every 33 ms, and three gaps."""
-    random = np.random.default_rng(2)
-    number = np.delete(np.arange(300), [50, 51, 120, 250])
-    late = random.gamma(2.0, 0.4e-3, number.size) + np.where(random.random(number.size) < 0.03, 15e-3, 0)
-    assert np.array_equal(numbering.numbered(33.1234e-3 * number + late), number)
