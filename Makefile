@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
-.PHONY: demo test check fuzz mutants proofs boards docs-figures clean
+.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -45,6 +45,19 @@ boards: .venv/ready-for-gateware
 .venv/ready-for-gateware: .venv/ready
 	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[gateware]'
 	touch $@
+
+.venv/ready-for-docs: .venv/ready
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	touch $@
+
+# The site, in build/docs/index.html: a link that leads nowhere is an error. Nothing is fetched from other hosts.
+docs: .venv/ready-for-docs
+	$(BIN)/sphinx-build -E -W --keep-going -q -b html docs build/docs
+
+# The same on paper: build/irtiming.pdf.
+docs-pdf: .venv/ready-for-docs
+	$(BIN)/sphinx-build -E -W --keep-going -q -t print -b singlehtml docs build/docs-print
+	$(BIN)/weasyprint build/docs-print/index.html build/irtiming.pdf
 
 docs-figures: .venv/ready
 	$(BIN)/python scripts/wiring-drawing docs/explanation/trigger-generator-wiring.svg

@@ -66,15 +66,35 @@ def test_the_numbers_of_falling_and_rising_are_what_its_program_prints():
     assert _python("-c", _block(page, "python")) == _block(page, "text")
 
 
+def _anchors(page: Path) -> set[str]:
+    """What a link may name after the # of a page: its headings in lower case, without punctuation, joined by hyphens."""
+    headings = re.findall(r"^#+ +(.+)$", re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.M | re.S), flags=re.M)
+    plain = [re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower() for heading in headings]
+    return {re.sub(r"[^\w\- ]", "", heading).replace(" ", "-") for heading in plain}
+
+
 def test_every_link_between_the_pages_leads_somewhere():
-    """Oracle: the files; links to other hosts are left alone, anchors are not looked up."""
-    dead = [
-        f"{page.relative_to(ROOT)}: {target}"
-        for page in filter(Path.exists, [ROOT / "README.md", *DOCS.rglob("*.md")])
-        for target in re.findall(r"\]\(([^)#\s]+)", page.read_text())
-        if "://" not in target and not (page.parent / target).exists()
-    ]
+    """Oracle: the files and their headings; links to other hosts are left alone."""
+    dead = []
+    for page in filter(Path.exists, [ROOT / "README.md", *DOCS.rglob("*.md")]):
+        for target, anchor in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", page.read_text()):
+            there = page.parent / target if target else page
+            if "://" in target or (there.exists() and (not anchor or anchor in _anchors(there))):
+                continue
+            dead.append(f"{page.relative_to(ROOT)}: {target}#{anchor}")
     assert dead == []
+
+
+def test_the_list_of_pages_has_every_page():
+    """Oracle: the files; the site takes its contents from this list."""
+    listed = {(DOCS / link).resolve() for link in re.findall(r"\]\(([^)#\s]+)\)", (DOCS / "README.md").read_text())}
+    own = {
+        DOCS / "README.md",
+        DOCS / "index.md",
+        DOCS / "reference" / "security.md",
+        DOCS / "reference" / "changelog.md",
+    }
+    assert [page for page in sorted(DOCS.rglob("*.md")) if page not in listed | own] == []
 
 
 def test_every_message_in_the_table_of_troubles_is_one_of_the_program():
