@@ -13,11 +13,13 @@ import numpy as np
 
 from irtiming.apply.frames import Readout
 from irtiming.apply.inverse_lag import Response
+from irtiming.apply.stamps import Scatter
 from irtiming.archive.result_model import Result
 from irtiming.errors import EstimationError
 from irtiming.physics.response.two_constants import REFERENCE_TEMPERATURE_K, TwoConstants
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
+from irtiming.records.frame_events import DELAYS, FrameEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 
 MomentName = Literal["start", "middle", "end", "reading", "effective"]
@@ -58,7 +60,7 @@ class Conditions:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Moment:
-    """A moment of row 0 after the trigger edge: a constant plus factors times parameters; each row adds its row delay."""
+    """A moment of row 0 after the event: a constant plus factors times parameters; each row adds its row delay."""
 
     name: MomentName
     factors: Mapping[str, float]
@@ -70,11 +72,15 @@ class Moment:
 class CameraTiming:
     """Timing of a camera as a result states it.
 
-    ``estimate`` has what of the parameters the result holds, with covariance; ``not_in_uncertainty`` are the result's own words.
+    ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
+    delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
+    each is one. ``not_in_uncertainty`` are the result's own words.
     """
 
     conditions: Conditions
     estimate: Estimate
+    event: FrameEvent = "trigger"
+    scatter: Scatter | None = None
     two_constants: TwoConstants | None = None
     substrate_temperature_k: float | None = None
     not_in_uncertainty: tuple[str, ...] = ()
@@ -133,7 +139,7 @@ class CameraTiming:
         return start, middle, end, self._of_frames_before(middle, frame_period_s)
 
     def offset_s(self, moment: Moment, row_px: Array) -> Array:
-        """How much after the trigger edge the moment is, of each row, s; both shape (row,)."""
+        """How much after the event the moment is, of each row, s; both shape (row,)."""
         at = moment.constant_s + sum(factor * self.estimate.value(name) for name, factor in moment.factors.items())
         return at + np.asarray(row_px, dtype=np.float64) * self.row_delay_s
 
@@ -184,39 +190,39 @@ def of_result(result: Result) -> CameraTiming:
     Raises
     ------
     EstimationError
-        If it counts from no trigger, has no trigger delay, or one of its numbers or their correlations is missing.
+        If it has no delay that can be applied, or one of its numbers or their correlations is missing.
     """
-    if result.frame_event != "trigger":
-        raise EstimationError(
-            f"the result counts from the {result.frame_event} of a camera that runs free, which can be applied to "
-            f"triggers only; add its delay to the {result.frame_event} of each frame yourself"
-        )
-    names = tuple(name for name in _TAKEN if name in result.parameters)
+    own = DELAYS[result.frame_event]
+    told = {own if name == "trigger_delay" else name: name for name in _TAKEN}
+    found = tuple(name for name in told if name in result.parameters)
+    names = tuple(told[name] for name in found)
     delays = {"trigger_delay", "exposure_midpoint_delay"} & set(names)
     needed = {"time_constant"} if result.camera == "microbolometer" else set()
     if not delays or not needed <= set(names):
-        have = ", ".join(names) or "none"
+        have, wanted = ", ".join(found) or "none", own.replace("_", " ")
         raise EstimationError(
-            f"the result has no trigger delay that can be applied (it has {have}); analyse recordings that determine it"
+            f"the result has no {wanted} that can be applied (it has {have}); analyse recordings that determine it"
         )
-    values = np.array([result.parameters[name].value for name in names], dtype=np.float64)
-    u = np.array([result.parameters[name].standard_uncertainty for name in names], dtype=np.float64)
+    values = np.array([result.parameters[name].value for name in found], dtype=np.float64)
+    u = np.array([result.parameters[name].standard_uncertainty for name in found], dtype=np.float64)
     lacking = [
-        name for name, one, other in zip(names, values, u, strict=True) if not (isfinite(one) and isfinite(other))
+        name for name, one, other in zip(found, values, u, strict=True) if not (isfinite(one) and isfinite(other))
     ]
     if lacking:
         raise EstimationError(f"the result does not know {', '.join(lacking)}; analyse recordings that determine it")
     _require_plausible(names, values, u)
     estimate = Estimate(
         names=names,
-        units=tuple(result.parameters[name].unit for name in names),
+        units=tuple(result.parameters[name].unit for name in found),
         values=values,
-        covariance=_correlation(result, names) * np.outer(u, u),
+        covariance=_correlation(result, found) * np.outer(u, u),
     )
     two, substrate_k = _two_constants(result)
     return CameraTiming(
         conditions=_conditions(result),
         estimate=estimate,
+        event=result.frame_event,
+        scatter=_scatter(result),
         two_constants=two,
         substrate_temperature_k=substrate_k,
         not_in_uncertainty=tuple(result.not_in_uncertainty),
@@ -247,6 +253,33 @@ def _correlation(result: Result, names: tuple[str, ...]) -> Array:
                     raise EstimationError(f"the correlation of {one} and {other} is {coefficient}, must be within ±1")
                 found[i, k] = coefficient
     return found
+
+
+def _scatter(result: Result) -> Scatter | None:
+    """Of single stamps about the event, all recordings together; None where each stamp is an event by itself."""
+    jitters = [one.event.jitter for one in result.inputs if one.event is not None]
+    if not jitters or result.frame_event not in ("stamp", "arrival"):
+        return None
+    means, variances = [], []
+    for one in jitters:
+        edges, counts = np.array(one.histogram.edges), np.array(one.histogram.counts, dtype=np.float64)
+        if edges.size != counts.size + 1 or not counts.sum() > 0:
+            raise EstimationError("the histogram of the stamps' jitter has no counts; write the result anew")
+        means.append(float(counts @ (edges[1:] + edges[:-1]) / 2 / counts.sum()))
+        variances.append(one.standard_deviation**2)
+    mean_s, spread_s = float(np.mean(means)), float(np.sqrt(np.mean(variances) + np.var(means)))
+    if not (abs(mean_s) <= _LONGEST_S and spread_s <= _LONGEST_S):
+        raise EstimationError(
+            f"stamps scatter by {spread_s:g} s about {mean_s:g} s, must be within {_LONGEST_S:g} s; write it anew"
+        )
+    shares = set.intersection(*(set(one.quantiles) for one in jitters))
+    return Scatter(
+        mean_s=mean_s,
+        standard_deviation_s=spread_s,
+        quantiles_s={
+            float(share): float(np.mean([one.quantiles[share] for one in jitters])) for share in sorted(shares)
+        },
+    )
 
 
 def _conditions(result: Result) -> Conditions:

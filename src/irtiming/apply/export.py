@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from irtiming.apply.handover import HandOver, Number
 from irtiming.errors import EstimationError
 from irtiming.records.application import Program
+from irtiming.records.frame_events import NOUNS
 
 
 def text_for(program: Program, given: HandOver) -> str:
@@ -219,6 +220,8 @@ def _common(given: HandOver, event: Number, where: str) -> Iterator[str]:
     yield f"camera: {_plain(given.camera) or 'model not said'}, serial number {_plain(given.serial_number) or 'not said'}"
     kind = "reading minus time constant" if given.validity is not None else "middle of integration"
     yield f"event: effective moment ({kind}) of {where}, {1e3 * event.value_s:+.4f} ms after the stamp, u = {_u(event)} (k = 1)"
+    if given.event != "trigger":
+        yield f"stamp: {NOUNS[given.event]}, from which the camera was measured running free; another stamp needs its latency"
     if given.validity is not None:
         yield (
             f"there is no word for the time constant, {1e3 * given.validity.time_constant_s:.3f} ms: one moment stands for the "

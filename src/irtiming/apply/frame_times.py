@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 
 from irtiming.apply.camera_timing import CameraTiming, Moment, MomentName
-from irtiming.apply.stamps import TriggerTimes
+from irtiming.apply.stamps import EventTimes
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
 
@@ -20,7 +20,7 @@ class FrameTimes:
     """
 
     camera: CameraTiming
-    triggers: TriggerTimes
+    events: EventTimes
     moments: tuple[Moment, ...]
     rows_px: Array
 
@@ -39,23 +39,23 @@ class FrameTimes:
         raise EstimationError(f"this camera has no moment '{name}'; it has {has}")
 
     def offset_s(self, name: MomentName) -> Array:
-        """How much later than its trigger edge the moment is in each row, in seconds of the stamps; shape (row,)."""
-        return self.camera.offset_s(self.moment(name), self.rows_px) * (1 + self.triggers.relative_rate)
+        """How much later than its event the moment is in each row, in seconds of the stamps; shape (row,)."""
+        return self.camera.offset_s(self.moment(name), self.rows_px) * (1 + self.events.relative_rate)
 
     def time_s(self, name: MomentName) -> Array:
-        """Of each frame and row, since ``triggers.origin_s``; shape (n_frame, row)."""
-        return self.triggers.time_s[:, None] + self.offset_s(name)[None, :]
+        """Of each frame and row, since ``events.origin_s``; shape (n_frame, row)."""
+        return self.events.time_s[:, None] + self.offset_s(name)[None, :]
 
     def u_common_s(self, name: MomentName) -> Array:
         """Standard uncertainty that a row's times have in common over all frames, shape (row,)."""
         moment = self.moment(name)
-        seconds = self.triggers.u_rate * self.camera.offset_s(moment, self.rows_px)
+        seconds = self.events.u_rate * self.camera.offset_s(moment, self.rows_px)
         power = self.camera.u_s(moment, self.rows_px) ** 2 + seconds**2 + self._common_s2
         return np.sqrt(np.maximum(power, 0))
 
     def u_s(self, name: MomentName) -> Array:
         """Standard uncertainty of each row's time in any frame, shape (row,)."""
-        return np.hypot(self.u_common_s(name), self.triggers.u_own_s)
+        return np.hypot(self.u_common_s(name), self.events.u_own_s)
 
     def correlation(self, name: MomentName) -> Array:
         """Correlation coefficient of the times of one row in two frames, shape (row,)."""
@@ -65,28 +65,28 @@ class FrameTimes:
     @property
     def _common_s2(self) -> float:
         """What the stamps add to the variance of every time, beside each one's own."""
-        return self.triggers.u_common_s**2 - self.triggers.u_cancelled_s**2
+        return self.events.u_common_s**2 - self.events.u_cancelled_s**2
 
     def correlation_of_rows(self, name: MomentName) -> Array:
         """Correlation coefficient of the times of each row with those of the first row in the same frame, shape (row,)."""
         moment = self.moment(name)
         first = np.broadcast_to(self.rows_px[:1], self.rows_px.shape)
         both = self.camera.covariance_s2(moment, moment, one_row_px=self.rows_px, other_row_px=first)
-        late = self.camera.offset_s(moment, self.rows_px) * self.triggers.u_rate
-        both = both + late * late[0] + self._common_s2 + self.triggers.u_own_s**2
+        late = self.camera.offset_s(moment, self.rows_px) * self.events.u_rate
+        both = both + late * late[0] + self._common_s2 + self.events.u_own_s**2
         scale = self.u_s(name) * self.u_s(name)[0]
         return np.where(scale > 0, both / np.where(scale > 0, scale, 1), 1.0)
 
 
-def apply(camera: CameraTiming, triggers: TriggerTimes, *, rows_px: Array | None = None) -> FrameTimes:
-    """Times of the frames whose triggers are given.
+def apply(camera: CameraTiming, events: EventTimes, *, rows_px: Array | None = None) -> FrameTimes:
+    """Times of the frames whose events are given.
 
     Parameters
     ----------
     camera
         As its result states it.
-    triggers
-        Of the frames.
+    events
+        Of the frames, by the same event as the result's.
     rows_px
         Shape (row,): rows that are wanted; None: all of a rolling camera.
 
@@ -107,5 +107,5 @@ def apply(camera: CameraTiming, triggers: TriggerTimes, *, rows_px: Array | None
     if rows_px.size == 0 or rows_px.min() < 0 or (n_rows is not None and rows_px.max() > n_rows - 1):
         most = "the last row" if n_rows is None else f"{n_rows - 1}"
         raise EstimationError(f"rows must be from 0 to {most}; {rows_px.tolist()} are asked for")
-    period_s = triggers.frame_period_s or camera.conditions.frame_period_s
-    return FrameTimes(camera=camera, triggers=triggers, moments=camera.moments(period_s), rows_px=rows_px)
+    period_s = events.frame_period_s or camera.conditions.frame_period_s
+    return FrameTimes(camera=camera, events=events, moments=camera.moments(period_s), rows_px=rows_px)

@@ -15,6 +15,7 @@ import numpy as np
 
 from irtiming.apply.camera_timing import CameraTiming, Moment
 from irtiming.errors import EstimationError
+from irtiming.records.frame_events import FrameEvent
 
 _DAMPING = 0.01
 
@@ -44,13 +45,14 @@ class Validity:
 @final
 @dataclass(frozen=True, kw_only=True)
 class HandOver:
-    """What all programs take from: moments after the stamp, which is the trigger edge plus ``stamp_latency_s``.
+    """What all programs take from: moments after the stamp, which is the ``event`` plus ``stamp_latency_s``.
 
     ``first_row`` and ``middle_row`` are the effective moments of image row 0 and of the middle of the image after the stamp.
     ``exposure_start`` is the start of integration of row 0, None where pixels lag. ``readout`` is from the reading of
     row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera.
     """
 
+    event: FrameEvent
     first_row: Number
     middle_row: Number
     exposure_start: Number | None
@@ -80,7 +82,7 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
     camera
         As its result states it.
     stamp_latency_s, stamp_latency_u_s
-        By how much later than the trigger edge the frames are stamped, and its standard uncertainty; s.
+        By how much later than the event, such as the trigger edge, the frames are stamped, and its standard uncertainty; s.
 
     Raises
     ------
@@ -106,6 +108,7 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         both = [float(camera.offset_s(moments[name], np.zeros(1))[0]) for name in ("start", "end")]
         window_s = both[1] - both[0]
     return HandOver(
+        event=camera.event,
         first_row=after_stamp(moments["effective"], 0.0),
         middle_row=after_stamp(moments["effective"], middle),
         exposure_start=after_stamp(moments["start"], 0.0) if "start" in moments else None,

@@ -31,8 +31,8 @@ def time(
     kind: Annotated[
         StampKind | None,
         typer.Option(
-            help="What the stamps are: trigger edges, stamps of the camera, or arrival at the computer. Left out: trigger edges "
-            "where there are any."
+            help="What the stamps are: trigger edges, edges of the strobe, stamps of the camera, or arrival at the computer. "
+            "Left out: that from which the result counts."
         ),
     ] = None,
     column: Annotated[str | None, typer.Option(help="Column of the stamps; for CSV.")] = None,
@@ -41,9 +41,17 @@ def time(
     ] = None,
     latency: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="By how much later than the trigger edge a stamp is; it is taken off."),
+        typer.Option(metavar="TIME", help="By how much later than the event a stamp is; it is taken off."),
     ] = None,
     latency_u: Annotated[str, typer.Option(metavar="TIME", help="Standard uncertainty of the latency.")] = "0 s",
+    alone: Annotated[
+        bool,
+        typer.Option(
+            "--alone",
+            help="Take each stamp by itself, as software must that has no others yet, not its place on the regular grid of all; "
+            "for stamps and arrivals of a camera that was measured running free.",
+        ),
+    ] = False,
     calibrated_by: Annotated[
         Path | None,
         typer.Option(
@@ -67,11 +75,13 @@ def time(
     from irtiming.session.frame_stamps import StampsWanted
 
     late = None if latency is None else Latency(value_s=seconds(latency), u_s=seconds(latency_u))
-    wanted = StampsWanted(source=stamps, kind=kind, column=column, unit=unit, latency=late, calibrated_by=calibrated_by)
+    wanted = StampsWanted(
+        source=stamps, kind=kind, column=column, unit=unit, latency=late, alone=alone, calibrated_by=calibrated_by
+    )
     found = apply_time(TimeOrder(result=result, stamps=wanted, out=out, rows=_rows(rows)))
-    n_frames, n_rows = found.triggers.time_s.size, found.rows_px.size
-    say(f"{out}: times of {n_frames} frames, {n_rows} rows each, in {found.triggers.scale}")
-    for remark in found.triggers.remarks:
+    n_frames, n_rows = found.events.time_s.size, found.rows_px.size
+    say(f"{out}: times of {n_frames} frames, {n_rows} rows each, in {found.events.scale}")
+    for remark in found.events.remarks:
         say(f"note: {remark}")
 
 
@@ -135,7 +145,10 @@ def export(
     out: Annotated[Path, typer.Option(..., metavar="OUT", help="File to write.")],
     stamp_latency: Annotated[
         str,
-        typer.Option(metavar="TIME", help="By how much later than the trigger edge that program's frames are stamped."),
+        typer.Option(
+            metavar="TIME",
+            help="By how much later than the event, such as the trigger edge, that program's frames are stamped.",
+        ),
     ] = "0 s",
     stamp_latency_u: Annotated[str, typer.Option(metavar="TIME", help="Its standard uncertainty.")] = "0 s",
 ) -> None:

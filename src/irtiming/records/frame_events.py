@@ -1,5 +1,6 @@
 """What the frames of a camera that runs free count from, and what was found when these events were placed in counter time."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, final
 
@@ -13,6 +14,17 @@ FrameEvent = Literal["trigger", "strobe", "stamp", "arrival"]
 
 FreeEvent = Literal["strobe", "stamp", "arrival"]
 """Those of a camera that runs free."""
+
+DELAYS: Mapping[FrameEvent, str] = {
+    "trigger": "trigger_delay", "strobe": "strobe_delay", "stamp": "timestamp_delay", "arrival": "timestamp_delay",
+}  # fmt: skip
+"""Name of the first delay by the event that it counts from."""
+
+NOUNS: Mapping[FrameEvent, str] = {
+    "trigger": "the trigger edge that the camera accepts", "strobe": "the edge of the camera's strobe",
+    "stamp": "the frame's stamp (median)", "arrival": "the frame's arrival (median)",
+}  # fmt: skip
+"""The event in words."""
 
 
 @final

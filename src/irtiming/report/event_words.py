@@ -8,17 +8,8 @@ import re
 from typing import Any
 
 from irtiming.records.analysis import Analysis
-from irtiming.records.frame_events import FrameEvent
+from irtiming.records.frame_events import DELAYS, NOUNS, FrameEvent
 
-PARAMETERS: dict[FrameEvent, str] = {
-    "trigger": "trigger_delay", "strobe": "strobe_delay", "stamp": "timestamp_delay", "arrival": "timestamp_delay",
-}  # fmt: skip
-"""Name of the first delay by the event that it counts from."""
-
-_NOUNS: dict[FrameEvent, str] = {
-    "trigger": "the trigger edge that the camera accepts", "strobe": "the edge of the camera's strobe",
-    "stamp": "the frame's stamp (median)", "arrival": "the frame's arrival (median)",
-}  # fmt: skip
 _WAYS = {
     "strobe": ("latency of the camera input", "camera input"),
     "stamp": ("relation of the stamps' clock to the counter", "stamps' clock"),
@@ -45,10 +36,10 @@ def text(said: str, event: FrameEvent) -> str:
     """
     if event == "trigger":
         return said
-    name = PARAMETERS[event]
+    name = DELAYS[event]
     way, short = _WAYS[event]
     for pattern, words in (
-        (r"the trigger edge that the\s+camera accepts|the trigger edge", _NOUNS[event]),
+        (r"the trigger edge that the\s+camera accepts|the trigger edge", NOUNS[event]),
         (r" The delay set in the trigger generator is taken off\.", ""),
         (r"their triggers are skipped", "their places are left out"),
         (r"at the trigger\b", "at the event"),

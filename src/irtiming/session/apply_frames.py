@@ -13,7 +13,7 @@ from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
-from irtiming.apply.stamps import Generator, TriggerTimes
+from irtiming.apply.stamps import EventTimes, Generator
 from irtiming.archive import layout
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameSource
@@ -71,10 +71,10 @@ class FramesDone:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Given:
-    """Frames with their triggers: ``kept`` are indices of the frames that have one, shape (n_frame,)."""
+    """Frames with their events: ``kept`` are indices of the frames that have one, shape (n_frame,)."""
 
     stack: FrameStack | FrameSource
-    triggers: TriggerTimes
+    events: EventTimes
     kept: Ticks
     unit: str = "DN"
 
@@ -103,7 +103,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     )
     first = given.stack.pick(list(range(min(_NOISE_FRAMES, given.stack.shape[0]))))
     noise = noise_of(first) if order.noise is None else order.noise
-    interval_s = given.triggers.frame_period_s
+    interval_s = given.events.frame_period_s
     if interval_s is None:
         raise EstimationError(f"{order.source}: has one frame; the scene between frames needs two or more")
     size = given.stack.shape[1:]
@@ -117,7 +117,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     )  # fmt: skip
     highest = np.iinfo(first.dtype).max if is_whole else None
     gains = _write(_scenes(given, stream, times_s=times_s, progress=progress), order.out, head=head, highest=highest,
-                   origin_s=given.triggers.origin_s)  # fmt: skip
+                   origin_s=given.events.origin_s)  # fmt: skip
     return FramesDone(
         n_frames=given.stack.shape[0], n_written=len(gains), noise=noise, mean_gain=float(gains[:, 0].mean()),
         mean_noise_gain=float(gains[:, 1].mean()), description=head.description,
@@ -147,14 +147,14 @@ def _lag_of_value(order: FramesOrder, camera: CameraTiming, unit: str) -> LagOfV
 
 def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Array, float]:
     """The instant of each frame, shape (n_frame,), and the standard uncertainty of them all; s."""
-    period_s, row = given.triggers.frame_period_s, np.array([_instant_row(readout, given.stack.shape[1])])
+    period_s, row = given.events.frame_period_s, np.array([_instant_row(readout, given.stack.shape[1])])
     name = "reading" if camera.has_lag else "middle"
     moment = next(one for one in camera.moments(period_s) if one.name == name)
-    late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.triggers.relative_rate)
-    triggers = given.triggers
-    power = camera.u_s(moment, row)[0] ** 2 + triggers.u_own_s**2 + triggers.u_common_s**2 - triggers.u_cancelled_s**2
+    late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.events.relative_rate)
+    events = given.events
+    power = camera.u_s(moment, row)[0] ** 2 + events.u_own_s**2 + events.u_common_s**2 - events.u_cancelled_s**2
     u_s = np.sqrt(max(power, 0.0))
-    return given.triggers.time_s + late_s, float(u_s)
+    return given.events.time_s + late_s, float(u_s)
 
 
 def _write(
@@ -181,9 +181,9 @@ def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _G
     if order.period_s is None and order.stamps is None:
         stamped = frame_stamps.read(StampsWanted(source=order.source), camera, generator=generator)
         if stamped.recording is not None:
-            return _Given(stack=stamped.recording.frames, triggers=stamped.triggers, kept=stamped.frames)
+            return _Given(stack=stamped.recording.frames, events=stamped.events, kept=stamped.frames)
         source = open_frames(order.source)
-        return _Given(stack=source, triggers=stamped.triggers, kept=stamped.frames, unit=source.facts.unit)
+        return _Given(stack=source, events=stamped.events, kept=stamped.frames, unit=source.facts.unit)
     source = open_frames(order.source)
     told = Conditions(
         camera_type=camera.conditions.camera_type, readout_mode=camera.conditions.readout_mode, rows=source.shape[1],
@@ -194,17 +194,18 @@ def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _G
     remarks = conditions.require(camera.conditions, told, where=str(order.source))
     n_frames = source.shape[0]
     if order.stamps is not None:
-        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).triggers
+        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).events
         if times.time_s.size != n_frames:
             raise EstimationError(
                 f"has {times.time_s.size} stamps for {n_frames} frames; give one for each", where=str(order.stamps)
             )
     else:
-        times = TriggerTimes(
-            time_s=(order.period_s or 0.0) * np.arange(n_frames, dtype=np.float64), scale="s since the first trigger"
+        times = EventTimes(
+            time_s=(order.period_s or 0.0) * np.arange(n_frames, dtype=np.float64),
+            scale="s since the event of the first frame",
         )
     times = replace(times, remarks=(*times.remarks, *remarks))
-    return _Given(stack=source, triggers=times, kept=np.arange(n_frames), unit=source.facts.unit)
+    return _Given(stack=source, events=times, kept=np.arange(n_frames), unit=source.facts.unit)
 
 
 def _instant_row(readout: Readout, n_rows: int) -> float:
@@ -214,7 +215,7 @@ def _instant_row(readout: Readout, n_rows: int) -> float:
 def _scenes(
     given: _Given, stream: SceneStream, *, times_s: NDArray[np.float64], progress: Callable[[int, int], None] | None
 ) -> Iterator[Scene]:
-    """Scenes of all frames that have a trigger."""
+    """Scenes of all frames that have an event."""
     place = {int(index): k for k, index in enumerate(given.kept)}
     total = given.stack.shape[0]
     for first, block in given.stack.blocks():
@@ -232,7 +233,7 @@ def _described(
 ) -> Iterator[str]:
     response = readout.response
     yield f"{program_version()}: the scene at one instant of each frame of {order.source.name} by {order.result.name}"
-    yield f"time: {given.triggers.scale}; " + (
+    yield f"time: {given.events.scale}; " + (
         "when the instant row was read" if camera.has_lag else "middle of the integration of the instant row"
     )
     if readout.row_delay_s:
@@ -260,5 +261,5 @@ def _described(
         )
     if camera.two_constants is not None and response.of_value is None:
         yield "note: the result has two time constants; counts do not tell temperatures, so the one at the wheel's was undone"
-    for remark in given.triggers.remarks:
+    for remark in given.events.remarks:
         yield f"note: {remark}"

@@ -18,6 +18,7 @@ from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.result_model import Result
 from irtiming.errors import ArchiveError
+from irtiming.records.frame_events import NOUNS
 from irtiming.session import frame_stamps
 from irtiming.session.frame_stamps import Stamped, StampsWanted
 
@@ -36,13 +37,13 @@ class TimeOrder:
 def generator_of(result: Result) -> Generator:
     """What rig.toml stated of the trigger generator with which the result was measured."""
     told = {one.name: one for one in result.rig.values if isinstance(one.value, float | int)}
-    clock, late = told.get("clock.relative_error"), told.get("latency.trigger")
+    is_strobe = result.frame_event == "strobe"
+    clock, late = told.get("clock.relative_error"), told.get(f"latency.{'camera_input' if is_strobe else 'trigger'}")
+    sign = -1.0 if is_strobe else 1.0
     return Generator(
         relative_error=0.0 if clock is None else float(clock.value),
         u_relative_error=UNKNOWN_CLOCK if clock is None else clock.standard_uncertainty or 0.0,
-        trigger_latency=None
-        if late is None
-        else Latency(value_s=float(late.value), u_s=late.standard_uncertainty or 0.0),
+        way=None if late is None else Latency(value_s=sign * float(late.value), u_s=late.standard_uncertainty or 0.0),
     )
 
 
@@ -66,7 +67,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     camera = camera_timing.of_result(result)
     stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
-    times = frame_times.apply(camera, stamped.triggers, rows_px=rows)
+    times = frame_times.apply(camera, stamped.events, rows_px=rows)
     written = _to_write(times, stamped, order)
     if is_copy:
         write_into_copy(written, order.stamps.source, path=order.out)
@@ -81,8 +82,8 @@ def _to_write(times: FrameTimes, stamped: Stamped, order: TimeOrder) -> TimesToW
     names = [one.name for one in times.moments]
     return TimesToWrite(
         frames=stamped.frames,
-        trigger_s=stamped.triggers.time_s,
-        origin_s=stamped.triggers.origin_s,
+        trigger_s=stamped.events.time_s,
+        origin_s=stamped.events.origin_s,
         rows=times.rows_px.astype(np.int64),
         offset_s={name: times.offset_s(name) for name in names},
         u_s={name: times.u_s(name) for name in names},
@@ -99,14 +100,14 @@ def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
     yield f"{program_version()}: times of the frames of {order.stamps.source.name} by {order.result.name}"
     which = f"{told.model or 'model not said'}, serial number {told.serial_number or 'not said'}"
     yield f"camera: {told.camera_type}, {told.readout_mode}, {which}"
-    yield f"scale: {times.triggers.scale}"
-    yield "reference event: the trigger edge that the camera accepts; a time is that edge plus a delay, positive after it"
+    yield f"scale: {times.events.scale}"
+    yield f"reference event: {NOUNS[camera.event]}; a time is that event plus a delay, positive after it"
     for one in times.moments:
         yield f"{one.name}: {MEANINGS[one.name]}"
     if told.readout_mode == "snapshot":
         yield "row: all rows are read at once; row 0 stands for all"
     yield "u: standard uncertainty (k = 1) of a time; r: correlation coefficient of the times of one row in two frames"
-    for remark in times.triggers.remarks:
+    for remark in times.events.remarks:
         yield f"not in the uncertainties: {remark}" if "nobody said" in remark else f"note: {remark}"
     for words in camera.not_in_uncertainty:
         yield f"not in the uncertainties: {words}"

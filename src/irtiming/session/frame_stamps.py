@@ -1,4 +1,4 @@
-"""Stamps of frames, from whatever file holds them, as trigger times that a result can be applied to."""
+"""Stamps of frames, from whatever file holds them, as times of the events that a result counts from."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,24 +9,31 @@ import numpy as np
 
 from irtiming.apply import conditions, stamps
 from irtiming.apply.camera_timing import CameraTiming, Conditions
-from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency, TriggerTimes
+from irtiming.apply.stamps import UNKNOWN_CLOCK, EventTimes, Generator, Latency, Raw
 from irtiming.archive import layout, reader
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
 from irtiming.archive.stamps_file import read_stamps
 from irtiming.errors import ConditionError
 from irtiming.inference import stamp_line
-from irtiming.records.application import StampKind
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.application import KIND_OF, StampKind
+from irtiming.records.arrays import Ticks
+from irtiming.records.frame_events import NOUNS
 from irtiming.records.recording import Recording
+from irtiming.reduce.events import numbering, placing
 from irtiming.units import readable_time
 
 _CSV = (".csv", ".txt", ".tsv")
 _SCALES: Mapping[StampKind, str] = {
     "trigger": "s of the clock that stamped the triggers",
+    "strobe": "s of the clock that stamped the strobe",
     "camera": "s of the clock that stamped the frames",
     "arrival": "s of the clock that stamped the arrivals",
 }
+_WORDS: Mapping[StampKind, str] = {
+    "trigger": "trigger edges", "strobe": "edges of the strobe", "camera": "stamps of the camera",
+    "arrival": "arrivals at the computer",
+}  # fmt: skip
 
 
 @final
@@ -34,8 +41,9 @@ _SCALES: Mapping[StampKind, str] = {
 class StampsWanted:
     """Which stamps of a file count, and how late they are.
 
-    ``column`` and ``unit`` are for CSV. ``latency`` is by how much later than the trigger edge a stamp is; None: nobody said.
-    ``calibrated_by`` is a recording in which the same camera, not switched off since, got triggers that were stamped.
+    ``column`` and ``unit`` are for CSV. ``latency`` is by how much later than the event a stamp is; None: nobody said. ``alone``
+    takes each stamp by itself in place of the regular grid of all. ``calibrated_by`` is a recording in which the same camera, not
+    switched off since, got triggers that were stamped.
     """
 
     source: Path
@@ -43,30 +51,19 @@ class StampsWanted:
     column: str | None = None
     unit: str | None = None
     latency: Latency | None = None
+    alone: bool = False
     calibrated_by: Path | None = None
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stamped:
-    """Trigger times of the frames of a file; ``frames`` their indices in it, shape (n_frame,), and what is said of the camera."""
+    """Events of the frames of a file; ``frames`` their indices in it, shape (n_frame,), and what is said of the camera."""
 
-    triggers: TriggerTimes
+    events: EventTimes
     frames: Ticks
     found: Conditions | None
     recording: Recording | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Raw:
-    """Stamps as a file has them, shape (n_frame,), and the number of each frame where it says so."""
-
-    kind: StampKind
-    time_s: Array
-    origin_s: int = 0
-    step_s: float = 0.0
-    numbers: Ticks | None = None
 
 
 def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | None = None) -> Stamped:
@@ -89,36 +86,46 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     path = wanted.source
     if path.suffix.lower() in _CSV:
         column = read_stamps(path, column=wanted.column, unit=wanted.unit)
-        raw = _Raw(
-            kind=wanted.kind or "trigger",
-            time_s=column.time_s,
-            origin_s=column.origin_s,
-            step_s=1e-9,
-            numbers=column.numbers,
-        )
-        return Stamped(triggers=_triggers(raw, wanted), frames=np.arange(raw.time_s.size), found=None)
+        raw = Raw(time_s=column.time_s, origin_s=column.origin_s, step_s=1e-9, numbers=column.numbers)
+        events = _events(raw, wanted, camera=camera, kind=wanted.kind or KIND_OF[camera.event])
+        return Stamped(events=events, frames=np.arange(raw.time_s.size), found=None)
     if path.suffix.lower() == layout.SUFFIX:
-        recording = reader.read(path)
-        found = conditions.of_recording(recording)
-        remarks = conditions.require(camera.conditions, found, where=str(path))
-        if wanted.kind in (None, "trigger"):
-            return _with(_of_triggers(recording, generator), remarks, found, recording)
-        raw = _of_recording(recording, wanted)
-        kept = np.arange(raw.time_s.size)
-        return _with(Stamped(triggers=_triggers(raw, wanted), frames=kept, found=found), remarks, found, recording)
+        return of_recording(reader.read(path), wanted, camera=camera, generator=generator)
     facts = open_frames(path).facts
     found = _conditions(facts, camera)
     remarks = conditions.require(camera.conditions, found, where=str(path))
-    raw = _of_facts(facts, wanted)
-    stamped = Stamped(triggers=_triggers(raw, wanted), frames=np.arange(raw.time_s.size), found=found)
+    kind = wanted.kind or KIND_OF[camera.event]
+    if wanted.kind is None and camera.event == "trigger" and facts.trigger_times_s is None:
+        kind = "camera"
+    raw = _of_facts(facts, wanted, kind=kind)
+    events = _events(raw, wanted, camera=camera, kind=kind)
+    stamped = Stamped(events=events, frames=np.arange(raw.time_s.size), found=found)
     return _with(
         stamped, (*remarks, "detector and readout mode were not compared: the file does not tell them"), found, None
     )
 
 
+def of_recording(
+    recording: Recording, wanted: StampsWanted, *, camera: CameraTiming, generator: Generator | None = None
+) -> Stamped:
+    """Events of the frames of a recording that is at hand; parameters and errors as for `read`."""
+    found = conditions.of_recording(recording)
+    remarks = conditions.require(camera.conditions, found, where=recording.source)
+    kind = wanted.kind or KIND_OF[camera.event]
+    if kind in ("trigger", "strobe") and kind == KIND_OF[camera.event]:
+        of_edges = _of_triggers if kind == "trigger" else _of_strobe
+        return _with(of_edges(recording, generator), remarks, found, recording)
+    if camera.event != "trigger" and recording.frame_event == "trigger":
+        remarks = (*remarks, "the recording's camera was triggered, the result measured it running free")
+    raw = _of_recording(recording, kind)
+    events = _events(raw, wanted, camera=camera, kind=kind)
+    kept = np.arange(raw.time_s.size)
+    return _with(Stamped(events=events, frames=kept, found=found), remarks, found, recording)
+
+
 def _with(stamped: Stamped, remarks: tuple[str, ...], found: Conditions, recording: Recording | None) -> Stamped:
-    triggers = replace(stamped.triggers, remarks=(*stamped.triggers.remarks, *remarks))
-    return Stamped(triggers=triggers, frames=stamped.frames, found=found, recording=recording)
+    events = replace(stamped.events, remarks=(*stamped.events.remarks, *remarks))
+    return Stamped(events=events, frames=stamped.frames, found=found, recording=recording)
 
 
 def _of_triggers(recording: Recording, generator: Generator | None) -> Stamped:
@@ -132,27 +139,54 @@ def _of_triggers(recording: Recording, generator: Generator | None) -> Stamped:
         set_delay_s=recording.trigger_delay_time_set_s,
         generator=generator,
     )
-    return Stamped(triggers=found, frames=known, found=None)
+    return Stamped(events=found, frames=known, found=None)
 
 
-def _of_recording(recording: Recording, wanted: StampsWanted) -> _Raw:
+def _of_strobe(recording: Recording, generator: Generator | None) -> Stamped:
+    """The strobe edge of each frame; what was found of their pairing goes along."""
+    if recording.camera_input_ticks is None:
+        raise ConditionError(
+            "has no edges of the camera's strobe (camera_input), from which the result counts; record them, or give them as CSV",
+            where=recording.source,
+        )
+    placed = placing.placed(replace(recording, frame_event="strobe"))
+    found = stamps.from_ticks(
+        placed.camera_trigger_ticks[placed.frame_number],
+        clock_frequency_hz=recording.clock_frequency_hz,
+        generator=generator,
+    )
+    told = tuple(one.what for one in placed.findings[len(recording.findings) :])
+    kept = np.arange(placed.frame_number.size)
+    return _with(Stamped(events=found, frames=kept, found=None), told, conditions.of_recording(recording), recording)
+
+
+def _of_recording(recording: Recording, kind: StampKind) -> Raw:
     """Stamps of the camera or of the computer in a recording."""
-    numbers = recording.frame_id
-    if wanted.kind == "arrival":
+    numbers = numbering.counts(recording).number
+    if kind == "arrival":
         if recording.frame_host_time_s is None:
             raise ConditionError("has no times of arrival (frame_host_time); use other stamps", where=recording.source)
-        return _Raw(kind="arrival", time_s=recording.frame_host_time_s, numbers=numbers)
+        origin_s = int(recording.frame_host_time_s[0])
+        return Raw(time_s=recording.frame_host_time_s - origin_s, origin_s=origin_s, numbers=numbers)
+    if kind != "camera":
+        raise ConditionError(
+            f"its {_WORDS[kind]} are asked for, but the result counts from other events; leave --kind out",
+            where=recording.source,
+        )
     ticks, frequency = recording.frame_timestamp_ticks, recording.timestamp_frequency_hz
     if ticks is None or frequency is None or not np.all(ticks):
         raise ConditionError(
             "its frames do not all carry a stamp of the camera (frame_timestamp); use other stamps",
             where=recording.source,
         )
-    return _Raw(kind="camera", time_s=ticks / frequency, step_s=1 / frequency, numbers=numbers)
+    origin_s = 0 if frequency % 1 else int(ticks[0] // round(frequency))
+    time_s = (ticks - origin_s * round(frequency)) / frequency
+    return Raw(time_s=time_s, origin_s=origin_s, step_s=1 / frequency, numbers=numbers)
 
 
-def _of_facts(facts: FrameFacts, wanted: StampsWanted) -> _Raw:
-    kind = wanted.kind or ("trigger" if facts.trigger_times_s is not None else "camera")
+def _of_facts(facts: FrameFacts, wanted: StampsWanted, *, kind: StampKind) -> Raw:
+    if kind == "strobe":
+        raise ConditionError("the file tells no strobe edges; give them as CSV", where=str(wanted.source))
     times = facts.trigger_times_s if kind == "trigger" else facts.times_s
     if times is None:
         raise ConditionError(
@@ -160,9 +194,7 @@ def _of_facts(facts: FrameFacts, wanted: StampsWanted) -> _Raw:
             where=str(wanted.source),
         )
     origin_s = int(times[0])
-    return _Raw(
-        kind=kind, time_s=times - origin_s, origin_s=origin_s, step_s=facts.time_step_s or 0.0, numbers=facts.frame_id
-    )
+    return Raw(time_s=times - origin_s, origin_s=origin_s, step_s=facts.time_step_s or 0.0, numbers=facts.frame_id)
 
 
 def _conditions(facts: FrameFacts, camera: CameraTiming) -> Conditions:
@@ -177,47 +209,50 @@ def _conditions(facts: FrameFacts, camera: CameraTiming) -> Conditions:
     )
 
 
-def _triggers(raw: _Raw, wanted: StampsWanted) -> TriggerTimes:
-    """Trigger times that follow from stamps: their latency taken off, or by a clock that another recording tells."""
-    late, remarks = wanted.latency, []
-    if late is None:
-        late = Latency(value_s=0.0, u_s=0.0)
-        if raw.kind != "trigger":
-            remarks.append("by how much later than the trigger edge a stamp is: nobody said, none was taken off")
-    u_step_s = raw.step_s / 12**0.5
+def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: StampKind) -> EventTimes:
+    """Events that follow from stamps: latency taken off, on a grid where they scatter, or by a clock of another recording."""
+    is_own = kind == KIND_OF[camera.event]
+    late, scale = wanted.latency or Latency(value_s=0.0, u_s=0.0), _SCALES[kind]
+    remarks: tuple[str, ...] = ()
+    if wanted.latency is None and not is_own:
+        if camera.event != "trigger":
+            raise ConditionError(
+                f"the result counts from {NOUNS[camera.event]}, these are {_WORDS[kind]}; give {_WORDS[KIND_OF[camera.event]]}, "
+                "or say by --latency how much later than those they are",
+                where=str(wanted.source),
+            )
+        remarks = ("by how much later than the trigger edge a stamp is: nobody said, none was taken off",)
     if wanted.calibrated_by is not None:
-        return _by_calibration(raw, wanted, late)
-    if raw.kind == "trigger":
-        return TriggerTimes(
-            time_s=raw.time_s - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=late.u_s,
-            u_rate=UNKNOWN_CLOCK, scale=_SCALES["trigger"], remarks=tuple(remarks),
-        )  # fmt: skip
-    numbers = stamp_line.numbered(raw.time_s) if raw.numbers is None else raw.numbers - raw.numbers[0]
-    line = stamp_line.grid(numbers, raw.time_s)
-    on_line = line.stamp_s(numbers.astype(np.float64))
-    u_line_s = float(np.sqrt(np.mean(line.u_s(numbers.astype(np.float64)) ** 2)))
-    remarks.append(
-        f"stamps scatter by {readable_time(line.jitter_s)} about a regular frame clock, {100 * line.late_share:.1f} % are later "
-        f"by five times as much; frames every {readable_time(line.rate)}; it is taken that triggers were regular"
-    )
-    return TriggerTimes(
-        time_s=on_line - late.value_s, origin_s=raw.origin_s, u_own_s=u_step_s, u_common_s=float(np.hypot(late.u_s, u_line_s)),
-        u_rate=UNKNOWN_CLOCK, scale=_SCALES[raw.kind], remarks=tuple(remarks),
-    )  # fmt: skip
+        return _by_calibration(raw, wanted, late=late, kind=kind)
+    if kind in ("trigger", "strobe"):
+        return replace(stamps.each_exact(raw, scale=scale, latency=late), remarks=remarks)
+    is_few = is_own and camera.scatter is not None and raw.time_s.size < stamp_line.FEWEST
+    if wanted.alone or is_few:
+        if not is_own or camera.scatter is None or wanted.latency is not None:
+            raise ConditionError(
+                f"the result does not know how {_WORDS[kind]} scatter, which it must where each counts by itself; leave out "
+                "--alone, or measure the camera by such stamps",
+                where=str(wanted.source),
+            )
+        return stamps.each_alone(raw, scale=scale, scatter=camera.scatter)
+    found = stamps.on_grid(raw, scale=scale, latency=late)
+    if is_own and kind == "arrival":
+        remarks = ("it is taken that arrivals are as late, by their median, as they were when the result was measured",)
+    return replace(found, remarks=(*remarks, *found.remarks))
 
 
-def _by_calibration(raw: _Raw, wanted: StampsWanted, late: Latency) -> TriggerTimes:
+def _by_calibration(raw: Raw, wanted: StampsWanted, *, late: Latency, kind: StampKind) -> EventTimes:
     """Onto the trigger generator's clock, by a recording that has its triggers and the same stamps."""
     assert wanted.calibrated_by is not None
     recording = reader.read(wanted.calibrated_by)
     stamped = _of_triggers(recording, None)
-    theirs = _of_recording(recording, replace(wanted, kind=raw.kind))
-    line = stamp_line.median_line(stamped.triggers.time_s, theirs.time_s[stamped.frames])
-    time_s = line.x_of(raw.time_s + raw.origin_s - late.value_s)
+    theirs = _of_recording(recording, kind)
+    line = stamp_line.median_line(stamped.events.time_s, theirs.time_s[stamped.frames])
+    time_s = line.x_of(raw.time_s + (raw.origin_s - theirs.origin_s) - late.value_s)
     beyond = float(np.max(np.abs(time_s - line.middle)))
-    return TriggerTimes(
+    return EventTimes(
         time_s=time_s,
-        u_own_s=float(np.hypot(line.jitter_s, raw.step_s / 12**0.5)),
+        u_own_s=float(np.hypot(line.jitter_s, raw.u_step_s)),
         u_common_s=float(np.hypot(late.u_s, line.u_s(np.array([line.middle + beyond]))[0])),
         u_rate=UNKNOWN_CLOCK,
         scale=f"s of the trigger generator's counter in {wanted.calibrated_by.name}",

@@ -7,17 +7,19 @@ from typing import final
 
 from irtiming.apply import camera_timing, export, handover
 from irtiming.apply.camera_timing import CameraTiming
-from irtiming.apply.handover import HandOver, Number
+from irtiming.apply.handover import HandOver
 from irtiming.archive.json_file import require_place, write_atomically
 from irtiming.archive.result_file import read_result
 from irtiming.records.application import Program
+from irtiming.records.frame_events import NOUNS
 from irtiming.report.rounding import significant, time_text
+from irtiming.units import readable_time
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class ExportOrder:
-    """What a person wants: a result for a program; frames are stamped ``stamp_latency_s`` later than the trigger edge."""
+    """What a person wants: a result for a program; frames are stamped ``stamp_latency_s`` later than the result's event."""
 
     result: Path
     program: Program
@@ -57,7 +59,7 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
     if given.simulated:
         yield "SIMULATED: no real camera was measured."
     where = "the middle row of your frame" if given.is_rolling else "your frame"
-    yield f"{where[0].upper()}{where[1:]} shows the world as it was {_after(given.middle_row)}."
+    yield f"{where[0].upper()}{where[1:]} shows the world as it was {_after(given)}."
     if given.validity is not None:
         tau = camera.estimate.value("time_constant"), camera.estimate.u("time_constant")
         yield (
@@ -80,13 +82,18 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
         yield f"One frame lasts {time_text(share)}: that is {significant(abs(given.middle_row.value_s) / share)} frames."
     if given.not_in_uncertainty:
         yield f"Not in the uncertainties, since nobody stated it: {'; '.join(given.not_in_uncertainty)}."
-    yield "All that is counted from the trigger edge that the camera accepts; ± is one standard uncertainty."
+    if camera.scatter is not None and {0.05, 0.95} <= set(camera.scatter.quantiles_s):
+        early, late = (readable_time(float(f"{abs(camera.scatter.quantiles_s[share]):.2g}")) for share in (0.05, 0.95))
+        what = "arrives" if camera.event == "arrival" else "is stamped"
+        yield f"One frame of twenty {what} more than {early} before the median, one of twenty more than {late} after it."
+    yield f"All that is counted from {NOUNS[camera.event]}; ± is one standard uncertainty."
 
 
-def _after(number: Number) -> str:
-    """How much after, or before, the trigger edge."""
-    side = "after" if number.value_s >= 0 else "before"
-    return f"{time_text(abs(number.value_s), number.u_s)} {side} the trigger edge"
+def _after(given: HandOver) -> str:
+    """How much after, or before, the event the middle row is seen."""
+    side = "after" if given.middle_row.value_s >= 0 else "before"
+    event = "the trigger edge" if given.event == "trigger" else NOUNS[given.event]
+    return f"{time_text(abs(given.middle_row.value_s), given.middle_row.u_s)} {side} {event}"
 
 
 def _lean(given: HandOver, rows: int) -> Iterator[str]:

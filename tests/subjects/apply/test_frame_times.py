@@ -7,7 +7,7 @@ from moving_scene import ROWS, FilmedBy, film
 
 from irtiming.apply import camera_timing, frame_times, stamps
 from irtiming.apply.conditions import require
-from irtiming.apply.stamps import Generator, Latency, TriggerTimes
+from irtiming.apply.stamps import EventTimes, Generator, Latency
 from irtiming.errors import ConditionError, EstimationError
 
 KINDS = [("photon", "snapshot"), ("photon", "rolling"), ("microbolometer", "snapshot"), ("microbolometer", "rolling")]
@@ -76,7 +76,7 @@ def test_correlations_are_those_of_errors_that_are_drawn():
     numbers = dict(zip(names, zip((4e-3, 5e-3, 4e-5), u, strict=True), strict=True))
     matrix = (covariance / np.outer(u, u)).tolist()
     timing = camera_timing.of_result(made_up_result("microbolometer", "rolling", numbers, matrix=matrix))
-    triggers = TriggerTimes(time_s=np.arange(3.0), u_own_s=2e-5, u_common_s=1e-5, scale="s")
+    triggers = EventTimes(time_s=np.arange(3.0), u_own_s=2e-5, u_common_s=1e-5, scale="s")
     times = frame_times.apply(timing, triggers, rows_px=np.array([0.0, 100.0]))
     n = 40_000
     error = rng.multivariate_normal(np.zeros(3), covariance, n)
@@ -113,7 +113,7 @@ def test_the_effective_moment_is_when_the_scene_was_like_the_frame(camera):
         numbers |= {"recursive_filter": (camera.share, 1e-6)}
     kind = ("microbolometer" if camera.tau_s else "photon", "rolling" if camera.row_delay_s else "snapshot")
     timing = camera_timing.of_result(made_up_result(*kind, numbers, rows=ROWS))
-    times = frame_times.apply(timing, TriggerTimes(time_s=filmed.trigger_s, scale="s"))
+    times = frame_times.apply(timing, EventTimes(time_s=filmed.trigger_s, scale="s"))
     row = ROWS - 1 if camera.row_delay_s else 0
     steady = np.abs(np.cos(2 * np.pi * 2 * filmed.trigger_s + 0.4)) > 0.9  # where the sine goes nearly straight
     for frame in np.flatnonzero(steady)[-4:]:
@@ -127,7 +127,7 @@ def test_the_effective_moment_is_when_the_scene_was_like_the_frame(camera):
 def test_the_events_of_a_photon_camera_are_in_order():
     """Oracle: by hand; 400 µs, 525 µs and so 650 µs after the edge, and the uncertainty of 2 m - s."""
     timing = camera_timing.of_result(made_up_result("photon", "snapshot", COOLED, matrix=[[1.0, 0.5], [0.5, 1.0]]))
-    times = frame_times.apply(timing, TriggerTimes(time_s=np.array([1.0, 2.0]), scale="s"))
+    times = frame_times.apply(timing, EventTimes(time_s=np.array([1.0, 2.0]), scale="s"))
     assert times.time_s("start")[1, 0] == pytest.approx(2.0004)
     assert times.time_s("end")[0, 0] == pytest.approx(1.00065)
     assert times.u_s("end")[0] == pytest.approx(np.sqrt(4 * 9 + 4 - 4 * 0.5 * 6) * 1e-7)
@@ -191,7 +191,7 @@ def test_rows_beyond_the_image_are_refused(rows):
     """Oracle: an image of 120 rows."""
     timing = camera_timing.of_result(made_up_result("microbolometer", "rolling", BOLOMETER))
     with pytest.raises(EstimationError, match="rows must be from 0 to 119"):
-        frame_times.apply(timing, TriggerTimes(time_s=np.zeros(1), scale="s"), rows_px=np.array(rows))
+        frame_times.apply(timing, EventTimes(time_s=np.zeros(1), scale="s"), rows_px=np.array(rows))
 
 
 def test_a_latency_of_the_trigger_path_cancels_where_the_same_generator_stamps():
@@ -199,7 +199,7 @@ def test_a_latency_of_the_trigger_path_cancels_where_the_same_generator_stamps()
     seen_s, u_seen_s, latency_s, u_latency_s = 5e-3, 1e-6, 2e-5, 3e-6
     numbers = {"trigger_delay": (seen_s - latency_s, np.hypot(u_seen_s, u_latency_s)), "time_constant": (4e-3, 1e-9)}
     timing = camera_timing.of_result(made_up_result("microbolometer", "snapshot", numbers))
-    known = Generator(u_relative_error=0.0, trigger_latency=Latency(value_s=latency_s, u_s=u_latency_s))
+    known = Generator(u_relative_error=0.0, way=Latency(value_s=latency_s, u_s=u_latency_s))
     triggers = stamps.from_ticks(np.arange(1, 4) * 10**9, clock_frequency_hz=1e9, generator=known)
     times = frame_times.apply(timing, triggers)
     assert times.time_s("reading")[0, 0] == pytest.approx(1 + seen_s, abs=1e-12)
