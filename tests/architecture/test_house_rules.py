@@ -22,6 +22,10 @@ HOMES = {
     "hdf5plugin": "archive",
     "tomllib": "archive",
     "matplotlib": "report",
+    "nicegui": "web",
+    "fastapi": "web",
+    "uvicorn": "web",
+    "PIL": "web",
     "jinja2": "report",
     "pyGigEVision": "instruments",
     "pyarrow": "archive",
@@ -64,6 +68,7 @@ COMMANDS = (
     "doctor",
     "recover",
     "rig",
+    "serve",
 )
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 6, 2
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from irtiming.records.camera_frame import CameraFrame
+from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ class Attendant:
 
     def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
         """Triggers made of all, frames that came, frames lost, frames that wait to be written."""
+
+    def sees(self, timestamps: Timestamps) -> None:
+        """All timestamps of the run so far, several times a second."""
 
     def written(self, frame: CameraFrame, *, number: int) -> None:
         """A frame, whole or damaged, of that trigger is in the file."""

@@ -273,6 +273,7 @@ class _Capture:
             begun = thread_time()
             so_far = self._rig.generator.captured()
             self._store(so_far)
+            self._attendant.sees(so_far)
             wrong = self._wheel.complaint(so_far)
             if wrong is not None:
                 self._ends(wrong)

@@ -1,7 +1,6 @@
 """Whoever sits at the terminal while a series is recorded."""
 
 import asyncio
-import shlex
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -17,12 +16,11 @@ from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
-from irtiming.report.rounding import time_text
 from irtiming.session.live import LiveAnalysis, LiveEstimate
 from irtiming.session.series import Attending, LiveAttendant, SeriesMade, SeriesReady
+from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
 from irtiming.units import readable_time
 
-_STANDARD_ERROR = 2  # standard output is for names of files
 _MANY, _GROWS = 8, 2
 """Frames that wait for the disk: it is told when they are this many times more than when it was told last, and than so many."""
 
@@ -87,14 +85,8 @@ class Person(LiveAttendant):
 
     def ended(self, outcome: RunOutcome) -> None:
         """One line for the run, and one for each oddity."""
-        verdict, counts = outcome.verdict, outcome.counts
-        self.says(
-            f"run {outcome.order.number}: {verdict.frames} frames for {verdict.triggers} triggers, {verdict.lost} lost, "
-            f"{counts.packets_missing} packets missing, {counts.packets_resent} resent, longest queue {outcome.longest_queue}: "
-            f"{outcome.ending}"
-        )
-        for finding in outcome.findings:
-            self.says(f"warning: {finding.sentence()}")
+        for line in of_run(outcome):
+            self.says(line)
         super().ended(outcome)
 
     def learns(self, estimate: LiveEstimate) -> None:
@@ -104,13 +96,9 @@ class Person(LiveAttendant):
     async def move_wheel(self, what: Literal["remove", "insert"]) -> None:
         """By the laboratory's own command, by hand, or as it is."""
         if self._command:
-            await _obeyed([*shlex.split(self._command), what])
+            await obey(self._command, what)
         elif not self._is_silent:
-            await self._asked(
-                "Take wheel and mask out of the way: the camera must see the bare blackbody"
-                if what == "remove"
-                else "Bring wheel and mask back to where they were"
-            )
+            await self._asked(WHEEL_REQUESTS[what])
 
     async def _asked(self, text: str) -> None:
         """Wait for Enter, or for Ctrl-C."""
@@ -185,28 +173,3 @@ def show_made(made: SeriesMade, notes: Console, *, folder: Path) -> None:
     if not outcome.is_good:
         ending = "interrupted" if outcome.ending == INTERRUPTED else outcome.ending
         raise InstrumentError(f"{ending}; say the same command again to go on in {folder}")
-
-
-def so_far(found: LiveEstimate) -> str:
-    """What is known, in one line: every number with its standard uncertainty."""
-    if found.finding is not None:
-        return f"not sure yet ({found.finding.what})"
-    numbers = [
-        f"{name} {time_text(value, found.uncertainties[name])}"
-        for name, value in found.values.items()
-        if not name.startswith(("exposure", "trigger_delay_"))
-    ]
-    return f"{', '.join(numbers)}, from {found.frames} frames"
-
-
-async def _obeyed(words: list[str]) -> None:
-    try:
-        process = await asyncio.create_subprocess_exec(*words, stdout=_STANDARD_ERROR)
-    except OSError as error:
-        raise InstrumentError(
-            f"[references] command '{words[0]}' cannot be run ({error.strerror}); correct it"
-        ) from error
-    if status := await process.wait():
-        raise InstrumentError(
-            f"[references] command '{shlex.join(words)}' ended with status {status}; see what it says"
-        )
