@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
-.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-figures clean
+.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -57,7 +57,11 @@ docs: .venv/ready-for-docs
 # The same on paper: build/irtiming.pdf.
 docs-pdf: .venv/ready-for-docs
 	$(BIN)/sphinx-build -E -W --keep-going -q -t print -b singlehtml docs build/docs-print
-	$(BIN)/weasyprint build/docs-print/index.html build/irtiming.pdf
+	$(BIN)/python scripts/docs-pdf build/docs-print/index.html build/irtiming.pdf
+
+# Every command of README.md and the tutorials is run, and what it prints compared with the page: some minutes.
+docs-transcripts: .venv/ready
+	$(BIN)/python scripts/tutorial-transcripts
 
 docs-figures: .venv/ready
 	$(BIN)/python scripts/wiring-drawing docs/explanation/trigger-generator-wiring.svg

@@ -26,6 +26,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
 exclude_patterns = ["README.md"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.xref_ambiguous"]
+smartquotes = False  # -- is a dash of an option, not of a sentence
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|pandas|collections|pathlib|typing)\..*|tuple\[float"),  # of others

@@ -70,7 +70,8 @@ def print_demonstration(analysis: Analysis, truth_s: dict[str, float], *, consol
 def _first(table: Table, n: int) -> Table:
     """The first columns: a terminal has no room for more."""
     rows = tuple(row[:n] for row in table.rows)
-    return replace(table, columns=table.columns[:n], align=table.align[:n], rows=rows)
+    note = table.note.partition(" Sensitivity:")[0]  # of a column that is left out
+    return replace(table, columns=table.columns[:n], align=table.align[:n], rows=rows, note=note)
 
 
 def print_table(table: Table, console: Console) -> None:
