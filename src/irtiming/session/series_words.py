@@ -6,9 +6,10 @@ from typing import Literal
 
 from irtiming.acquire.run import RunOutcome
 from irtiming.errors import InstrumentError
-from irtiming.report.rounding import time_text
+from irtiming.report.rounding import value_text
 from irtiming.session.live import LiveEstimate
 
+_SHARES = ("pixel_memory", "recursive_filter")
 _STANDARD_ERROR = 2  # standard output is for names of files
 
 WHEEL_REQUESTS: dict[Literal["remove", "insert"], str] = {
@@ -23,7 +24,7 @@ def so_far(found: LiveEstimate) -> str:
     if found.finding is not None:
         return f"not sure yet ({found.finding.what})"
     numbers = [
-        f"{name} {time_text(value, found.uncertainties[name])}"
+        f"{name} {value_text(value, found.uncertainties[name], unit='1' if name in _SHARES else 's')}"
         for name, value in found.values.items()
         if not name.startswith(("exposure", "trigger_delay_"))
     ]

@@ -23,6 +23,8 @@ class Place:
 PLACES = (
     Place(address="/rig", name="Rig", purpose="What is ready, which devices answer; a simulated rig at a click."),
     Place(address="/record", name="Record", purpose="A series of recordings, with live image and estimate."),
+    Place(address="/library", name="Library", purpose="Recordings and files of frames: look, check, convert, drag in."),
+    Place(address="/analyse", name="Analyse", purpose="From recordings to the timing of the camera, with its report."),
 )  # fmt: skip
 
 

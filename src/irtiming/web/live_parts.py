@@ -93,7 +93,7 @@ def _speed_html(found: dict[str, Any]) -> str:
 
 def estimates_html(job: Job | None) -> str:
     """The latest estimate in words, and how its uncertainties shrank."""
-    told = [] if job is None else job.facts.get("estimates", [])
+    told = [] if job is None else [*job.facts.get("estimates", []), *filter(None, [job.facts.get("last_estimate")])]
     if not told:
         return '<p class="note">With the rig\'s numbers, the first estimate comes after about 120 frames.</p>'
     latest = told[-1]

@@ -18,10 +18,11 @@ from nicegui import app as pages_app
 from nicegui import ui
 
 from irtiming.errors import ArchiveError, InstrumentError
+from irtiming.web import files
 from irtiming.web.desk import Desk
 from irtiming.web.folder import Folder
 from irtiming.web.guard import Guard, Rules
-from irtiming.web.pages import record_page, rig_page, start_page
+from irtiming.web.pages import analyse_page, library_page, record_page, rig_page, start_page
 
 MOST_CONNECTIONS = 200
 _GRACE_S, _PATIENCE_S = 2, 60.0
@@ -90,7 +91,7 @@ def serve(order: ServeOrder, *, ready: Callable[[str], None]) -> None:
 async def _served(order: ServeOrder, rules: Rules, *, line: socket.socket, ready: Callable[[str], None]) -> None:
     app = FastAPI(openapi_url=None)
     desk = Desk(folder=Folder(order.folder))
-    add_pages(desk)
+    add_pages(desk, upload_bytes=order.upload_bytes)
     ui.run_with(app, title="irtiming", dark=None, tailwind=False, show_welcome_message=False, language="en-GB")
     config = uvicorn.Config(
         Guard(app, rules=rules), lifespan="on", log_level="error", access_log=False, proxy_headers=False, server_header=False,
@@ -106,12 +107,13 @@ async def _served(order: ServeOrder, rules: Rules, *, line: socket.socket, ready
             await asyncio.to_thread(desk.jobs.end, 0.0 if server.force_exit else _PATIENCE_S)
 
 
-def add_pages(desk: Desk) -> None:
+def add_pages(desk: Desk, *, upload_bytes: int) -> None:
     """All pages, for a desk."""
     pages_app.add_static_files("/look", Path(__file__).with_name("look"))
     pages_app.config.socket_io_js_transports = ["websocket"]
-    for page in (start_page, rig_page, record_page):
+    for page in (start_page, rig_page, record_page, files, analyse_page):
         page.add(desk)
+    library_page.add(desk, upload_bytes=upload_bytes)
 
 
 @contextmanager

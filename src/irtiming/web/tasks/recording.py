@@ -55,7 +55,10 @@ def record(line: Line, order: RecordingOrder) -> dict[str, Any]:
         if order.checks_only:
             ready = asyncio.run(series.check(order.series))
             return {"ready": asdict(ready)}
-        return _told(asyncio.run(series.record(order.series, attending=_attending(line, order))), order.series.folder)
+        made = asyncio.run(series.record(order.series, attending=_attending(line, order)))
+        if made.estimate is not None:
+            line.fact("last_estimate", _estimate(made.estimate))
+        return _told(made, order.series.folder)
     except RigNotReady as error:
         line.fact("complaints", [" ".join(text.split()) for text in error.complaints])
         raise InstrumentError("the rig is not ready, nothing was moved; see what it lacks") from error
@@ -70,6 +73,10 @@ def _told(made: series.SeriesMade, folder: Path) -> dict[str, Any]:
         "is_good": outcome.is_good,
         "ending": "interrupted" if outcome.ending == INTERRUPTED else outcome.ending,
     }
+
+
+def _estimate(estimate: LiveEstimate) -> dict[str, Any]:
+    return estimate.as_json() | {"sentence": so_far(estimate)}
 
 
 def _attending(line: Line, order: RecordingOrder) -> series.Attending:
@@ -144,7 +151,7 @@ class Watcher(LiveAttendant):
     def learns(self, estimate: LiveEstimate) -> None:
         """What is known so far, after all that was known before."""
         self.says(f"so far: {so_far(estimate)}")
-        self._estimates.append(estimate.as_json() | {"sentence": so_far(estimate)})
+        self._estimates.append(_estimate(estimate))
         self._line.fact("estimates", self._estimates)
 
     async def move_wheel(self, what: Literal["remove", "insert"]) -> None:

@@ -1,0 +1,61 @@
+"""One frame of any file, for the eye."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from irtiming.archive.frames.opening import open_frames
+from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Array, read_only
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrameView:
+    """A frame in grey, shape (row, column), uint8, from its lowest values (black) to its highest (white).
+
+    ``index`` is that of the frame, of ``n_frames``; ``lowest`` and ``highest`` are the values that black and white stand for.
+    """
+
+    grey: Array
+    index: int
+    n_frames: int
+    lowest: float
+    highest: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ViewOrder:
+    """What a person wants to see: a frame of a file (-1: the middle one), no wider than so many pixels.
+
+    ``levels`` are the values for black and white, such as those of a view to compare with; None: the frame's own.
+    """
+
+    path: Path
+    index: int = -1
+    widest_px: int = 640
+    levels: tuple[float, float] | None = None
+
+
+def view(order: ViewOrder) -> FrameView:
+    """The frame.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be read, or has no such frame.
+    """
+    source = open_frames(order.path)
+    n_frames = source.shape[0]
+    index = n_frames // 2 if order.index < 0 else order.index
+    if index >= n_frames:
+        raise ArchiveError(f"has {n_frames} frames, frame {index} is not among them", where=str(order.path))
+    frame = np.nan_to_num(np.asarray(source.pick([index])[0], float))
+    step = max(1, -(-frame.shape[1] // order.widest_px))
+    small = frame[::step, ::step]
+    low, high = order.levels or (float(np.percentile(small, 0.5)), float(np.percentile(small, 99.5)))
+    grey = np.clip((small - low) * (255 / (high - low if high > low else 1.0)), 0, 255).astype(np.uint8)
+    return FrameView(grey=read_only(grey), index=index, n_frames=n_frames, lowest=low, highest=high)

@@ -1,0 +1,150 @@
+"""Analysing: recordings in, and out come what is doubtful first, then the timing, then the report."""
+
+from html import escape
+from pathlib import Path
+from urllib.parse import quote
+
+from nicegui import ui
+
+from irtiming.errors import IrTimingError
+from irtiming.records.choices import Choices
+from irtiming.session.analysis import AnalysisOrder
+from irtiming.web import files, frame, show
+from irtiming.web.desk import Desk
+from irtiming.web.jobs import Job
+from irtiming.web.tasks import analysis
+
+RESULTS = "results"
+_METHODS = {"pixel-sum": "the project's own", "published": "as published in 2023"}
+
+
+def add(desk: Desk) -> None:
+    """Serve it."""
+
+    @ui.page("/analyse")
+    async def analyse(result: str = "") -> None:
+        with frame.page(desk, "/analyse"):
+            if result:
+                await _result(desk, result)
+            with show.card("Analyse recordings"):
+                _form(desk)
+            with show.card("Results"):
+                _results(desk)
+
+
+def _form(desk: Desk) -> None:
+    recordings = [
+        one for one in desk.folder.files(".nxs") if one.parent.name not in ("set-aside", "converted", "applied")
+    ]
+    newest = [one for one in recordings if one.parent == recordings[0].parent] if recordings else []
+    names = [desk.folder.name_of(one) for one in recordings]
+    rigs = [desk.folder.name_of(one) for one in desk.folder.files("rig.toml")]
+    with ui.element("div").classes("form"):
+        chosen = ui.select(
+            names, multiple=True, value=[desk.folder.name_of(one) for one in newest], label="Recordings of one camera"
+        )
+        chosen.props("use-chips").style("grid-column: 1 / -1").mark("recordings")
+        rig = ui.select(rigs, value=rigs[0] if rigs else None, label="What was measured on the rig")
+        method = ui.select(_METHODS, value="pixel-sum", label="Method")
+        name = ui.input("Name of the result", value=newest[0].parent.name if newest else "result")
+    said = show.html()
+
+    def start() -> None:
+        try:
+            if not chosen.value:
+                raise IrTimingError("no recording is chosen; choose one or more")
+            order = AnalysisOrder(
+                recordings=tuple(desk.folder.existing(str(one)) for one in chosen.value),
+                rig=desk.folder.existing(str(rig.value or "")),
+                choices=Choices(method=method.value),
+                result=desk.folder.free(f"{name.value or 'result'}.json", within=RESULTS),
+                report=desk.folder.free(f"{name.value or 'result'}.html", within=RESULTS),
+            )
+            desk.jobs.start("analysis", f"the analysis {name.value}", task=analysis.analyse, order=order)
+        except IrTimingError as error:
+            show.complain(error)
+
+    with ui.element("div").classes("actions"):
+        begin = ui.button("Analyse", on_click=start).props("unelevated color=primary")
+        stop = ui.button("Break it off", on_click=lambda: _break_off(desk)).props("outline color=negative")
+    was_on = [desk.jobs.running("analysis") is not None]
+
+    def refresh() -> None:
+        job = desk.jobs.latest("analysis")
+        is_on = job is not None and not job.is_over
+        begin.set_enabled(not is_on)
+        stop.set_visibility(is_on)
+        show.put(said, "" if job is None else _state(job))
+        if was_on[0] and not is_on and job is not None and job.ending is not None and job.ending.is_good:
+            ui.navigate.to(f"/analyse?result={quote(desk.folder.name_of(Path(job.ending.answer['result'])))}")
+        was_on[0] = is_on
+
+    refresh()
+    ui.timer(0.4, refresh)
+
+
+def _break_off(desk: Desk) -> None:
+    if job := desk.jobs.running("analysis"):
+        job.break_off()
+
+
+def _state(job: Job) -> str:
+    if job.ending is None:
+        text = "goes on; closing this page stops nothing"
+        return show.finding_html("info", text, title=f"{job.title}:") + show.steps_html(job)
+    return "" if job.ending.is_good else show.finding_html("error", job.ending.text)
+
+
+def _results(desk: Desk) -> None:
+    found = desk.folder.files(".json")
+    found = [one for one in found if one.parent.name == RESULTS]
+    if not found:
+        ui.label("None yet.").classes("note")
+        return
+    rows = "".join(
+        f'<li><a href="/analyse?result={quote(name)}"><span><b>{escape(Path(name).stem)}</b></span></a></li>'
+        for name in map(desk.folder.name_of, found[:50])
+    )
+    show.html(f'<ul class="files">{rows}</ul>')
+
+
+async def _result(desk: Desk, name: str) -> None:
+    """A result: what is doubtful first."""
+    try:
+        path = desk.folder.existing(name)
+    except IrTimingError as error:
+        show.html(show.finding_html("error", str(error)))
+        return
+    with show.card(f"Result: {path.stem}"):
+        body = show.html('<p class="note">reading …</p>')
+        found = await desk.ask(analysis.read, path)
+        if not found.is_good:
+            show.put(body, show.finding_html("error", found.text))
+            return
+        told = found.answer
+        doubts = [one for one in told["findings"] if one["severity"] not in ("ok", "info")]
+        notes = [one for one in told["findings"] if one["severity"] in ("ok", "info")]
+        first = show.findings_html(doubts) or show.finding_html("ok", "nothing is doubtful", title="findings:")
+        folded = (
+            f"<details><summary>{len(notes)} more notes</summary>{show.findings_html(notes)}</details>" if notes else ""
+        )
+        simulated = (
+            show.finding_html("info", "the camera is a simulated one", title="mark:") if told["is_simulated"] else ""
+        )
+        headline = f'<div class="verdict"><p>{escape(told["headline"])}</p></div>'
+        table = show.table_html(["", "value ± standard uncertainty", "what it is"], told["parameters"])
+        delays = (
+            show.table_html(["recording", "relative delay"], told["relative_delays"])
+            if len(told["relative_delays"]) > 1
+            else ""
+        )
+        show.put(body, first + folded + simulated + headline + table + delays)
+        report = path.with_suffix(".html")
+        with ui.element("div").classes("actions"):
+            ui.link("Save the result (JSON)", files.link(desk, path)).classes("button")
+            if report.is_file():
+                ui.link("Open the report", files.link(desk, report), new_tab=True).classes("button")
+            ui.link("Make a certificate", f"/certificate?result={quote(name)}").classes("button")
+    if report.is_file():
+        with show.card("Report"):
+            show.html(f'<iframe class="inside" title="report" src="{escape(files.link(desk, report))}"></iframe>')
