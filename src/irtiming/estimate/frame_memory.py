@@ -77,7 +77,7 @@ def _seen(name: str, told: str) -> Finding:
             code="camera-filters-frames",
             severity="warning",
             what=f"each frame of the camera holds {told}: a noise filter in the camera is on; time constant and delay are "
-            "corrected for it",
+            "corrected for it, if it keeps the digits behind the point",
             cure="switch the filter off to measure the detector alone",
         )
     return Finding(

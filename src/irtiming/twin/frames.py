@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from os import cpu_count
-from typing import Protocol, final
+from typing import Protocol, TypeVar, final
 
 import numpy as np
+import numpy.typing as npt
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Pixels
@@ -15,12 +16,13 @@ from irtiming.twin.noise import FixedPattern, Purpose, Values, digitise, generat
 from irtiming.twin.scene import Radiance
 
 _BLOCK_BYTES = 16e6
+Number = TypeVar("Number", np.uint16, np.float32)
 
 
 class FrameMaker(Protocol):
     """Makes any frame of a stack by itself, the same one every time."""
 
-    def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
+    def __call__(self, index: int, *, signal_dn: Values, out: Pixels | Values) -> None:
         """Write frame ``index``, shape (row, column), to ``out``; ``signal_dn`` is room for the work."""
         ...
 
@@ -35,7 +37,7 @@ class BlackbodyShots:
     purpose: Purpose
     seed: int
 
-    def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
+    def __call__(self, index: int, *, signal_dn: Values, out: Pixels | Values) -> None:
         """Read the frame out."""
         signal_dn.fill(self.level_dn)
         digitise(signal_dn, self.pattern, random=generator(self.seed, self.purpose, index=index), out=out)
@@ -54,9 +56,18 @@ class SimulatedFrames:
 
         A block is valid until the next one is asked for.
         """
+        return self._blocks(self._room(np.uint16))
+
+    def unrounded_blocks(self) -> Iterator[tuple[int, Values]]:
+        """The same before they are rounded."""
+        return self._blocks(self._room(np.float32))
+
+    def _room(self, kind: type[Number]) -> npt.NDArray[Number]:
         n_frame, rows, columns = self.shape
-        length = max(1, min(n_frame, int(_BLOCK_BYTES / (2 * rows * columns))))
-        block = np.empty((length, rows, columns), np.uint16)
+        return np.empty((max(1, min(n_frame, int(_BLOCK_BYTES / (2 * rows * columns)))), rows, columns), kind)
+
+    def _blocks(self, block: npt.NDArray[Number]) -> Iterator[tuple[int, npt.NDArray[Number]]]:
+        n_frame, length = self.shape[0], len(block)
         with ThreadPoolExecutor(cpu_count()) as pool:
             for first in range(0, n_frame, length):
                 indices = list(range(first, min(first + length, n_frame)))
@@ -80,7 +91,7 @@ class SimulatedFrames:
         self._fill(indices, frames)
         return frames
 
-    def _fill(self, indices: list[int], out: Pixels) -> None:
+    def _fill(self, indices: list[int], out: npt.NDArray[Number]) -> None:
         """Make some frames, one after the other."""
         signal = np.empty(self.shape[1:], np.float32)
         for index, frame in zip(indices, out, strict=True):

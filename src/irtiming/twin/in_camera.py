@@ -12,8 +12,9 @@ class InCamera:
     """What each frame has of those before it, in this order; x_n is what the detector gives for trigger n.
 
     Memory of the pixels: m_n = (1 - ``memory_share``) x_n + ``memory_share`` x_{n-1}. Recursive filter:
-    y_n = (1 - ``filter_share``) m_n + ``filter_share`` y_{n-1}. Mean of the last ``averaged_frames`` of y. The camera has
-    seen its first frame for long when the first trigger comes. Frames that are lost afterwards take part.
+    y_n = (1 - ``filter_share``) m_n + ``filter_share`` y_{n-1}. Mean of the last ``averaged_frames`` of y. What comes out is
+    rounded, once. The camera has seen its first frame for long when the first trigger comes. Frames that are lost afterwards
+    take part.
     """
 
     memory_share: float = 0.0

@@ -93,8 +93,8 @@ def corrected_pattern(detector: Detector, surface_dn: float, *, residual: Values
     return replace(pattern, offset_dn=np.where(pattern.gain == 0, pattern.offset_dn, offset).astype(np.float32))
 
 
-def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Generator, out: Pixels) -> None:
-    """Whole numbers that the detector gives for a signal, written into ``out``.
+def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Generator, out: Pixels | Values) -> None:
+    """What the detector gives for a signal, written into ``out``: whole numbers, unless that is made for others.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Gene
         row_noise = _normal(random, row_noise.size) * np.float32(pattern.row_noise_dn)
     _read_out(
         (signal_dn, pattern.gain, pattern.offset_dn), noise.reshape(signal_dn.shape), row_noise,
-        (pattern.noise_dn, pattern.highest_dn), out,
+        (pattern.noise_dn, pattern.highest_dn, 0.5 if out.dtype == np.uint16 else 0.0), out,
     )  # fmt: skip
 
 
@@ -130,15 +130,18 @@ def _read_out(
     seen: tuple[Values, Values, Values],
     noise: Values,
     row_noise: npt.NDArray[np.float32],
-    limits: tuple[float, float],
-    out: Pixels,
+    scale: tuple[float, float, float],
+    out: Pixels | Values,
 ) -> None:
-    """Signal with gain, offset and noise, clipped and rounded, in one pass; numbers of 32 bits throughout."""
+    """Signal with gain, offset and noise, clipped and rounded, in one pass; numbers of 32 bits throughout.
+
+    ``scale`` is the noise, the highest value, and what makes a cut a rounding.
+    """
     signal, gain, offset = seen
-    noise_dn, highest = np.float32(limits[0]), np.float32(limits[1])
-    lowest, half = np.float32(0), np.float32(0.5)
+    noise_dn, highest, half = np.float32(scale[0]), np.float32(scale[1]), np.float32(scale[2])
+    lowest = np.float32(0)
     for row in range(signal.shape[0]):
         for column in range(signal.shape[1]):
             value = signal[row, column] * gain[row, column] + offset[row, column]
             value = value + noise[row, column] * noise_dn + row_noise[row]
-            out[row, column] = np.uint16(min(max(value, lowest), highest) + half)
+            out[row, column] = min(max(value, lowest), highest) + half

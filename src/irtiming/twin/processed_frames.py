@@ -38,14 +38,15 @@ class ProcessedFrames:
         """
         stages: _Stages | None = None
         given = 0
-        for first, block in self.detector.blocks():
+        for first, block in self.detector.unrounded_blocks():
             if stages is None:
                 stages = _Stages(block[0], self.in_camera)
-            for frame in block:
-                stages.follow(frame)
+            frames = np.empty(block.shape, np.uint16)
+            for seen, frame in zip(block, frames, strict=True):
+                stages.follow(seen, out=frame)
             wanted = self.kept[(self.kept >= first) & (self.kept < first + len(block))] - first
             if wanted.size:
-                yield given, block[wanted]
+                yield given, frames[wanted]
             given += wanted.size
 
     def pick(self, indices: list[int]) -> Pixels:
@@ -72,34 +73,36 @@ class ProcessedFrames:
 
 
 class _Stages:
-    """What the camera remembers: the frame before as the detector gave it, the filter's, and the last ones for the mean."""
+    """What the camera remembers: the frame before as the detector gave it, the filter's, and the last ones for the mean.
 
-    def __init__(self, first: Pixels, in_camera: InCamera) -> None:
+    It calculates with more digits than it gives out. One that does not would have no filter at all for changes of less than half
+    a DN over its share.
+    """
+
+    def __init__(self, first: Values, in_camera: InCamera) -> None:
         self._shares = np.array([in_camera.memory_share, in_camera.filter_share])
-        self._before = first.astype(np.float32)
+        self._before = first.copy()
         self._filtered = self._before.copy()
         self._last = np.repeat(self._before[None], in_camera.averaged_frames, axis=0)
         self._number = 0
 
-    def follow(self, frame: Pixels) -> None:
-        """Put what the camera gives out in the place of what its detector gave."""
+    def follow(self, frame: Values, *, out: Pixels) -> None:
+        """Write what the camera gives out for what its detector gave."""
         slot = self._number % len(self._last)
         _mix(frame, self._shares, self._before, self._filtered, self._last[slot])
-        if len(self._last) > 1:
-            frame[...] = np.rint(np.mean(self._last, axis=0))
+        np.rint(self._last[slot] if len(self._last) == 1 else np.mean(self._last, axis=0), out=out, casting="unsafe")
         self._number += 1
 
 
 @njit(cache=True, nogil=True)
-def _mix(frame: Pixels, shares: Values, before: Values, filtered: Values, out: Values) -> None:
+def _mix(frame: Values, shares: Values, before: Values, filtered: Values, out: Values) -> None:
     """One frame through memory and filter; ``before`` and ``filtered`` are brought up to date."""
     memory, kept = shares[0], shares[1]
     for row in range(frame.shape[0]):
         for column in range(frame.shape[1]):
-            value = float(frame[row, column])
+            value = frame[row, column]
             remembered = (1 - memory) * value + memory * before[row, column]
             before[row, column] = value
             mixed = (1 - kept) * remembered + kept * filtered[row, column]
             filtered[row, column] = mixed
             out[row, column] = mixed
-            frame[row, column] = np.uint16(mixed + 0.5)

@@ -61,7 +61,7 @@ class Readout:
     shutter: Shutter | None = None
     wheel_dn: float = 0.0
 
-    def read(self, exposure: Exposure, *, signal_dn: Values, out: Pixels) -> None:
+    def read(self, exposure: Exposure, *, signal_dn: Values, out: Pixels | Values) -> None:
         """Write a frame, shape (row, column), to ``out``; ``signal_dn`` is room for the work."""
         row_time_s = exposure.start_s + self.row_s
         self.view.show(row_time_s, out=signal_dn)
@@ -89,7 +89,7 @@ class WheelShots:
     epoch: Ticks
     gain: Array
 
-    def __call__(self, index: int, *, signal_dn: Values, out: Pixels) -> None:
+    def __call__(self, index: int, *, signal_dn: Values, out: Pixels | Values) -> None:
         """Read the frame out."""
         number = int(self.source[index])
         exposure = Exposure(

@@ -157,6 +157,11 @@ class Passing:
         return _rings(self, border_rad=self.border_rad, is_even=True)
 
     @cached_property
+    def bowed(self) -> Array:
+        """U, shape (n,)."""
+        return bowed_fraction(self.start_rad, self.actual, sweep_rad=self.sweep_rad)
+
+    @cached_property
     def ends_of_region(self) -> PointAverage:
         """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
         return self._at_ends(self.region)
@@ -210,11 +215,10 @@ def shapes(passing: Passing) -> Shapes:
     fraction = fraction - passing.glare * _lost(passing, fraction)
     for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
         fraction = fraction + share * late
-    bow = bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
     return Shapes(
-        fraction=fraction + passing.bow * bow,
+        fraction=fraction + passing.bow * passing.bowed,
         skew=skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
-        bow=bow,
+        bow=passing.bowed,
         plate=_plate(passing),
         blades=passing.opening.blades,
         beside=passing.wide_sector.blades - passing.sector.blades,
@@ -269,8 +273,7 @@ def slopes(
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    others = {"corner_variance": corners, "glare": -astray}
-    others["bow"] = bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
+    others = {"corner_variance": corners, "glare": -astray, "bow": passing.bowed}
     return dict(zip(names, out, strict=True)) | others | {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
 
 
