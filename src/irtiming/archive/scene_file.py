@@ -11,11 +11,12 @@ import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frames.source import FrameValues
-from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import Output, writing
 from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import bring_to_disk, group, program_version
 from irtiming.errors import ArchiveError
+from irtiming.records.arrays import Ticks, read_only
 
 SCENE = f"{layout.ENTRY}/scene"
 """Group of what is told of each frame beside its pixels."""
@@ -169,3 +170,20 @@ class SceneWriter:
             self._part.replace(self._path)
         except OSError as error:
             raise unwritable(self._path, error) from error
+
+
+def made_from(path: str | Path) -> Ticks:
+    """Index of the frame that each frame of a scene was made from, shape (n_scene,).
+
+    Raises
+    ------
+    ArchiveError
+        If the file is no scene.
+    """
+    try:
+        with opened(path) as file:
+            return read_only(np.asarray(file[SCENE]["frame_number"][()], np.int64))
+    except H5_ERRORS as error:
+        raise ArchiveError(
+            f"is no scene that irtiming apply frames wrote ({reason_of(error)})", where=str(path)
+        ) from error

@@ -114,6 +114,30 @@ def propose(setting: Setting, wishes: Wishes, *, targets: Sequence[Target], most
     return Proposals(best=tuple(_proposal(found, search_for, wishes=wishes) for found in ranked), one_speed=alone)
 
 
+def foretell(setting: Setting, wishes: Wishes, *, names: Sequence[str]) -> Proposal:
+    """What ``wishes.repeats`` runs at each of the wheel rates should reach, whatever that is.
+
+    Parameters
+    ----------
+    setting
+        Camera and rig.
+    wishes
+        All wheel rates that have a scheme are used.
+    names
+        Parameters to foretell, of `parameters_of` the camera.
+
+    Raises
+    ------
+    PlanError
+        If no wheel rate has a scheme.
+    """
+    speeds = _speeds(setting, wishes)
+    anything = tuple(Target(name=name, standard_uncertainty_s=float("inf")) for name in names)
+    search_for = _Search(speeds=speeds, targets=anything, n_delays=len(wishes.trigger_delays_s))
+    found = _Found(order=(0.0, 0.0), speeds=speeds, runs=(wishes.repeats,) * len(speeds))
+    return _proposal(found, search_for, wishes=wishes)
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:

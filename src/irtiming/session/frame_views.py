@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.archive.frames.opening import open_frames
+from irtiming.archive.scene_file import made_from
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, read_only
 
@@ -59,3 +60,40 @@ def view(order: ViewOrder) -> FrameView:
     low, high = order.levels or (float(np.percentile(small, 0.5)), float(np.percentile(small, 99.5)))
     grey = np.clip((small - low) * (255 / (high - low if high > low else 1.0)), 0, 255).astype(np.uint8)
     return FrameView(grey=read_only(grey), index=index, n_frames=n_frames, lowest=low, highest=high)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PairOrder:
+    """What a person wants to compare: frames, the scene made of them, and the index of a frame of the scene (-1: the middle)."""
+
+    before: Path
+    after: Path
+    index: int = -1
+    widest_px: int = 640
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """A frame as it came and as it was made, with the same values for black and white; ``index`` is that in the scene."""
+
+    before: FrameView
+    after: FrameView
+    index: int
+
+
+def pair(order: PairOrder) -> Pair:
+    """The frame of the scene, and the one that it was made from.
+
+    Raises
+    ------
+    ArchiveError
+        If a file cannot be read, or the second is no scene.
+    """
+    numbers = made_from(order.after)
+    index = numbers.size // 2 if order.index < 0 else min(order.index, numbers.size - 1)
+    first = view(ViewOrder(path=order.before, index=int(numbers[index]), widest_px=order.widest_px))
+    levels = (first.lowest, first.highest)
+    second = view(ViewOrder(path=order.after, index=index, widest_px=order.widest_px, levels=levels))
+    return Pair(before=first, after=second, index=index)

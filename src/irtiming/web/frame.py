@@ -21,10 +21,13 @@ class Place:
 
 
 PLACES = (
+    Place(address="/plan", name="Plan", purpose="From wishes to trigger schemes, and the uncertainty to expect of them."),
     Place(address="/rig", name="Rig", purpose="What is ready, which devices answer; a simulated rig at a click."),
     Place(address="/record", name="Record", purpose="A series of recordings, with live image and estimate."),
     Place(address="/library", name="Library", purpose="Recordings and files of frames: look, check, convert, drag in."),
     Place(address="/analyse", name="Analyse", purpose="From recordings to the timing of the camera, with its report."),
+    Place(address="/certificate", name="Certificate", purpose="From results to a calibration certificate."),
+    Place(address="/apply", name="Apply", purpose="A result put to use on other frames: before and after, side by side."),
 )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, final
 
 from irtiming.errors import InstrumentError, IrTimingError
-from irtiming.web.work import LEAVE, News, Task, give_way, run
+from irtiming.web.work import LEAVE, News, Task, function_of, give_way, run
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -194,6 +194,6 @@ class _Silent:
 
 def _answered(task: Task, order: object) -> Ending:
     try:
-        return Ending(answer=task(_Silent(), order))  # type: ignore[arg-type]
+        return Ending(answer=function_of(task)(_Silent(), order))
     except (IrTimingError, OSError, MemoryError, ArithmeticError, ValueError) as error:
         return Ending(text=str(error) or type(error).__name__)

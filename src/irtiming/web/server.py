@@ -22,10 +22,19 @@ from irtiming.web import files
 from irtiming.web.desk import Desk
 from irtiming.web.folder import Folder
 from irtiming.web.guard import Guard, Rules
-from irtiming.web.pages import analyse_page, library_page, record_page, rig_page, start_page
+from irtiming.web.pages import (
+    analyse_page,
+    apply_page,
+    certificate_page,
+    library_page,
+    plan_page,
+    record_page,
+    rig_page,
+    start_page,
+)
 
 MOST_CONNECTIONS = 200
-_GRACE_S, _PATIENCE_S = 2, 60.0
+_GRACE_S, _PATIENCE_S, _WARM_UP_S = 2, 60.0, 3.0
 
 
 @final
@@ -100,6 +109,7 @@ async def _served(order: ServeOrder, rules: Rules, *, line: socket.socket, ready
     )  # fmt: skip
     server = _Server(config)
     with _ended_by_signals(server):
+        asyncio.get_running_loop().call_later(_WARM_UP_S, desk.jobs.ask, "files:warm_up", None)
         ready(f"http://{rules.hosts[0]}/?token={rules.token}")
         try:
             await server.serve(sockets=[line])
@@ -111,7 +121,7 @@ def add_pages(desk: Desk, *, upload_bytes: int) -> None:
     """All pages, for a desk."""
     pages_app.add_static_files("/look", Path(__file__).with_name("look"))
     pages_app.config.socket_io_js_transports = ["websocket"]
-    for page in (start_page, rig_page, record_page, files, analyse_page):
+    for page in (start_page, plan_page, rig_page, record_page, files, analyse_page, certificate_page, apply_page):
         page.add(desk)
     library_page.add(desk, upload_bytes=upload_bytes)
 

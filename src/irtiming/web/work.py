@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing.connection import Connection
 from threading import Condition, Thread
 from typing import Any, Literal, TypeAlias, final
@@ -17,6 +18,9 @@ _MOST_SAID, _PATIENCE_S = 1000, 10.0
 
 LEAVE = "leave"
 """Said to work that is to end as soon as it can, with what it has."""
+
+MOVED = "moved"
+"""Said when wheel and mask are where a person was asked to bring them."""
 
 
 @final
@@ -109,8 +113,18 @@ class Line:
                     self._connection.send(news)
 
 
-Task: TypeAlias = Callable[[Line, Any], Any]
-"""Takes the line and its order, and gives plain data; a function of a module, so that another process finds it."""
+Task: TypeAlias = str
+"""``"files:check"`` is the function ``check`` of ``tasks/files.py``: it takes the line and its order, and gives plain data.
+
+It is a name, for the server itself does not load what it needs.
+"""
+
+
+def function_of(task: Task) -> Callable[[Any, Any], Any]:
+    """The function of a task, with all that it needs loaded."""
+    module, _, name = task.partition(":")
+    found: Callable[[Any, Any], Any] = getattr(import_module(f"irtiming.web.tasks.{module}"), name)
+    return found
 
 
 def run(connection: Connection, *, task: Task, order: object) -> None:
@@ -119,7 +133,7 @@ def run(connection: Connection, *, task: Task, order: object) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     line = Line(connection)
     try:
-        answer = task(line, order)
+        answer = function_of(task)(line, order)
     except (IrTimingError, OSError, MemoryError, ArithmeticError, ValueError) as error:
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
         line.ends(News(kind="failed", value=one_line(f"{error or type(error).__name__}{notes}")))

@@ -7,12 +7,10 @@ from urllib.parse import quote
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
-from irtiming.records.choices import Choices
-from irtiming.session.analysis import AnalysisOrder
 from irtiming.web import files, frame, show
 from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
-from irtiming.web.tasks import analysis
+from irtiming.web.orders import AnalyseOrder
 
 RESULTS = "results"
 _METHODS = {"pixel-sum": "the project's own", "published": "as published in 2023"}
@@ -53,14 +51,14 @@ def _form(desk: Desk) -> None:
         try:
             if not chosen.value:
                 raise IrTimingError("no recording is chosen; choose one or more")
-            order = AnalysisOrder(
+            order = AnalyseOrder(
                 recordings=tuple(desk.folder.existing(str(one)) for one in chosen.value),
                 rig=desk.folder.existing(str(rig.value or "")),
-                choices=Choices(method=method.value),
+                method=str(method.value),
                 result=desk.folder.free(f"{name.value or 'result'}.json", within=RESULTS),
                 report=desk.folder.free(f"{name.value or 'result'}.html", within=RESULTS),
             )
-            desk.jobs.start("analysis", f"the analysis {name.value}", task=analysis.analyse, order=order)
+            desk.jobs.start("analysis", f"the analysis {name.value}", task="analysis:analyse", order=order)
         except IrTimingError as error:
             show.complain(error)
 
@@ -117,7 +115,7 @@ async def _result(desk: Desk, name: str) -> None:
         return
     with show.card(f"Result: {path.stem}"):
         body = show.html('<p class="note">reading …</p>')
-        found = await desk.ask(analysis.read, path)
+        found = await desk.ask("analysis:read", path)
         if not found.is_good:
             show.put(body, show.finding_html("error", found.text))
             return

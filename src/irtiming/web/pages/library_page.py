@@ -13,7 +13,7 @@ from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.web import files, frame, show
 from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
-from irtiming.web.tasks import files as tasks
+from irtiming.web.orders import CheckOrder, ConvertOrder
 
 MOST_SHOWN = 60
 _DRAGGED = "dragged-in"
@@ -84,7 +84,7 @@ async def _one(desk: Desk, name: str) -> None:
         caption.set_text(f"frame {to}; black to white is the frame's own range")
 
     async def look() -> None:
-        told = await desk.ask(tasks.about, path)
+        told = await desk.ask("files:about", path)
         if not told.is_good:
             show.put(facts, show.finding_html("error", told.text))
             slider.set_visibility(False)
@@ -107,16 +107,16 @@ def _deeds(desk: Desk, path: Path) -> None:
 
     def verify() -> None:
         beside = path.with_name("rig.toml")
-        order = tasks.CheckOrder(path=path, rig=beside if beside.is_file() else None)
-        _begin(lambda: desk.jobs.start("check", f"the check of {path.name}", task=tasks.check, order=order))
+        order = CheckOrder(path=path, rig=beside if beside.is_file() else None)
+        _begin(lambda: desk.jobs.start("check", f"the check of {path.name}", task="files:check", order=order))
 
     def convert() -> None:
         suffix = str(kind.value)
 
         def start() -> Job:
             out = desk.folder.free(f"{path.stem}{suffix}", within="converted")
-            order = tasks.ConvertOrder(path=path, out=out)
-            return desk.jobs.start("conversion", f"the conversion of {path.name}", task=tasks.convert, order=order)
+            order = ConvertOrder(path=path, out=out)
+            return desk.jobs.start("conversion", f"the conversion of {path.name}", task="files:convert", order=order)
 
         _begin(start)
 

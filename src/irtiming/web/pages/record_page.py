@@ -6,12 +6,11 @@ from typing import Any
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
-from irtiming.session.series import SeriesOrder
 from irtiming.web import frame, live_parts, show
 from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
-from irtiming.web.tasks.recording import MOVED, RecordingOrder, record
-from irtiming.web.work import LEAVE
+from irtiming.web.orders import RecordingOrder
+from irtiming.web.work import LEAVE, MOVED
 
 _PICTURE_S, _STATE_S = 0.12, 0.4
 _NO_RIG = "(no estimate while recording)"
@@ -68,14 +67,14 @@ def _form(desk: Desk) -> Callable[[Job | None], None]:
 
     def start(*, checks_only: bool) -> None:
         try:
-            order = SeriesOrder(
+            order = RecordingOrder(
                 plan=desk.folder.existing(str(plan.value or "")),
                 folder=desk.folder.inside(str(into.value or "")),
                 rig=None if rig.value == _NO_RIG else desk.folder.existing(str(rig.value)),
+                checks_only=checks_only,
+                is_silent=bool(silent.value),
             )
-            title = f"the recording into {into.value}"
-            wanted = RecordingOrder(series=order, checks_only=checks_only, is_silent=bool(silent.value))
-            desk.jobs.start("recording", title, task=record, order=wanted)
+            desk.jobs.start("recording", f"the recording into {into.value}", task="recording:record", order=order)
         except IrTimingError as error:
             show.complain(error)
 

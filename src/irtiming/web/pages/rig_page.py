@@ -5,20 +5,12 @@ from typing import Any
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
-from irtiming.session.served_rig import ServedOrder
-from irtiming.twin.devices.bench import Workplace
 from irtiming.web import frame, show
+from irtiming.web.cameras import CAMERAS
 from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
-from irtiming.web.tasks import computer, simulated_rig
+from irtiming.web.orders import RigOrder
 from irtiming.web.work import LEAVE
-
-_CAMERAS = {
-    "photon snapshot": "cooled camera (snapshot)",
-    "microbolometer rolling": "microbolometer camera (rolling)",
-    "photon rolling": "CMOS camera (rolling)",
-    "microbolometer snapshot": "snapshot camera with lag",
-}
 
 
 def add(desk: Desk) -> None:
@@ -42,7 +34,7 @@ def _simulated(desk: Desk) -> None:
         "the folder; Record finds them there."
     ).classes("note")
     with ui.element("div").classes("form") as form:
-        camera = ui.select(_CAMERAS, value="photon snapshot", label="Camera").mark("camera")
+        camera = ui.select(CAMERAS, value="photon snapshot", label="Camera").mark("camera")
         rows = ui.number("Rows", value=120, min=16, max=4096, precision=0)
         columns = ui.number("Columns", value=160, min=16, max=4096, precision=0)
         speed = ui.number("Seconds of the rig in one of yours", value=1, min=0.01, max=100)
@@ -52,14 +44,11 @@ def _simulated(desk: Desk) -> None:
     def start() -> None:
         kind, readout = str(camera.value).split()
         try:
-            order = ServedOrder(
-                camera=kind,  # type: ignore[arg-type]
-                readout=readout,  # type: ignore[arg-type]
-                rows=_whole(rows.value, "rows"), columns=_whole(columns.value, "columns"),
-                place=Workplace(speed=float(speed.value or 1), seed=_whole(seed.value, "seed"), settling_s=3.0),
-                folder=desk.folder.free("simulated-rig"),
+            order = RigOrder(
+                camera=kind, readout=readout, rows=_whole(rows.value, "rows"), columns=_whole(columns.value, "columns"),
+                speed=float(speed.value or 1), seed=_whole(seed.value, "seed"), folder=desk.folder.free("simulated-rig"),
             )  # fmt: skip
-            desk.jobs.start("rig", "the simulated rig", task=simulated_rig.serve_rig, order=order)
+            desk.jobs.start("rig", "the simulated rig", task="simulated_rig:serve_rig", order=order)
         except (IrTimingError, ValueError) as error:
             show.complain(error)
         refresh()
@@ -114,7 +103,7 @@ def _devices(desk: Desk) -> None:
             [] if simulated is None else [simulated.facts.get("addresses", {}).get("camera", "").removeprefix("gige:")]
         )
         asked = [*filter(None, known), *str(hosts.value or "").replace(",", " ").split()[:20]]
-        answer = await desk.ask(computer.discover, tuple(asked))
+        answer = await desk.ask("computer:discover", tuple(asked))
         show.put(found, _devices_html(answer.answer) if answer.is_good else show.finding_html("error", answer.text))
 
     ui.label("Cameras and serial ports with the addresses that plan.toml takes. Nothing is opened or changed.").classes(
@@ -141,7 +130,7 @@ def _computer(desk: Desk) -> None:
 
     async def check() -> None:
         show.put(found, '<p class="note">checking …</p>')
-        answer = await desk.ask(computer.check, desk.folder.root)
+        answer = await desk.ask("computer:check", desk.folder.root)
         if not answer.is_good:
             show.put(found, show.finding_html("error", answer.text))
             return

@@ -2,18 +2,24 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from irtiming.interface.files import read_result
+from irtiming.records.choices import Choices, Method
 from irtiming.session.analysis import AnalysisOrder
 from irtiming.session.analysis import analyse as analyse_files
+from irtiming.web.orders import AnalyseOrder
 from irtiming.web.work import Line, give_way
 
 
-def analyse(line: Line, order: AnalysisOrder) -> dict[str, Any]:
+def analyse(line: Line, order: AnalyseOrder) -> dict[str, Any]:
     """Analyse, and write result and report; gives their files."""
     give_way()
-    analyse_files(order, progress=lambda name, done, total: line.step(name, done=done, total=total))
+    wanted = AnalysisOrder(
+        recordings=order.recordings, rig=order.rig, choices=Choices(method=cast("Method", order.method)), result=order.result,
+        report=order.report,
+    )  # fmt: skip
+    analyse_files(wanted, progress=lambda name, done, total: line.step(name, done=done, total=total))
     return {"result": str(order.result), "report": str(order.report)}
 
 

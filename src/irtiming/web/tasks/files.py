@@ -2,9 +2,9 @@
 
 import io
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 from PIL import Image
 
@@ -13,32 +13,19 @@ from irtiming.archive.verify import verify as verify_file
 from irtiming.session import frame_files
 from irtiming.session.frame_views import ViewOrder, view
 from irtiming.units import readable_time
+from irtiming.web.orders import CheckOrder, ConvertOrder, PictureOrder
 from irtiming.web.work import Line, give_way
 
 _PLAIN = ("format", "frames", "rows", "columns", "dtype", "unit", "bit_depth", "start_time")
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class CheckOrder:
-    """A recording to check, against the rig on which it was made where that is named."""
-
-    path: Path
-    rig: Path | None = None
+def warm_up(line: Line, order: None) -> None:
+    """Nothing: the process has then loaded what the next task needs."""
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class ConvertOrder:
-    """Frames to convert into a new file; its ending says the format."""
-
-    path: Path
-    out: Path
-
-
-def picture(line: Line, order: ViewOrder) -> dict[str, Any]:
+def picture(line: Line, order: PictureOrder) -> dict[str, Any]:
     """A frame as JPEG, and which it is."""
-    found = view(order)
+    found = view(ViewOrder(path=order.path, index=order.index, widest_px=order.widest_px))
     file = io.BytesIO()
     Image.fromarray(found.grey).save(file, "JPEG", quality=88)
     told = {"index": found.index, "n_frames": found.n_frames, "lowest": found.lowest, "highest": found.highest}

@@ -4,7 +4,7 @@ import asyncio
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from time import monotonic
 from typing import Any, Literal, final
@@ -24,23 +24,11 @@ from irtiming.session.live import LiveAnalysis, LiveEstimate
 from irtiming.session.live_view import LiveView
 from irtiming.session.series import LiveAttendant, SeriesOrder
 from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
-from irtiming.web.work import LEAVE, Line
-
-MOVED = "moved"
-"""Said when wheel and mask are where they were asked to be."""
+from irtiming.web.orders import RecordingOrder
+from irtiming.web.work import LEAVE, MOVED, Line
 
 _PICTURE_S, _EDGES_S = 0.09, 0.4
 _ORANGE = (255, 159, 28)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class RecordingOrder:
-    """A series, or only its checklist; ``is_silent``: nobody is asked to move wheel and mask."""
-
-    series: SeriesOrder
-    checks_only: bool = False
-    is_silent: bool = False
 
 
 def record(line: Line, order: RecordingOrder) -> dict[str, Any]:
@@ -51,14 +39,15 @@ def record(line: Line, order: RecordingOrder) -> dict[str, Any]:
     InstrumentError
         With every complaint about the rig.
     """
+    wanted = SeriesOrder(plan=order.plan, folder=order.folder, rig=order.rig)
     try:
         if order.checks_only:
-            ready = asyncio.run(series.check(order.series))
+            ready = asyncio.run(series.check(wanted))
             return {"ready": asdict(ready)}
-        made = asyncio.run(series.record(order.series, attending=_attending(line, order)))
+        made = asyncio.run(series.record(wanted, attending=_attending(line, order)))
         if made.estimate is not None:
             line.fact("last_estimate", _estimate(made.estimate))
-        return _told(made, order.series.folder)
+        return _told(made, order.folder)
     except RigNotReady as error:
         line.fact("complaints", [" ".join(text.split()) for text in error.complaints])
         raise InstrumentError("the rig is not ready, nothing was moved; see what it lacks") from error
