@@ -1,13 +1,16 @@
 """Speed of ``irtiming apply frames`` against the same steps in NumPy, in one run; from file to file with the memory it takes.
 
-In memory, processor time counts, so that other programs do not; from file to file, time by the clock as well.
+In memory, processor time counts, so that other programs do not; from file to file, time by the clock as well. With --gigabytes,
+files of these sizes in turn, each removed before the next: time must grow in proportion, memory not at all.
 
 Usage: python benchmarks/apply_frames.py [--frames 400] [--rows 480] [--columns 640] [--in-file 1500]
+       python benchmarks/apply_frames.py --gigabytes 3 6 12 --folder DIR
 """
 
 import argparse
 import json
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -132,6 +135,22 @@ def from_file_to_file(count, rows, columns, folder):
     return count / seconds, count / used, memory
 
 
+def by_size(sizes, rows, columns, *, folder):
+    """A line of a table for each size of file in GB (10^9 bytes of pixels)."""
+    print("| pixels | frames | time | frames per second of a processor | most memory |")
+    print("| ---: | ---: | ---: | ---: | ---: |", flush=True)
+    for gigabytes in sizes:
+        count = round(1e9 * gigabytes / (2 * rows * columns))
+        free = shutil.disk_usage(folder).free
+        if free < 2.5e9 * gigabytes:
+            raise SystemExit(
+                f"{folder}: {free / 1e9:.0f} GB are free, {2.5 * gigabytes:.0f} GB are needed; name another folder"
+            )
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            speed, alone, memory = from_file_to_file(count, rows, columns, Path(place))
+        print(f"| {gigabytes:g} GB | {count} | {count / speed:.0f} s | {alone:.0f} | {memory:.0f} MiB |", flush=True)
+
+
 def child(result, source, out, period):
     """The work of the command in a process of its own: seconds, and the most memory in MiB."""
     from irtiming.session.apply_frames import FramesOrder, apply_frames
@@ -150,10 +169,15 @@ def main():
     parser.add_argument("--rows", type=int, default=480)
     parser.add_argument("--columns", type=int, default=640)
     parser.add_argument("--in-file", type=int, default=1500)
+    parser.add_argument("--gigabytes", type=float, nargs="+", default=())
+    parser.add_argument("--folder", type=Path, default=Path(tempfile.gettempdir()))
     parser.add_argument("--child", nargs=4)
     given = parser.parse_args()
     if given.child:
         child(*given.child)
+        return
+    if given.gigabytes:
+        by_size(given.gigabytes, given.rows, given.columns, folder=given.folder)
         return
     ours, theirs, differ = in_memory(given.frames, given.rows, given.columns)
     print(

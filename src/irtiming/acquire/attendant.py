@@ -8,7 +8,7 @@ from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 
 if TYPE_CHECKING:
-    from irtiming.acquire.run import RunOutcome
+    from irtiming.acquire.run_order import RunOutcome
 
 
 class Attendant:

@@ -76,6 +76,12 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
         except InstrumentError as error:
             yield f"{error}; correct [camera]"
     clock = series.triggers.clock_frequency_hz
+    delayed = [run.trigger_delay_ticks for run in series.triggers if run.trigger_delay_ticks]
+    if wishes.runs_free and delayed:
+        yield (
+            f"[camera] frame_event is '{wishes.frame_event}', and a delay of {readable_time(max(delayed) / clock)} is planned; a "
+            "camera that runs free knows none: leave delays out"
+        )
     shortest_s = min(run.scheme.camera_period_ticks for run in series.triggers) / clock
     window_s = wishes.integration_time_s or 0.0
     if window_s >= shortest_s:

@@ -10,11 +10,12 @@ from typing import TypeVar, final
 import numpy as np
 
 from irtiming.acquire.attendant import Attendant
-from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.head import ExchangedClock, RecordingHead
 from irtiming.archive.live.recording import LiveRecording, TickStream
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.records.camera_frame import CameraFrame
+from irtiming.records.clock_exchange import ClockExchange
 from irtiming.records.timestamps import Timestamps
 
 _T = TypeVar("_T")
@@ -81,6 +82,10 @@ class FrameWriter:
     def put_ticks(self, stream: TickStream, ticks: Ticks) -> None:
         """Queue timestamps, shape (n_edge,)."""
         self._thread.submit(self._try, lambda: self._recording.append_ticks(stream, ticks))
+
+    def put_exchange(self, clock: ExchangedClock, exchange: ClockExchange) -> None:
+        """Queue a look at a clock."""
+        self._thread.submit(self._try, lambda: self._recording.append_exchange(clock, exchange))
 
     async def put_rest_of(self, timestamps: Timestamps) -> None:
         """Add what the timestamps of the whole run have beyond those in the file, and wait until all that was queued is there."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self, final
 from uuid import uuid4
 
-from irtiming.acquire.run import ENOUGH, RunOutcome
+from irtiming.acquire.run_order import ENOUGH, RunOutcome
 from irtiming.archive.json_file import write_json
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.errors import ArchiveError

@@ -67,6 +67,13 @@ class Verdict:
         return not self.reasons
 
 
+def lost_on_the_way(n_lost: int) -> Iterator[Finding]:
+    """What is to be said of frames that were made and did not come."""
+    if n_lost:
+        what, cure = f"{n_lost} frames were lost on the way", "blank frames stand in their place"
+        yield Finding(code="frames-lost-on-the-way", severity="warning", what=what, cure=cure)
+
+
 @final
 class Pairing:
     """Frames of one run, taken one by one as they come, and judged at the end.
@@ -191,9 +198,7 @@ class Pairing:
         """More frames than triggers are refused; fewer are told."""
         if self.last_number >= n_made:
             self._against(f"frames of {self.last_number + 1} triggers came, but only {n_made} were made")
-        if self._lost:
-            what, cure = f"{self._lost} frames were lost on the way", "blank frames stand in their place"
-            yield Finding(code="frames-lost-on-the-way", severity="warning", what=what, cure=cure)
+        yield from lost_on_the_way(self._lost)
         if self._missed:
             what = f"{self._missed} triggers made no frame"
             yield Finding(code="triggers-without-frame", severity="warning", what=what)

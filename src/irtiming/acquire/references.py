@@ -28,6 +28,7 @@ async def record_references(
     *,
     run: PlannedRun,
     attendant: Attendant,
+    runs_free: bool = False,
 ) -> NonuniformityReference | None:
     """Record the bare blackbody, colder and warmer.
 
@@ -41,6 +42,8 @@ async def record_references(
         Whose frame rate is taken; the chopper's reference goes on as for that run.
     attendant
         Takes wheel and mask away before and brings them back after, is told what is waited for, and may leave.
+    runs_free
+        Whether the camera makes its frames without triggers.
 
     Returns
     -------
@@ -53,7 +56,7 @@ async def record_references(
     """
     await attendant.move_wheel("remove")
     try:
-        found = await _two_stacks(rig, wishes, run=run, attendant=attendant)
+        found = await _two_stacks(rig, wishes, run=run, attendant=attendant, runs_free=runs_free)
     except InstrumentError:
         attendant.says("wheel and mask are still out of the way; bring them back before the next run")
         raise
@@ -62,7 +65,7 @@ async def record_references(
 
 
 async def _two_stacks(
-    rig: Rig, wishes: ReferenceWishes, *, run: PlannedRun, attendant: Attendant
+    rig: Rig, wishes: ReferenceWishes, *, run: PlannedRun, attendant: Attendant, runs_free: bool
 ) -> NonuniformityReference | None:
     """Frames at both temperatures, None if a person wants to leave."""
     stacks: list[Pixels] = []
@@ -79,7 +82,7 @@ async def _two_stacks(
         if state is None:
             return None
         attendant.says(f"recording {wishes.frames} frames of the bare blackbody at {celsius(state.temperature_k)}")
-        stacks.append(await _bare_frames(rig, run, wishes.frames))
+        stacks.append(await _bare_frames(rig, run, n_frames=wishes.frames, runs_free=runs_free))
         temperatures.append(state.temperature_k)
     low, high = map(ArrayFrames, stacks)
     found = nonuniformity_of(low, high, low_k=temperatures[0], high_k=temperatures[1])
@@ -114,21 +117,23 @@ def drift(before: NonuniformityReference, after: NonuniformityReference) -> tupl
     return max(means, key=abs), max(spreads)
 
 
-async def _bare_frames(rig: Rig, run: PlannedRun, n_frames: int) -> Pixels:
-    """So many whole frames, triggered at the frame rate of a run, shape (frame, row, column)."""
+async def _bare_frames(rig: Rig, run: PlannedRun, *, n_frames: int, runs_free: bool) -> Pixels:
+    """So many whole frames at the frame rate of a run, triggered or not, shape (frame, row, column)."""
     generator, camera = rig.generator, rig.camera
     repeats = -(-n_frames // run.scheme.samples_per_turn) + 1  # a few more, for frames that come damaged
     await generator.load(
         replace(run, trigger_delay_ticks=0, repeats=repeats), clock_frequency_hz=generator.clock_frequency_hz
     )
-    await camera.arm()
+    frame_hz = generator.clock_frequency_hz / run.scheme.camera_period_ticks
+    await (camera.arm(free_hz=frame_hz) if runs_free else camera.arm())
     stack: list[Pixels] = []
     frames = camera.frames()
     periods_s = 20 * run.scheme.camera_period_ticks / generator.clock_frequency_hz
     patience_s = max(_PATIENCE_S, rig.host_s(_PATIENCE_S + periods_s))  # a fast simulated rig may be on a slow computer
     try:
         await generator.arm()
-        await generator.start()
+        if not runs_free:
+            await generator.start()
         while len(stack) < n_frames:
             frame = await asyncio.wait_for(anext(frames), patience_s)
             if frame.is_whole:

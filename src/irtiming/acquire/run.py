@@ -7,8 +7,7 @@ says so and is not analysed.
 import asyncio
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from time import monotonic, thread_time
 from typing import cast, final
 
@@ -17,10 +16,12 @@ import numpy as np
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.counter import Counter
 from irtiming.acquire.frame_writer import FrameWriter
+from irtiming.acquire.free_count import FreeCount
 from irtiming.acquire.pairing import Pairing, Verdict
 from irtiming.acquire.rig import Rig
+from irtiming.acquire.run_order import ENOUGH, INTERRUPTED, RunOrder, RunOutcome
 from irtiming.acquire.temperature import TemperatureWatch
-from irtiming.acquire.trigger_train import Accompaniment, trigger, wheel_at_speed
+from irtiming.acquire.trigger_train import Accompaniment, FreeAccompaniment, listen, trigger, wheel_at_speed
 from irtiming.acquire.wheel_watch import WheelWatch
 from irtiming.archive.layout import NOT_TRUSTED
 from irtiming.archive.live.head import RecordingHead
@@ -28,15 +29,9 @@ from irtiming.archive.live.recording import COMPLETE, TickStream
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame, CameraSetup, StreamCounts
 from irtiming.records.finding import Finding
-from irtiming.records.instrument_state import BlackbodyState
-from irtiming.records.recording import USUAL_READOUT, NonuniformityReference
-from irtiming.records.series_plan import CameraWishes
+from irtiming.records.recording import USUAL_READOUT
 from irtiming.records.timestamps import Timestamps
-from irtiming.records.trigger_plan import PlannedRun
 from irtiming.units import readable_time
-
-INTERRUPTED = "stopped by the user"
-ENOUGH = "enough: the wished uncertainty is reached"
 
 _QUIET_S, _QUIET_PERIODS = 0.3, 4
 """So long the armed camera must be silent before the first trigger, whichever is longer."""
@@ -63,47 +58,6 @@ _STREAMS: dict[TickStream, str] = {
     "camera_input": "camera_input_ticks",
     "spare": "spare_ticks",
 }
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class RunOrder:
-    """What is to be recorded, and where to; ``number`` counts the runs of a series from 1.
-
-    ``blackbody_before`` is its state when stable, ``tolerance_k`` how far it may go from there, ``usual_latency_s`` what
-    earlier runs have proven of the time from a trigger to the arrival of its frame.
-    """
-
-    number: int
-    path: Path
-    run: PlannedRun
-    camera: CameraWishes
-    nonuniformity: NonuniformityReference | None = None
-    blackbody_before: BlackbodyState | None = None
-    tolerance_k: float = 0.1
-    usual_latency_s: float | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class RunOutcome:
-    """What became of a run. ``ending`` is "complete", or why it ended early or is not trusted."""
-
-    order: RunOrder
-    path: Path
-    ending: str
-    verdict: Verdict
-    counts: StreamCounts
-    findings: tuple[Finding, ...] = ()
-    overflowed: int = 0
-    longest_queue: int = 0
-    repeated: int = 0
-    blackbody_after: BlackbodyState | None = None
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether all came and is trusted."""
-        return self.ending == COMPLETE
 
 
 async def record_run(rig: Rig, order: RunOrder, *, attendant: Attendant) -> RunOutcome:
@@ -135,13 +89,21 @@ async def record_run(rig: Rig, order: RunOrder, *, attendant: Attendant) -> RunO
     await wheel_at_speed(rig.generator, order.run, poll_s=rig.poll_s, is_over=attendant.is_leaving)
     if attendant.is_leaving():
         raise InstrumentError(INTERRUPTED)
-    setup = await rig.camera.arm()
+    if order.camera.runs_free:
+        setup = await rig.camera.arm(free_hz=_frame_hz(rig, order))
+        await rig.camera.disarm()  # it only told its settings: it starts when its strobe is listened to
+    else:
+        setup = await rig.camera.arm()
     capture = _Capture(rig, order, setup=setup, attendant=attendant)
     try:
         return await capture.record()
     finally:
         with suppress(InstrumentError):
             await rig.camera.disarm()
+
+
+def _frame_hz(rig: Rig, order: RunOrder) -> float:
+    return rig.generator.clock_frequency_hz / order.run.scheme.camera_period_ticks
 
 
 async def _let_the_wheel_turn(rig: Rig) -> None:
@@ -161,9 +123,12 @@ class _Capture:
         self._setup = replace(setup, bit_depth=order.camera.bit_depth or setup.bit_depth)
         self._period_s = scheme.camera_period_ticks / clock
         self._n_triggers = scheme.samples_per_turn * order.run.repeats
+        self._runs_free = order.camera.runs_free
         self._pairing = Pairing(
             period_s=self._period_s, n_triggers=self._n_triggers, device_frequency_hz=setup.timestamp_frequency_hz
         )
+        self._free = FreeCount(event=order.camera.frame_event, period_s=self._period_s, n_frames=self._n_triggers)
+        self._is_started, self._strobes_before = asyncio.Event(), 0
         self._counter = Counter(rig.generator, speed=rig.speed)
         self._wheel = WheelWatch(scheme)
         self._temperature: TemperatureWatch | None = None
@@ -183,7 +148,7 @@ class _Capture:
             )
             beside.append(asyncio.create_task(self._temperature.watch()))
         try:
-            timestamps = await self._trigger()
+            timestamps = await (self._listen() if self._runs_free else self._trigger())
             await self._last_frames(timestamps)
             await self._last_look(timestamps, beside)
             counts = await self._disarm(frames)
@@ -210,6 +175,52 @@ class _Capture:
             self._ends(str(error))
             return self._rig.generator.captured()
 
+    async def _listen(self) -> Timestamps:
+        """A camera that runs free, from before its start to after its stop; where the generator fails, what it had told."""
+        beside = FreeAccompaniment(
+            start_camera=self._start_camera,
+            look=self._look_at_clocks,
+            stop_camera=self._stop_camera,
+            has_all=lambda: self._free.has_all,
+            is_over=self._is_over,
+            progress=lambda: self._progress(min(self._free.last_number + 1, self._n_triggers), self._n_triggers),
+        )
+        try:
+            return await listen(
+                self._rig.generator, self._order.run, counter=self._counter, beside=beside, poll_s=self._rig.poll_s
+            )
+        except InstrumentError as error:
+            if self._writer is None:
+                raise
+            self._ends(str(error))
+            return self._rig.generator.captured()
+
+    async def _start_camera(self) -> None:
+        self._strobes_before = int(self._rig.generator.captured().camera_input_ticks.size)
+        await self._make_file()
+        await self._look_at_clocks()
+        await self._rig.camera.arm(free_hz=_frame_hz(self._rig, self._order))
+        self._last_s = monotonic()
+        self._is_started.set()
+
+    async def _stop_camera(self) -> None:
+        """The frames that were made until now still come; the strobe is silent then."""
+        try:
+            await self._rig.camera.disarm()
+        except InstrumentError as error:
+            self._ends(str(error))
+
+    async def _look_at_clocks(self) -> None:
+        """Counter, and camera where its stamps count, each between two looks at this computer's clock, in the rig's time."""
+        if self._writer is None:
+            return
+        counter = await self._rig.generator.clock_exchange()
+        self._writer.put_exchange("counter", counter.at_speed(self._rig.speed))
+        if self._order.camera.frame_event == "stamp":
+            camera = await self._rig.camera.clock_exchange()
+            if camera is not None:
+                self._writer.put_exchange("camera", camera.at_speed(self._rig.speed))
+
     async def _begin(self) -> None:
         """Just before the first trigger: the armed camera must have been silent; then the file is made."""
         quiet_s = self._rig.host_s(max(_QUIET_S, _QUIET_PERIODS * self._period_s))
@@ -220,6 +231,9 @@ class _Capture:
                 f"triggers; check TriggerMode, and TriggerSource (it is {self._setup.trigger_source}), and the "
                 "camera's trigger line"
             )
+        await self._make_file()
+
+    async def _make_file(self) -> None:
         chopper = None if self._rig.chopper is None else await self._rig.chopper.state()
         camera = self._order.camera
         head = RecordingHead(
@@ -234,6 +248,7 @@ class _Capture:
             blackbody=self._order.blackbody_before,
             integration_time_s=camera.integration_time_s,
             nonuniformity=self._order.nonuniformity,
+            frame_event=camera.frame_event,
         )
         writer = FrameWriter(self._order.path, head=head, attendant=self._attendant)
         await writer.open()
@@ -242,6 +257,8 @@ class _Capture:
 
     async def _take_frames(self) -> None:
         """Give each frame its place and queue it; what the camera says when it fails ends the run."""
+        if self._runs_free:
+            await self._is_started.wait()
         try:
             async for frame in self._rig.camera.frames():
                 self._take(frame)
@@ -254,7 +271,9 @@ class _Capture:
             self._early += 1
             return
         self._frames += 1
-        place = self._pairing.take(frame)
+        if self._runs_free:
+            frame = replace(frame, host_time_s=frame.host_time_s * self._rig.speed)
+        place = (self._free if self._runs_free else self._pairing).take(frame)
         if place is None:
             return
         for number, frame_id in zip(place.lost_numbers, place.lost_ids, strict=True):
@@ -286,6 +305,8 @@ class _Capture:
         sure = youngest - round(_UNSURE_TICKS * so_far.clock_frequency_hz)
         for stream, ticks in streams.items():
             n_sure = int(np.searchsorted(ticks, sure))
+            if self._runs_free and stream == "camera_input":
+                n_sure = min(n_sure, self._free.last_number + 1)
             if self._writer is not None and n_sure > self._in_file[stream]:
                 self._writer.put_ticks(stream, ticks[self._in_file[stream] : n_sure])
                 self._in_file[stream] = n_sure
@@ -299,15 +320,22 @@ class _Capture:
             self._ends(str(writer.failure))
         if self._temperature is not None and self._temperature.complaint is not None:
             self._ends(self._temperature.complaint)
-        if writer is not None and self._pairing.last_number < self._n_triggers - 1:
+        if writer is not None and self._last_number < self._n_triggers - 1:
             silent_s = (monotonic() - self._last_s) * self._rig.speed
             patience_s = max(_SILENT_S, _SILENT_PERIODS * self._period_s, _SILENT_HOST_S * self._rig.speed)
             if silent_s > patience_s + self._delay_s:
+                did, cure = (
+                    ("ran free", "") if self._runs_free else ("was triggered", ", its trigger line and TriggerSource")
+                )
                 self._ends(
                     f"{self._rig.camera.name} sent no frame for {readable_time(float(f'{silent_s:.2g}'))} while it "
-                    "was triggered; check its cable, its trigger line and TriggerSource"
+                    f"{did}; check its cable{cure}"
                 )
         return self._ending is not None
+
+    @property
+    def _last_number(self) -> int:
+        return (self._free if self._runs_free else self._pairing).last_number
 
     @property
     def _delay_s(self) -> float:
@@ -315,7 +343,7 @@ class _Capture:
 
     def _progress(self, made: int, total: int) -> None:
         waiting = 0 if self._writer is None else self._writer.waiting
-        lost = max(0, self._pairing.last_number + 1 - self._frames)
+        lost = max(0, self._last_number + 1 - self._frames)
         self._attendant.goes_on(made=made, total=total, frames=self._frames, lost=lost, waiting=waiting)
         if self._attendant.is_enough():
             self._ends(ENOUGH)
@@ -357,7 +385,7 @@ class _Capture:
 
     async def _finished(self, timestamps: Timestamps, counts: StreamCounts) -> RunOutcome:
         writer = cast("FrameWriter", self._writer)
-        await writer.put_rest_of(timestamps)
+        await writer.put_rest_of(self._free.own(timestamps) if self._runs_free else timestamps)
         if writer.failure is not None:
             self._ends(str(writer.failure))
         verdict = self._verdict(timestamps, writer)
@@ -384,12 +412,15 @@ class _Capture:
         return outcome
 
     def _verdict(self, timestamps: Timestamps, writer: FrameWriter) -> Verdict:
-        verdict = self._pairing.judge(
-            timestamps,
-            earliest_s=self._counter.earliest_s,
-            speed=self._rig.speed,
-            usual_latency_s=self._order.usual_latency_s,
-        )
+        if self._runs_free:
+            verdict = self._free.judge(timestamps, before_start=self._strobes_before)
+        else:
+            verdict = self._pairing.judge(
+                timestamps,
+                earliest_s=self._counter.earliest_s,
+                speed=self._rig.speed,
+                usual_latency_s=self._order.usual_latency_s,
+            )
         if writer.repeated:
             frozen = f"{writer.repeated} frames are equal to the one before: the camera sent old ones or is shut"
             verdict = replace(verdict, reasons=(*verdict.reasons, frozen), latency_s=None)

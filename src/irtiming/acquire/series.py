@@ -12,7 +12,8 @@ from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.journal import Journal
 from irtiming.acquire.references import drift, record_references
 from irtiming.acquire.rig import Rig
-from irtiming.acquire.run import ENOUGH, INTERRUPTED, RunOrder, RunOutcome, record_run
+from irtiming.acquire.run import record_run
+from irtiming.acquire.run_order import ENOUGH, INTERRUPTED, RunOrder, RunOutcome
 from irtiming.acquire.set_aside import free_path, recovered_parts, set_aside
 from irtiming.acquire.temperature import as_it_is, celsius, settled
 from irtiming.archive.live.recording import COMPLETE
@@ -230,6 +231,7 @@ class _Made:
             wishes,
             run=self._series.triggers.runs[0],
             attendant=self._attendant,
+            runs_free=self._series.plan.camera.runs_free,
         )
         if found is None:
             raise InstrumentError(INTERRUPTED)

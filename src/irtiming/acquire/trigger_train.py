@@ -171,6 +171,67 @@ async def trigger(
     return await generator.stop()
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class FreeAccompaniment:
+    """What goes on beside a camera that runs free.
+
+    ``start_camera`` is awaited when the generator records and the wheel has made two turns, ``look`` again and again, before and
+    after as well, ``stop_camera`` once ``has_all`` or ``is_over`` says so; ``progress`` is then told how far it is.
+    """
+
+    start_camera: Callable[[], Awaitable[None]]
+    look: Callable[[], Awaitable[None]]
+    stop_camera: Callable[[], Awaitable[None]]
+    has_all: Callable[[], bool]
+    is_over: Callable[[], bool]
+    progress: Callable[[], None]
+
+
+async def listen(
+    generator: TriggerGenerator,
+    run: PlannedRun,
+    *,
+    counter: Counter,
+    beside: FreeAccompaniment,
+    poll_s: float = 0.2,
+) -> Timestamps:
+    """Timestamps while a camera runs free: no triggers, and the camera is silent before its start and after its stop.
+
+    Parameters
+    ----------
+    generator, run, poll_s
+        As for `measure`; the run is loaded.
+    counter
+        Keeps its readings.
+    beside
+        What goes on meanwhile; starts and stops the camera.
+
+    Returns
+    -------
+    All timestamps.
+
+    Raises
+    ------
+    InstrumentError
+        If the device fails, or what ``beside`` raises; ``generator.captured()`` then has what arrived.
+    """
+    turns = _TURNS_AROUND * run.scheme.turn_period_ticks
+    await generator.arm()
+    await _pass(counter, turns, generator=generator, poll_s=poll_s)
+    await beside.look()
+    await beside.start_camera()
+    while not beside.is_over() and not beside.has_all():
+        await asyncio.sleep(poll_s)
+        await beside.look()
+        beside.progress()
+    await beside.stop_camera()
+    await beside.look()
+    after = turns + run.scheme.camera_period_ticks
+    await _pass(counter, after, generator=generator, poll_s=poll_s)
+    return await generator.stop()
+
+
 async def _pass(
     counter: Counter,
     ticks: int,

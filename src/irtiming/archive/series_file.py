@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from irtiming.archive.typed_file import Exact, OneOrSeveral, Part, PositiveTime, Temperature, read_toml, seconds_within
 from irtiming.archive.typed_misfit import FileKind, choice, shown
+from irtiming.records.frame_events import FrameEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 from irtiming.records.series_plan import (
     MEASURANDS,
@@ -106,6 +107,7 @@ class _Camera(Part):
     )
     serial_number: str = Field("", description="the camera must say the same; default: any will do")
     correction: str = Field("", description="command by which the camera corrects its non-uniformity")
+    frame_event: FrameEvent = Field("trigger", description="what delays count from; other than a trigger: it runs free")
 
     @model_validator(mode="after")
     def _refuse_integration_time(self) -> "_Camera":
@@ -125,6 +127,7 @@ class _Camera(Part):
             features=tuple(texts.items()),
             serial_number=self.serial_number,
             correction=self.correction,
+            frame_event=self.frame_event,
         )
 
 
@@ -283,7 +286,7 @@ def read_series(path: str | Path) -> SeriesPlan:
             falling=tuple(wiring.falling),
             glitch_filter_s=wiring.glitch_filter,
             camera_pulse_s=wiring.camera_pulse,
-            camera_input=wiring.camera_input,
+            camera_input=wiring.camera_input or file.camera.frame_event == "strobe",
             spare=wiring.spare,
         ),
         plan_file="" if file.series.plan is None else str(where.parent / file.series.plan),

@@ -10,7 +10,7 @@ from typing import Literal, final
 
 from rich.console import Console
 
-from irtiming.acquire.run import INTERRUPTED, RunOutcome
+from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
 from irtiming.cli.progress import Told, shown
 from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError

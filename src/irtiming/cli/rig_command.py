@@ -20,6 +20,10 @@ def rig(
         ReadoutMode | None,
         typer.Option(help="How it is read, if not as usual: photon cameras at once, others row by row."),
     ] = None,
+    free_running: Annotated[
+        Literal["strobe", "stamp"] | None,
+        typer.Option(help="A camera that needs no trigger, and what the delay of its frames is to count from."),
+    ] = None,
     rows: Annotated[int, typer.Option(min=16, max=4096, help="Pixels down the image.")] = 120,
     columns: Annotated[int, typer.Option(min=16, max=4096, help="Pixels across the image.")] = 160,
     speed: Annotated[

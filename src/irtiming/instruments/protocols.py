@@ -5,6 +5,7 @@ from typing import Protocol
 
 from irtiming.instruments.generator.timestamp_stream import Stamp
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
+from irtiming.records.clock_exchange import ClockExchange
 from irtiming.records.instrument_state import BlackbodyState, ChopperState
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
@@ -42,6 +43,10 @@ class TriggerGenerator(Protocol):
         """The device's counter now."""
         ...
 
+    async def clock_exchange(self) -> ClockExchange:
+        """The counter between two looks at this computer's monotonic clock, as close together as the line allows."""
+        ...
+
     async def has_finished(self) -> bool:
         """Whether all camera triggers are over."""
         ...
@@ -64,7 +69,7 @@ class TriggerGenerator(Protocol):
 
 
 class Camera(Protocol):
-    """Camera that makes one frame per edge at its trigger input; features have their names of GenICam SFNC.
+    """Camera that makes one frame per edge at its trigger input, or runs free; features have their names of GenICam SFNC.
 
     In order: `arm`, `frames`, `disarm`; all errors are `InstrumentError`. Opening one changes no setting.
     """
@@ -87,8 +92,15 @@ class Camera(Protocol):
         """Set a feature, read it back and give what it holds, or ``execute`` a command; `InstrumentRefused` if it cannot be."""
         ...
 
-    async def arm(self) -> CameraSetup:
-        """Hardware trigger on, 16 bits per pixel, and acquisition started: from now on each trigger makes a frame."""
+    async def arm(self, *, free_hz: float | None = None) -> CameraSetup:
+        """16 bits per pixel, and acquisition started: from now on each trigger makes a frame.
+
+        With ``free_hz`` triggers are off, and the camera makes frames by itself, at that rate as far as it can be set.
+        """
+        ...
+
+    async def clock_exchange(self) -> ClockExchange | None:
+        """The camera's clock between two looks at this computer's monotonic clock; None where it cannot be read."""
         ...
 
     def frames(self) -> AsyncIterator[CameraFrame]:

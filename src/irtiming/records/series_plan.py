@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal, final
 
+from irtiming.records.frame_events import FrameEvent
 from irtiming.records.recording import CameraType, ReadoutMode
 
 ReferenceTime = Literal["before", "after", "both"]
@@ -26,7 +27,10 @@ class DeviceAddresses:
 @final
 @dataclass(frozen=True, kw_only=True)
 class CameraWishes:
-    """How the camera is to be set; features have their names of GenICam SFNC, and are set in this order."""
+    """How the camera is to be set; features have their names of GenICam SFNC, and are set in this order.
+
+    ``frame_event`` is what a frame's delay counts from: its trigger, or, of a camera that runs free, something else.
+    """
 
     camera_type: CameraType
     readout_mode: ReadoutMode | None = None
@@ -35,6 +39,12 @@ class CameraWishes:
     features: tuple[tuple[str, str], ...] = ()
     serial_number: str = ""
     correction: str = ""
+    frame_event: FrameEvent = "trigger"
+
+    @property
+    def runs_free(self) -> bool:
+        """Whether the camera makes frames without triggers."""
+        return self.frame_event != "trigger"
 
 
 @final

@@ -12,7 +12,7 @@ from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.checklist import complaints
 from irtiming.acquire.journal import Journal, digest_of
 from irtiming.acquire.rig import RigNotReady
-from irtiming.acquire.run import ENOUGH, RunOutcome
+from irtiming.acquire.run_order import ENOUGH, RunOutcome
 from irtiming.acquire.series import Series, SeriesOutcome, record_series
 from irtiming.archive.json_file import require_place, write_json
 from irtiming.archive.live.recording import COMPLETE

@@ -4,7 +4,7 @@ import asyncio
 import shlex
 from typing import Literal
 
-from irtiming.acquire.run import RunOutcome
+from irtiming.acquire.run_order import RunOutcome
 from irtiming.errors import InstrumentError
 from irtiming.report.rounding import value_text
 from irtiming.session.live import LiveEstimate
@@ -34,8 +34,9 @@ def so_far(found: LiveEstimate) -> str:
 def of_run(outcome: RunOutcome) -> list[str]:
     """A line for the run, and one for each oddity."""
     verdict, counts = outcome.verdict, outcome.counts
+    source = "that the camera made" if outcome.order.camera.runs_free else "triggers"
     return [
-        f"run {outcome.order.number}: {verdict.frames} frames for {verdict.triggers} triggers, {verdict.lost} lost, "
+        f"run {outcome.order.number}: {verdict.frames} frames for {verdict.triggers} {source}, {verdict.lost} lost, "
         f"{counts.packets_missing} packets missing, {counts.packets_resent} resent, longest queue {outcome.longest_queue}: "
         f"{outcome.ending}",
         *(f"warning: {finding.sentence()}" for finding in outcome.findings),

@@ -3,9 +3,9 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import final
+from typing import Literal, final
 
 from irtiming.archive import rig_writer
 from irtiming.archive.json_file import make_folder, write_atomically, write_json
@@ -13,20 +13,28 @@ from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.devices.bench import Bench, Workplace
 from irtiming.twin.devices.console import Console
+from irtiming.twin.free_camera import draw_free
 from irtiming.twin.rig import SimulatedRig, draw, truth
 from irtiming.twin.scene import CameraTiming, readout_mode_of
+
+ServedEvent = Literal["strobe", "stamp"]
+"""Events of a served camera that runs free whose truth is known; when its frames arrive is this computer's doing."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class ServedOrder:
-    """What a person wants served: a camera at a place, words taken at the port ``console`` (0: any that is free)."""
+    """What a person wants served: a camera at a place, words taken at the port ``console`` (0: any that is free).
+
+    With ``free_running`` it makes frames by itself, and its plan counts from that event.
+    """
 
     camera: CameraType = "photon"
     readout: ReadoutMode | None = None
     rows: int = 120
     columns: int = 160
     place: Workplace = field(default_factory=Workplace)
+    free_running: ServedEvent | None = None
     console: int = 0
     folder: Path | None = None
 
@@ -51,6 +59,8 @@ def served(order: ServedOrder) -> Iterator[ServedRig]:
     """
     scene = camera_scene(order.camera, order.readout, rows=order.rows, columns=order.columns)
     rig = draw(scene, seed=order.place.seed)
+    if order.free_running is not None:
+        rig = replace(rig, scene=replace(rig.scene, free=draw_free(order.free_running, seed=order.place.seed)))
     with Bench(rig, place=order.place) as bench, Console(bench, port=order.console) as words:
         found = ServedRig(bench=bench, console=words.port)
         if order.folder is not None:
@@ -72,6 +82,8 @@ def _plan(found: ServedRig, rig: SimulatedRig) -> str:
     devices = "".join(f'{name} = "{address}"\n' for name, address in found.bench.addresses.items())
     camera = f'[camera]\ntype = "{"photon" if integrates else "microbolometer"}"\n'
     camera += f'readout_mode = "{readout_mode_of(timing)}"\n'
+    if rig.scene.free is not None:
+        camera += f'frame_event = "{rig.scene.free.event}"\n'
     if isinstance(timing, CameraTiming):
         camera += f'integration_time = "{1e6 * timing.integration_time_s:g} us"\n'
     return "\n".join(

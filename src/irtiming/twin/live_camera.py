@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from os import cpu_count
 from queue import SimpleQueue
 from threading import Event, Lock, Thread
+from time import monotonic
 from types import TracebackType
 from typing import Literal, Self, TypeAlias, final
 
@@ -17,6 +18,7 @@ from irtiming.twin.live_view import LiveRun, Make, Moment, SeenWheel, Surroundin
 from irtiming.twin.scene import CameraTiming, Scene
 
 _POLL_S = 0.002
+_LONGEST_GAP_S = 0.02
 _MOST_BEHIND = 24
 """Frames that may be in the making. With more, whoever triggers waits, so that a simulated device's time does too."""
 
@@ -68,7 +70,10 @@ class LiveCamera:
     ) -> None:
         self.bare_blackbody = False
         """Whether wheel and mask are taken out of the way; to be set at any time."""
+        self.is_paced = False
+        """Whether `run_until` says when it makes frames of its own accord, not its own look at the wheel."""
         self._scene, self._wheel, self._seed, self._clock_hz = scene, wheel, seed, clock_frequency_hz
+        self._known: tuple[int, float] | None = None
         self._around = Surroundings(
             wheel=wheel,
             clock_frequency_hz=clock_frequency_hz,
@@ -181,6 +186,40 @@ class LiveCamera:
             pass
         self._hear("line", cycles.tolist())
 
+    def run_until(self, cycle: int) -> Ticks:
+        """Frames of its own accord that begin before a cycle; waits while it is behind, so that none is left out.
+
+        Parameters
+        ----------
+        cycle
+            Of the counter, rising from call to call.
+
+        Returns
+        -------
+        When they begin, shape (n,); none where it waits for triggers, or nothing was begun.
+        """
+        self._known = cycle, monotonic()
+        while self._is_behind() and not self._is_over.wait(_POLL_S):
+            pass
+        with self._lock:
+            run = self._run
+            if run is None or run.trigger != "none":
+                return np.empty(0, np.int64)
+            return np.array(run.begin_until(cycle), dtype=np.int64)
+
+    def cycle_now(self, *, speed: float) -> int:
+        """The present also between two calls of `run_until`, by this computer's clock; without them as `now_cycle`.
+
+        Parameters
+        ----------
+        speed
+            Seconds of the rig per second of this computer.
+        """
+        if self._known is None:
+            return self.now_cycle
+        cycle, since_s = self._known[0], monotonic() - self._known[1]
+        return cycle + round(min(since_s, _LONGEST_GAP_S) * speed * self._clock_hz)
+
     def trigger_now(self) -> None:
         """What a software trigger does."""
         self._hear("software", [self.now_cycle])
@@ -210,7 +249,7 @@ class LiveCamera:
             run = self._run
             if run is None:
                 return
-            if run.trigger == "none" and not self._is_behind():
+            if run.trigger == "none" and not self.is_paced and not self._is_behind():
                 run.trigger_itself(now)
             heard = [run.heard.popleft() for _ in range(len(run.heard))]
         for cycle in heard:
@@ -262,6 +301,15 @@ class _Acquisition:
     def in_the_making(self) -> int:
         """Frames taken and not yet delivered."""
         return self.exposed - self.delivered
+
+    def begin_until(self, cycle: int) -> list[int]:
+        """Frames of its own accord that begin before a cycle, each a period after the one before."""
+        begun = []
+        while self._next < cycle:
+            begun.append(int(self._next))
+            self._next += self._period
+        self.heard.extend(begun)
+        return begun
 
     def trigger_itself(self, now: int) -> None:
         """Triggers of the camera's own up to now; what it had no time for is left out."""

@@ -14,6 +14,7 @@ from irtiming.acquire.rig import Rig
 from irtiming.acquire.series import Series, record_series
 from irtiming.errors import InstrumentRefused, InstrumentSilent
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
+from irtiming.records.clock_exchange import ClockExchange
 from irtiming.records.instrument_state import BlackbodyState, ChopperState
 from irtiming.records.series_plan import CameraWishes, DeviceAddresses, SeriesPlan
 from irtiming.records.timestamps import Timestamps
@@ -39,6 +40,7 @@ class FakeGenerator:
         self.stopped: int | None = None
         self.slow_from, self.gone_from, self.loses_stamps = NEVER, NEVER, False
         self.wheel_factor = 1.0
+        self.strobes: Callable[[], list[int]] = list
         self.begun: list[str] = []
 
     def now(self) -> int:
@@ -75,6 +77,11 @@ class FakeGenerator:
         await asyncio.sleep(0)
         self._check()
         return self.now()
+
+    async def clock_exchange(self) -> ClockExchange:
+        before_s = monotonic()
+        ticks = await self.counter_ticks()
+        return ClockExchange(before_s=before_s, ticks=ticks, after_s=monotonic())
 
     async def has_finished(self) -> bool:
         self._check()
@@ -113,7 +120,7 @@ class FakeGenerator:
             control_slot_ticks=slots[slots <= until],
             application_slot_ticks=edges[(edges // quarter) % 2 == 0],
             application_edge_ticks=edges,
-            camera_input_ticks=empty,
+            camera_input_ticks=np.array([tick for tick in self.strobes() if self.armed <= tick <= until], np.int64),
             spare_ticks=empty,
             lost_after_ticks=empty if whole else np.array([until]),
         )
@@ -143,6 +150,9 @@ class FakeCamera:
     )
     armed: bool = False
     sent: int = 0
+    free_hz: float | None = None
+    starts: list[int] = field(default_factory=list)
+    last_made: int = NEVER
 
     async def feature(self, name: str) -> str:
         if name not in self.features:
@@ -154,9 +164,10 @@ class FakeCamera:
         self.features[name] = value
         return value
 
-    async def arm(self) -> CameraSetup:
+    async def arm(self, *, free_hz: float | None = None) -> CameraSetup:
         self.generator.begun.append("camera")
-        self.armed, self.sent = True, 0
+        self.armed, self.sent, self.free_hz, self.last_made = True, 0, free_hz, NEVER
+        self.starts.append(self.generator.now())
         self._since = monotonic()
         return CameraSetup(
             rows=self.shape[0],
@@ -173,6 +184,8 @@ class FakeCamera:
         at, given, frame_id = 0, 0, 0
         while True:
             triggers = [int(tick) for tick in self.generator.triggers()]
+            if self.free_hz is not None:
+                triggers = self.made_by_itself()
             if self.free_running:
                 period = int(0.02 * CLOCK_HZ)
                 first = int((self._since - self.generator.born) * SPEED * CLOCK_HZ)
@@ -207,7 +220,19 @@ class FakeCamera:
             packets_missing=int(number in self.damaged),
         )
 
+    def made_by_itself(self) -> list[int]:
+        """When frames began since the last start, as ticks of the generator."""
+        period = round(CLOCK_HZ / (self.free_hz or 1.0))
+        return list(range(self.starts[-1] + 1000, min(self.generator.now(), self.last_made), period))
+
+    async def clock_exchange(self) -> ClockExchange:
+        before_s = monotonic()
+        ticks = int(self.generator.now() * self.device_hz / CLOCK_HZ) + 7
+        return ClockExchange(before_s=before_s, ticks=ticks, after_s=monotonic())
+
     async def disarm(self) -> StreamCounts:
+        if self.armed:
+            self.last_made = self.generator.now()
         self.armed = False
         return self.counts()
 

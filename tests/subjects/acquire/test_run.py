@@ -6,7 +6,8 @@ from time import sleep
 import numpy as np
 import pytest
 
-from irtiming.acquire.run import ENOUGH, INTERRUPTED, NOT_TRUSTED
+from irtiming.acquire.run import NOT_TRUSTED
+from irtiming.acquire.run_order import ENOUGH, INTERRUPTED
 from irtiming.archive import reader
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.errors import ArchiveError

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from irtiming.acquire.references import drift
-from irtiming.acquire.run import INTERRUPTED
+from irtiming.acquire.run_order import INTERRUPTED
 from irtiming.archive import reader
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.archive.live.unfinished import claimed

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from irtiming.acquire.run import ENOUGH, INTERRUPTED
+from irtiming.acquire.run_order import ENOUGH, INTERRUPTED
 from irtiming.archive.layout import NOT_TRUSTED
 from irtiming.archive.live.recording import COMPLETE
 

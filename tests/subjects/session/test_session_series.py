@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from irtiming.acquire.run import ENOUGH, INTERRUPTED
+from irtiming.acquire.run_order import ENOUGH, INTERRUPTED
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.session.live import LiveEstimate
 from irtiming.session.series import LiveAttendant

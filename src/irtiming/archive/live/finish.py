@@ -10,7 +10,7 @@ from irtiming.archive.contents import checked, read_contents
 from irtiming.archive.finding import refuse
 from irtiming.archive.frame_status import with_untimed
 from irtiming.archive.hdf5_file import opened
-from irtiming.archive.live.growing_file import set_ending
+from irtiming.archive.live.growing_file import EXCHANGES, set_ending
 from irtiming.archive.nexus import bring_to_disk
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
@@ -42,11 +42,23 @@ def conclude(file: h5py.File, *, ending: str, frame_number: Ticks | None = None)
             numbers[:] = frame_number
     column = file[layout.FRAME_STATUS.path]
     n_triggers = len(file[layout.CAMERA_TRIGGER.path])
-    if len(column):
+    _forget_unread_clocks(file)
+    if len(column) and layout.FRAME_EVENT.path not in file:
         column[:] = with_untimed(column[()].astype(np.int64), numbers[()], n_triggers=n_triggers)
     file.flush()
     if ending == layout.COMPLETE:
         set_ending(file, ending)
+
+
+def _forget_unread_clocks(file: h5py.File) -> None:
+    """A clock that was never read, or not to the end, leaves columns of one length; those without entries say nothing."""
+    for fields in EXCHANGES.values():
+        if fields[0].path not in file:
+            continue
+        n_whole = min(len(file[field.path]) for field in fields)
+        for field in fields:
+            if len(file[field.path]) > n_whole:
+                file[field.path].resize(n_whole, axis=0)
 
 
 def require_free_name(path: Path) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from irtiming.archive import layout
 from irtiming.archive.hdf5_output import writing
 from irtiming.archive.layout import Field
-from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.head import ExchangedClock, RecordingHead
 from irtiming.archive.live.unfinished import NOT_FINISHED
 from irtiming.archive.nexus import (
     create_stack,
@@ -37,9 +37,17 @@ STREAMS = (
 )  # fmt: skip
 """Tick streams that grow."""
 
+EXCHANGES: dict[ExchangedClock, tuple[Field, Field, Field]] = {
+    "camera": (layout.CAMERA_EXCHANGE_BEFORE, layout.CAMERA_EXCHANGE, layout.CAMERA_EXCHANGE_AFTER),
+    "counter": (layout.COUNTER_EXCHANGE_BEFORE, layout.COUNTER_EXCHANGE, layout.COUNTER_EXCHANGE_AFTER),
+}
+"""Columns of looks at a clock, which grow where the camera runs free."""
+
 _ENDING_BYTES = 400
 _COLUMN_CHUNK = 1024
-_COLUMN_TYPES = {layout.FRAME_STATUS: np.uint8, layout.FRAME_HOST_TIME: np.float64}
+_COLUMN_TYPES = {layout.FRAME_STATUS: np.uint8, layout.FRAME_HOST_TIME: np.float64} | {
+    field: np.float64 for before, _, after in EXCHANGES.values() for field in (before, after)
+}
 
 
 def create(part: Path, head: RecordingHead) -> None:
@@ -89,9 +97,11 @@ def _fill(file: h5py.File, head: RecordingHead) -> None:
     for field, value in _values(head).items():
         if value is not None:
             set_units(group(file, field.group).create_dataset(field.name, data=value), field.unit)
-    file.create_dataset(layout.ACQUISITION_MODE, data="triggered")
+    is_free = head.frame_event != "trigger"
+    file.create_dataset(layout.ACQUISITION_MODE, data="free running" if is_free else "triggered")
     create_stack(file, layout.FRAMES, size=(head.setup.rows, head.setup.columns))
-    for field in (*layout.PER_FRAME, layout.FRAME_STATUS, *STREAMS):
+    exchanged = (field for fields in EXCHANGES.values() for field in fields) if is_free else ()
+    for field in (*layout.PER_FRAME, layout.FRAME_STATUS, *STREAMS, *exchanged):
         column = group(file, field.group).create_dataset(
             field.name, shape=(0,), maxshape=(None,), chunks=(_COLUMN_CHUNK,), dtype=_COLUMN_TYPES.get(field, np.int64)
         )
@@ -109,7 +119,7 @@ def _fill(file: h5py.File, head: RecordingHead) -> None:
 
 def _values(head: RecordingHead) -> dict[Field, Any]:
     run, setup, clock_hz = head.run, head.setup, head.clock_frequency_hz
-    is_photon = head.camera_type == "photon"
+    is_photon, is_free = head.camera_type == "photon", head.frame_event != "trigger"
     return {
         layout.TITLE: head.name,
         layout.START_TIME: head.start_time or datetime.now(UTC).isoformat(timespec="milliseconds"),
@@ -118,11 +128,13 @@ def _values(head: RecordingHead) -> dict[Field, Any]:
         layout.READOUT_MODE: head.readout_mode,
         layout.INTEGRATION_TIME: (head.integration_time_s or setup.integration_time_s) if is_photon else None,
         layout.TRIGGER_DELAY_TIME_SET: run.trigger_delay_ticks / clock_hz,
+        layout.FRAME_EVENT: head.frame_event if is_free else None,
+        layout.TIMESTAMP_CLOCK: "camera" if is_free and setup.timestamp_frequency_hz else None,
         layout.BIT_DEPTH: setup.bit_depth,
         layout.TIMESTAMP_FREQUENCY: setup.timestamp_frequency_hz or None,
         layout.ROTATION_SPEED: clock_hz / run.scheme.turn_period_ticks,
         layout.CLOCK_FREQUENCY: float(clock_hz),
-        layout.CAMERA_PERIOD: run.scheme.camera_period_ticks,
+        layout.CAMERA_PERIOD: None if is_free else run.scheme.camera_period_ticks,
         layout.WHEEL_PERIOD: run.scheme.turn_period_ticks,
         layout.BLACKBODY_TEMPERATURE: None if head.blackbody is None else head.blackbody.temperature_k,
         **identity_values(head.camera),

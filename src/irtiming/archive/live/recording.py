@@ -16,11 +16,12 @@ from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.live import growing_file
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
-from irtiming.archive.live.head import RecordingHead
+from irtiming.archive.live.head import ExchangedClock, RecordingHead
 from irtiming.archive.live.unfinished import claimed, part_of
 from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.records.camera_frame import CameraFrame
+from irtiming.records.clock_exchange import ClockExchange
 from irtiming.records.timestamps import Timestamps
 
 TickStream = Literal[
@@ -84,8 +85,9 @@ class LiveRecording:
             self._held.enter_context(claimed(self._part))
         except OSError as error:
             raise unwritable(self._path, error) from error
-        growing = (layout.FRAMES, *_COLUMNS, *growing_file.STREAMS)
-        self._datasets = {field: self._file[field.path] for field in growing}
+        exchanged = (field for fields in growing_file.EXCHANGES.values() for field in fields)
+        growing = (layout.FRAMES, *_COLUMNS, *growing_file.STREAMS, *exchanged)
+        self._datasets = {field: self._file[field.path] for field in growing if field.path in self._file}
         return self
 
     @property
@@ -180,6 +182,21 @@ class LiveRecording:
             raise self._error(_FIELDS[stream], f"{what}; they must be of one unwrapped counter, in order")
         self._extend(_FIELDS[stream], ticks)
         self._n_ticks += len(ticks)
+
+    def append_exchange(self, clock: ExchangedClock, exchange: ClockExchange) -> None:
+        """Add a look at a clock; only where the head says that the camera runs free.
+
+        Raises
+        ------
+        ArchiveError
+            If the disk is full, or the camera is triggered.
+        """
+        self._opened()
+        fields = growing_file.EXCHANGES[clock]
+        if any(field not in self._datasets for field in fields):
+            raise self._error(fields[1], "has no place where the camera is triggered; say what its frames count from")
+        for field, value in zip(fields, (exchange.before_s, exchange.ticks, exchange.after_s), strict=True):
+            self._extend(field, [value])
 
     def append_rest_of(self, timestamps: Timestamps) -> None:
         """Add to every stream what the timestamps of the whole run have beyond the ticks that are in the file.

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from time import monotonic
 from typing import final
 
 import numpy as np
@@ -15,6 +16,7 @@ from irtiming.gateware.register_map import IDENTITY, VERSION, Channel, Command, 
 from irtiming.instruments.generator.register_link import Patience, RegisterLink
 from irtiming.instruments.generator.timestamp_stream import Stamp, TimestampStream
 from irtiming.instruments.serial_line import Line, open_line
+from irtiming.records.clock_exchange import ClockExchange
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 
@@ -231,6 +233,16 @@ class SerialTriggerGenerator:
                 await self._link.read("COUNTER_LOW") >= low
             ):  # no carry in between, whichever reading kept the upper half
                 return high << 32 | low
+
+    async def clock_exchange(self) -> ClockExchange:
+        """The counter between two looks at this computer's clock; only the one register that is latched lies between them."""
+        while True:
+            before_s = monotonic()
+            low = await self._link.read("COUNTER_LOW")
+            after_s = monotonic()
+            high = await self._link.read("COUNTER_HIGH")
+            if await self._link.read("COUNTER_LOW") >= low:  # no carry in between
+                return ClockExchange(before_s=before_s, ticks=high << 32 | low, after_s=after_s)
 
     async def has_finished(self) -> bool:
         """Whether all camera triggers are over.

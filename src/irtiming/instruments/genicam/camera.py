@@ -3,16 +3,27 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from time import monotonic
 from typing import Protocol, TypeVar, final
 
 from irtiming.errors import InstrumentError, InstrumentRefused
 from irtiming.instruments.frame_queue import FrameQueue, frames_that_fit
-from irtiming.instruments.genicam.camera_trigger import FoundTriggers, found_triggers, prepare_trigger, restore_triggers
+from irtiming.instruments.genicam.camera_trigger import (
+    FoundTriggers,
+    found_triggers,
+    prepare_free,
+    prepare_trigger,
+    restore_triggers,
+)
 from irtiming.instruments.genicam.features import Features
 from irtiming.instruments.genicam.frame_numbers import FrameNumbers
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup, StreamCounts
+from irtiming.records.clock_exchange import ClockExchange
 
 Result = TypeVar("Result")
+
+_LATCHES = (("TimestampLatch", "TimestampLatchValue"), ("GevTimestampControlLatch", "GevTimestampValue"))
+"""Command and value by which a camera tells its clock, in words of GenICam SFNC, the newer first."""
 
 
 class Link(Protocol):
@@ -121,8 +132,13 @@ class GenicamCamera:
         """
         return await self._call(lambda: self._link.features.write(name, value=value))
 
-    async def arm(self) -> CameraSetup:
+    async def arm(self, *, free_hz: float | None = None) -> CameraSetup:
         """Hardware trigger on, 16 bits per pixel, and acquisition started.
+
+        Parameters
+        ----------
+        free_hz
+            With it triggers are off, and the camera makes frames by itself at this rate, if that can be set.
 
         Returns
         -------
@@ -135,7 +151,7 @@ class GenicamCamera:
         """
         if self._is_armed:
             raise InstrumentRefused(f"{self.name} is armed already; disarm it first")
-        setup = await self._call(self._prepare)
+        setup = await self._call(lambda: self._prepare(free_hz))
         queue = FrameQueue(capacity=frames_that_fit(2 * setup.rows * setup.columns))
         self._numbers = FrameNumbers(last_number=self._numbers.last_number, first_number=self._link.first_number)
         self._queue, self._is_armed = queue, True
@@ -190,6 +206,16 @@ class GenicamCamera:
             raise problem
         return self.counts()
 
+    async def clock_exchange(self) -> ClockExchange | None:
+        """The camera's clock between two looks at this computer's; None where it cannot be latched.
+
+        Raises
+        ------
+        InstrumentError
+            If the camera does not answer.
+        """
+        return await self._call(self._latched)
+
     def counts(self) -> StreamCounts:
         """How the frames came so far."""
         return self._queue.counts() if self._queue is not None else StreamCounts()
@@ -209,11 +235,25 @@ class GenicamCamera:
         async with self._lock:
             return await asyncio.to_thread(action)
 
-    def _prepare(self) -> CameraSetup:
+    def _prepare(self, free_hz: float | None) -> CameraSetup:
         link = self._link
         if self._found is None:
             self._found = found_triggers(link.features)
-        return prepare_trigger(link.features, name=link.name, timestamp_frequency_hz=link.tick_frequency_hz)
+        clock_hz = link.tick_frequency_hz
+        if free_hz is None:
+            return prepare_trigger(link.features, name=link.name, timestamp_frequency_hz=clock_hz)
+        return prepare_free(link.features, name=link.name, timestamp_frequency_hz=clock_hz, frame_rate_hz=free_hz)
+
+    def _latched(self) -> ClockExchange | None:
+        features = self._link.features
+        for command, value in _LATCHES:
+            if features.has(value):
+                before_s = monotonic()
+                features.execute(command)
+                after_s = monotonic()
+                features.forget()
+                return ClockExchange(before_s=before_s, ticks=int(features.number(value)), after_s=after_s)
+        return None
 
     def _start(self, setup: CameraSetup, queue: FrameQueue) -> None:
         self._link.start_stream(setup, queue=queue, numbers=self._numbers)

@@ -114,6 +114,51 @@ def prepare_trigger(features: FeatureAccess, *, name: str, timestamp_frequency_h
     _only_frame_start(features, name)
     source, activation = _set_source(features, name), _set_activation(features)
     features.write("TriggerMode", value="On")
+    return _setup(
+        features, pixel_format, source=source, activation=activation, timestamp_frequency_hz=timestamp_frequency_hz
+    )
+
+
+def prepare_free(
+    features: FeatureAccess, *, name: str, timestamp_frequency_hz: float, frame_rate_hz: float
+) -> CameraSetup:
+    """Frames by the camera's own clock, 16 bits per pixel; everything read back.
+
+    Parameters
+    ----------
+    features, name, timestamp_frequency_hz
+        As for `prepare_trigger`.
+    frame_rate_hz
+        Set where the camera has the feature AcquisitionFrameRate; else it keeps its own.
+
+    Raises
+    ------
+    InstrumentError
+        If the camera has no such pixels, or does not hold what it was set to.
+    """
+    pixel_format = _set_format(features, name)
+    if features.has("TriggerMode"):
+        _all_off(features)
+    if features.has("AcquisitionFrameRateEnable"):
+        features.write("AcquisitionFrameRateEnable", value="true")
+    if features.has("AcquisitionFrameRate"):
+        features.write("AcquisitionFrameRate", value=f"{frame_rate_hz:.10g}")
+    return _setup(features, pixel_format, source="", activation="", timestamp_frequency_hz=timestamp_frequency_hz)
+
+
+def _all_off(features: FeatureAccess) -> None:
+    selectors = features.choices("TriggerSelector") if features.has("TriggerSelector") else [""]
+    for selector in selectors:
+        if selector:
+            features.write("TriggerSelector", value=selector)
+        if features.has("TriggerMode") and features.read("TriggerMode") == "On":
+            features.write("TriggerMode", value="Off")
+
+
+def _setup(
+    features: FeatureAccess, pixel_format: str, *, source: str, activation: str, timestamp_frequency_hz: float
+) -> CameraSetup:
+    """What the camera says of its settings, in continuous acquisition."""
     if features.has("AcquisitionMode"):
         features.write("AcquisitionMode", value="Continuous")
     exposures = [exposure for exposure in _EXPOSURES if features.has(exposure)]

@@ -2,7 +2,7 @@
 
 import random
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Event
 from types import TracebackType
 from typing import Literal, Self, final
@@ -13,7 +13,8 @@ from irtiming.twin.devices.blackbody import BlackbodyFaults, SimulatedBlackbody
 from irtiming.twin.devices.camera_faults import CameraFaults
 from irtiming.twin.devices.chopped_wheel import ChoppedWheel
 from irtiming.twin.devices.chopper import ChopperFaults, SimulatedChopper
-from irtiming.twin.devices.gige_camera import GigeCamera
+from irtiming.twin.devices.free_strobe import FreeStrobe
+from irtiming.twin.devices.gige_camera import CameraTraits, GigeCamera
 from irtiming.twin.devices.network_port import TcpPort, UdpPort
 from irtiming.twin.driven_wheel import DrivenWheel
 from irtiming.twin.live_camera import LiveCamera
@@ -77,7 +78,8 @@ class Bench:
     Parameters
     ----------
     rig
-        With its defects; its kind of camera is the one that is served.
+        With its defects; its kind of camera is the one that is served. If that may run free, its strobe drives the generator's
+        camera input, and its stamps are as late as its scene says.
     place
         Where, and how fast.
 
@@ -107,8 +109,14 @@ class Bench:
             blackbody_k=lambda cycle: self.blackbody.temperature_k,
         )
         slots = len(scene.wheel.control_slot_errors_rad)
+        chopped = ChoppedWheel(wheel, self.chopper, clock_frequency_hz=clock, control_slots=slots)
+        free, self._traits = scene.free, CameraTraits(speed=place.speed)
+        if free is not None:
+            self._traits = replace(self._traits, stamp_after_s=free.stamp_after_s, stamp_jitter_s=free.stamp_jitter_s)
         self.generator = ModelDevice(
-            ChoppedWheel(wheel, self.chopper, clock_frequency_hz=clock, control_slots=slots),
+            chopped
+            if free is None
+            else FreeStrobe(chopped, self.view, free=free, clock_frequency_hz=clock, seed=place.seed),
             camera=self.view,
             clock_frequency_hz=clock,
         )
@@ -162,7 +170,7 @@ class Bench:
         speed, enter = self.place.speed, self._stack.enter_context
         try:
             enter(self.view)
-            self._camera = enter(GigeCamera(self.view, self.place.camera_address))
+            self._camera = enter(GigeCamera(self.view, self.place.camera_address, traits=self._traits))
             chopper = enter(PseudoTerminal(self.chopper, speed=speed))
             self._generator_port = enter(
                 PseudoTerminal(self.generator, speed=speed, to_device=self.line.harmed, to_computer=self.line.harmed)

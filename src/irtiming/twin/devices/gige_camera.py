@@ -56,7 +56,8 @@ class CameraTraits:
     """What differs from camera to camera of one kind.
 
     Its timestamp counter begins at ``counter_start_ticks`` and is ``clock_error`` (relative) faster than the trigger
-    generator's clock. ``link_bits_per_s`` is the speed of its network.
+    generator's clock. ``link_bits_per_s`` is the speed of its network. Without triggers a frame's stamp is ``stamp_after_s`` and
+    some normal jitter after it begins; None: when its integration, or row 0, begins. ``speed`` is that of the rig's time.
     """
 
     serial_number: str = "TWIN0001"
@@ -64,6 +65,9 @@ class CameraTraits:
     clock_error: float = 7e-6
     counter_start_ticks: int = 5_000_000_000
     link_bits_per_s: float = 1e9
+    stamp_after_s: float | None = None
+    stamp_jitter_s: float = 0.0
+    speed: float = 1.0
 
 
 @final
@@ -110,6 +114,7 @@ class GigeCamera:
             timestamp_frequency_hz=self._traits.timestamp_frequency_hz,
         )
         self._registers = Registers(identity)
+        self._random = np.random.default_rng(self._traits.counter_start_ticks)
         self._client: Client | None = None
         self._heard_at_s = 0.0
         self._timestamp_zero_s = 0.0
@@ -253,7 +258,7 @@ class GigeCamera:
         self._registers.put(Address.STREAM_PORT, 0)
 
     def _control_timestamp(self, value: int) -> None:
-        now = self._camera.now_cycle
+        now = self._camera.cycle_now(speed=self._traits.speed)
         if value & _LATCH:
             self._registers.put_long(Address.TIMESTAMP_HIGH, self.timestamp_at(now))
         if value & _RESET:
@@ -354,7 +359,7 @@ class GigeCamera:
         pixels = frame.pixels[row : row + height, column : column + width]
         return Block(
             number=number,
-            timestamp=self.timestamp_at(frame.moment.start_cycle),
+            timestamp=self.timestamp_at(self._stamped_cycle(frame)),
             pixel_format=pixel_format,
             width=width,
             height=height,
@@ -362,6 +367,13 @@ class GigeCamera:
             offset_y=row,
             pixels=self._eight_bits(pixels) if pixel_format == MONO8 else pixels.astype("<u2", copy=False).tobytes(),
         )
+
+    def _stamped_cycle(self, frame: LiveFrame) -> int:
+        after_s = self._traits.stamp_after_s
+        if after_s is None or self._registers.word(Address.TRIGGER_MODE) == 1:
+            return frame.moment.start_cycle
+        late_s = after_s + self._traits.stamp_jitter_s * self._random.standard_normal()
+        return frame.moment.trigger_cycle + round(late_s * self._camera.clock_frequency_hz)
 
     def _eight_bits(self, pixels: Pixels) -> bytes:
         shift = max(self._camera.scene.detector.bits - 8, 0)

@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image
 
 from irtiming.acquire.rig import RigNotReady
-from irtiming.acquire.run import INTERRUPTED, RunOutcome
+from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame
 from irtiming.records.series_plan import SeriesPlan
