@@ -33,6 +33,7 @@ nitpick_ignore_regex = [
     ("py:class", r"irtiming\.(plan|archive|records)\..*|Drawn"),  # behind the interface
 ]
 default_role = "code"
+highlight_language = "text"
 add_module_names = False
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"

@@ -13,7 +13,7 @@ from irtiming.cli.main import app
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 UsageError = typer.BadParameter.__base__
-BLOCK = re.compile(r"^```(?:text|sh)\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(?:text|sh|)\n(.*?)^```$", flags=re.MULTILINE | re.DOTALL)
 
 
 def _commands(page: Path) -> list[str]:

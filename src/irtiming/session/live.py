@@ -40,7 +40,7 @@ What = Literal["look", "keep"]
 @final
 @dataclass(frozen=True, kw_only=True)
 class LiveEstimate:
-    """What is known so far: from so many frames of all recordings, values and standard uncertainties by name, s.
+    """What is known so far, from so many frames of all recordings: values and standard uncertainties by name, s, or 1 of a share.
 
     ``finding`` says why there is none, where there is none.
     """

@@ -1,0 +1,14 @@
+"""What is said while a series is recorded."""
+
+from irtiming.session.live import LiveEstimate
+from irtiming.session.series_words import so_far
+
+
+def test_an_estimate_in_words_has_times_as_times_and_shares_as_shares():
+    """Oracle: the numbers by hand; a share is no time and never stands in microseconds."""
+    found = LiveEstimate(
+        frames=771,
+        values={"trigger_delay": 360e-6, "pixel_memory": -340e-6, "exposure_midpoint_delay": 1.0},
+        uncertainties={"trigger_delay": 30e-6, "pixel_memory": 230e-6, "exposure_midpoint_delay": 1.0},
+    )
+    assert so_far(found) == "trigger_delay 360 ± 30 µs, pixel_memory −0.034 ± 0.023 %, from 771 frames"
