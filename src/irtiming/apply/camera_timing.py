@@ -74,13 +74,15 @@ class CameraTiming:
 
     ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
     delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
-    each is one. ``not_in_uncertainty`` are the result's own words.
+    each is one. ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
+    other results share. ``not_in_uncertainty`` are the result's own words.
     """
 
     conditions: Conditions
     estimate: Estimate
     event: FrameEvent = "trigger"
     scatter: Scatter | None = None
+    shared_u: tuple[float, ...] = ()
     two_constants: TwoConstants | None = None
     substrate_temperature_k: float | None = None
     not_in_uncertainty: tuple[str, ...] = ()
@@ -223,6 +225,7 @@ def of_result(result: Result) -> CameraTiming:
         estimate=estimate,
         event=result.frame_event,
         scatter=_scatter(result),
+        shared_u=tuple(_shared_u(result, name) for name in found),
         two_constants=two,
         substrate_temperature_k=substrate_k,
         not_in_uncertainty=tuple(result.not_in_uncertainty),
@@ -253,6 +256,12 @@ def _correlation(result: Result, names: tuple[str, ...]) -> Array:
                     raise EstimationError(f"the correlation of {one} and {other} is {coefficient}, must be within ±1")
                 found[i, k] = coefficient
     return found
+
+
+def _shared_u(result: Result, name: str) -> float:
+    """Of one parameter, from sources of type B."""
+    parts = [one.standard_uncertainty.get(name) for one in result.contributions if one.type == "B"]
+    return float(np.sqrt(sum(part**2 for part in parts if part is not None and isfinite(part))))
 
 
 def _scatter(result: Result) -> Scatter | None:

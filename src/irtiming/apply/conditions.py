@@ -1,9 +1,12 @@
 """Whether a result holds for other frames: it does for the camera and the settings that were measured, and for no other."""
 
+import numpy as np
+
 from irtiming.apply.camera_timing import Conditions
 from irtiming.errors import ConditionError
 from irtiming.records.recording import Recording
 
+_FEWEST = 8
 _SAME_WINDOW = 1e-3  # relative, within which two integration times are one setting
 
 
@@ -19,7 +22,18 @@ def of_recording(recording: Recording) -> Conditions:
         integration_time_s=recording.integration_time_s,
         rows=rows,
         columns=columns,
+        frame_period_s=_period_s(recording),
     )
+
+
+def _period_s(recording: Recording) -> float | None:
+    """Between frames, as triggered; else by the frames' arrival, which is rough; None where neither tells."""
+    if recording.camera_period_ticks is not None:
+        return recording.camera_period_ticks / recording.clock_frequency_hz
+    if recording.camera_trigger_ticks.size > 1:
+        return float(np.median(np.diff(recording.camera_trigger_ticks))) / recording.clock_frequency_hz
+    arrivals = recording.frame_host_time_s
+    return None if arrivals is None or arrivals.size < _FEWEST else float(np.median(np.diff(arrivals)))
 
 
 def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str, ...]:

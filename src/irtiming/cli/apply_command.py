@@ -13,6 +13,14 @@ from irtiming.units import seconds
 app = typer.Typer(name="apply", help="Apply a result to frames of the same camera.", no_args_is_help=True)
 
 ResultFile = Annotated[Path, typer.Argument(help="Result of irtiming analyse --json.")]
+Series = Annotated[
+    list[Path] | None,
+    typer.Option(
+        metavar="RESULT",
+        help="Result of the same camera at another integration time or frame rate; may be given again. Frames whose setting lies "
+        "between those measured get the timing on the straight line through them.",
+    ),
+]
 
 
 @app.command()
@@ -64,6 +72,7 @@ def time(
         str | None,
         typer.Option(metavar="ROW,...", help="Image rows that are wanted, such as 0,240,479; left out: all."),
     ] = None,
+    series: Series = None,
 ) -> None:
     """Say when each row of each frame was exposed or read, with standard uncertainty and correlation.
 
@@ -78,7 +87,7 @@ def time(
     wanted = StampsWanted(
         source=stamps, kind=kind, column=column, unit=unit, latency=late, alone=alone, calibrated_by=calibrated_by
     )
-    found = apply_time(TimeOrder(result=result, stamps=wanted, out=out, rows=_rows(rows)))
+    found = apply_time(TimeOrder(result=result, stamps=wanted, out=out, rows=_rows(rows), series=tuple(series or ())))
     n_frames, n_rows = found.events.time_s.size, found.rows_px.size
     say(f"{out}: times of {n_frames} frames, {n_rows} rows each, in {found.events.scale}")
     for remark in found.events.remarks:
@@ -116,6 +125,7 @@ def frames(
     kelvin_per_count: Annotated[
         float | None, typer.Option(help="Kelvin per count; for a result with two time constants.")
     ] = None,
+    series: Series = None,
 ) -> None:
     """Make frames of the scene at one instant each: rows brought to one moment, lag and filter undone.
 
@@ -128,7 +138,7 @@ def frames(
     order = FramesOrder(
         result=result, source=source, out=out, noise=noise, stamps=stamps, instant_row=instant_row,
         period_s=None if period is None else seconds(period), keeps_fractions=fractions,
-        kelvin_at_zero=kelvin_at_zero, kelvin_per_count=kelvin_per_count,
+        kelvin_at_zero=kelvin_at_zero, kelvin_per_count=kelvin_per_count, series=tuple(series or ()),
     )  # fmt: skip
     with shown("frames") as told:
         found = apply_frames(order, progress=lambda done, total: told(source.name, done, total))

@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from irtiming.apply import camera_timing, conditions, kernels
+from irtiming.apply import conditions, kernels
 from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
@@ -25,7 +25,7 @@ from irtiming.errors import ArchiveError, EstimationError
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import FrameStack
 from irtiming.session import frame_stamps
-from irtiming.session.apply_time import generator_of
+from irtiming.session.apply_time import camera_at_setting, generator_of
 from irtiming.session.frame_stamps import StampsWanted
 from irtiming.units import readable_time
 
@@ -41,6 +41,7 @@ class FramesOrder:
     ``noise`` is the standard deviation of a pixel in the units of the frames, None: from the frames. For a file that does not
     tell when its frames were, ``stamps`` is a CSV of their trigger times, or ``period_s`` the time between them. ``instant_row``
     is the row to whose moment all others are brought; None: the middle one. ``keeps_fractions`` writes float32, not counts.
+    ``series`` are results at other settings.
     """
 
     result: Path
@@ -53,6 +54,7 @@ class FramesOrder:
     keeps_fractions: bool = False
     kelvin_at_zero: float | None = None
     kelvin_per_count: float | None = None
+    series: tuple[Path, ...] = ()
 
 
 @final
@@ -93,8 +95,9 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
             f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)
         )
     result = read_result(order.result)
-    camera = camera_timing.of_result(result)
+    camera, told = camera_at_setting(result, order.series, source=order.source)
     given = _given(order, camera, generator_of(result))
+    given = replace(given, events=replace(given.events, remarks=(*told, *given.events.remarks)))
     of_value = _lag_of_value(order, camera, given.unit)
     readout = Readout(
         response=replace(camera.response, of_value=of_value),

@@ -1,14 +1,14 @@
 """Times of frames and rows: a result put onto the stamps of a recording, of any file of frames or of a CSV."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
 import numpy as np
 
-from irtiming.apply import camera_timing, frame_times
-from irtiming.apply.camera_timing import MEANINGS
+from irtiming.apply import camera_timing, frame_times, settings
+from irtiming.apply.camera_timing import MEANINGS, CameraTiming
 from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
 from irtiming.archive import layout
@@ -26,12 +26,16 @@ from irtiming.session.frame_stamps import Stamped, StampsWanted
 @final
 @dataclass(frozen=True, kw_only=True)
 class TimeOrder:
-    """What a person wants: a result, the stamps it is applied to, the rows that count (None: all) and the file to write."""
+    """What a person wants: a result, the stamps it is applied to, the rows that count (None: all) and the file to write.
+
+    ``series`` are results of the same camera at other settings, between which the frames' may lie.
+    """
 
     result: Path
     stamps: StampsWanted
     out: Path
     rows: tuple[int, ...] | None = None
+    series: tuple[Path, ...] = ()
 
 
 def generator_of(result: Result) -> Generator:
@@ -47,6 +51,23 @@ def generator_of(result: Result) -> Generator:
     )
 
 
+def camera_at_setting(
+    result: Result, series: tuple[Path, ...], *, source: Path
+) -> tuple[CameraTiming, tuple[str, ...]]:
+    """The camera of a result, or between several results at the setting of a file's frames; and what is to be said of that.
+
+    Raises
+    ------
+    IrTimingError
+        If a file cannot be read, or the results do not tell of that setting.
+    """
+    camera = camera_timing.of_result(result)
+    if not series:
+        return camera, ()
+    others = [camera_timing.of_result(read_result(path)) for path in series]
+    return settings.between([camera, *others], frame_stamps.conditions_of(source, camera), where=str(source))
+
+
 def apply_time(order: TimeOrder) -> FrameTimes:
     """When each row of each frame was exposed or read; written as CSV or Parquet, or into a copy of the recording.
 
@@ -55,7 +76,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     IrTimingError
         If a file cannot be read or written, or the result does not hold for these frames.
     """
-    taken = [order.result, order.stamps.source]
+    taken = [order.result, order.stamps.source, *order.series]
     require_place(order.out, besides=[*taken, *([order.stamps.calibrated_by] if order.stamps.calibrated_by else [])])
     is_copy = order.out.suffix.lower() == layout.SUFFIX
     if is_copy and order.stamps.source.suffix.lower() != layout.SUFFIX:
@@ -64,8 +85,9 @@ def apply_time(order: TimeOrder) -> FrameTimes:
             where=str(order.out),
         )
     result = read_result(order.result)
-    camera = camera_timing.of_result(result)
+    camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
     stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
+    stamped = replace(stamped, events=replace(stamped.events, remarks=(*told, *stamped.events.remarks)))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
     times = frame_times.apply(camera, stamped.events, rows_px=rows)
     written = _to_write(times, stamped, order)

@@ -105,6 +105,23 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     )
 
 
+def conditions_of(path: Path, camera: CameraTiming) -> Conditions:
+    """What a file says of its camera and setting, without its stamps.
+
+    Raises
+    ------
+    IrTimingError
+        If it cannot be read, or is a CSV, which says nothing.
+    """
+    if path.suffix.lower() in _CSV:
+        raise ConditionError(
+            "a CSV does not tell how the camera was set; give the result of its setting alone", where=str(path)
+        )
+    if path.suffix.lower() == layout.SUFFIX:
+        return conditions.of_recording(reader.read(path))
+    return _conditions(open_frames(path).facts, camera)
+
+
 def of_recording(
     recording: Recording, wanted: StampsWanted, *, camera: CameraTiming, generator: Generator | None = None
 ) -> Stamped:

@@ -1,0 +1,193 @@
+r"""Results at several settings of one camera, and from them the timing at a setting between, by generalised least squares.
+
+.. math:: y_i = a + b\,x_i, \qquad \hat y(x) = w^T y, \quad w^T = (1, x)\,(X^T V^{-1} X)^{-1} X^T V^{-1}
+
+x is the integration time, or where all results have the same one the time between frames. Each number of the timing has its own
+line. V holds what each measurement has of its own, on its diagonal, and what all share, everywhere: errors of rig.toml (type B),
+which are taken to be the same in all of them. So the shared part does not become smaller by many results.
+
+Whether a straight line holds is told by chi-squared where there are three results or more. Beyond the settings that were measured
+nothing is said.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from scipy.stats import chi2
+
+from irtiming.apply.camera_timing import CameraTiming, Conditions
+from irtiming.apply.conditions import require
+from irtiming.errors import ConditionError
+from irtiming.records.arrays import Array
+from irtiming.records.estimate import Estimate
+from irtiming.units import readable_time
+
+Axis = Literal["integration time", "time between frames"]
+
+_SAME = 1e-3  # relative, within which two settings are one
+_DOUBTFUL, _REFUSED = 0.05, 1e-4
+"""Probability of a chi-squared as large: below the first what u has of each result's own grows by the ratio of Birge, below the second it is no line."""
+
+
+def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) -> tuple[CameraTiming, tuple[str, ...]]:
+    """The camera's timing at a setting between those that were measured.
+
+    Parameters
+    ----------
+    cameras
+        Of results of one camera, two or more, that differ in integration time or frame rate alone.
+    wanted
+        What is said of the frames.
+    where
+        Their file.
+
+    Returns
+    -------
+    The timing, and what is to be said of it. At a setting that was measured it is that result's.
+
+    Raises
+    ------
+    ConditionError
+        If the results are of different cameras, the frames do not tell their setting, it is beyond those measured, or no straight
+        line goes through them.
+    """
+    axis = _axis(cameras)
+    for one in cameras[1:]:
+        _require_same(cameras[0], one)
+    x = np.array([_setting(one.conditions, axis) for one in cameras], dtype=np.float64)
+    at = _setting(wanted, axis)
+    if not np.all(np.isfinite(x)) or not np.isfinite(at):
+        raise ConditionError(
+            f"the {axis} is not told by {'the frames' if np.all(np.isfinite(x)) else 'each result'}, by which results are "
+            "interpolated; give the one result of this setting alone",
+            where=where,
+        )
+    here = np.flatnonzero(np.abs(x - at) <= _SAME * x)
+    if here.size:
+        return cameras[int(here[0])], ()
+    if not x.min() < at < x.max():
+        raise ConditionError(
+            f"its {axis} is {_time(at)}, the results were measured from {_time(float(x.min()))} to {_time(float(x.max()))}, "
+            "and hold between these alone: measure the camera as it is set",
+            where=where,
+        )
+    estimate, remarks = _on_lines(cameras, x, at, axis=axis, where=where)
+    first = cameras[0].conditions
+    is_window = axis == "integration time"
+    conditions = replace(first, integration_time_s=at) if is_window else replace(first, frame_period_s=at)
+    told = tuple(dict.fromkeys(words for one in cameras for words in one.not_in_uncertainty))
+    found = replace(
+        cameras[0], conditions=conditions, estimate=estimate, two_constants=None, not_in_uncertainty=told
+    )  # fmt: skip
+    return found, remarks
+
+
+def _axis(cameras: Sequence[CameraTiming]) -> Axis:
+    """What the results differ in."""
+    windows = [one.conditions.integration_time_s for one in cameras]
+    is_photon = cameras[0].conditions.camera_type == "photon"
+    first = windows[0]
+    same = all(one is not None and first is not None and abs(one - first) <= _SAME * first for one in windows)
+    return "integration time" if is_photon and not same else "time between frames"
+
+
+def _setting(one: Conditions, axis: Axis) -> float:
+    value = one.integration_time_s if axis == "integration time" else one.frame_period_s
+    return np.nan if value is None else value
+
+
+def _require_same(first: CameraTiming, other: CameraTiming) -> None:
+    """The same camera and the same numbers; the integration time may differ."""
+    told = replace(other.conditions, integration_time_s=first.conditions.integration_time_s)
+    require(first.conditions, told, where="series")
+    if other.event != first.event or other.estimate.names != first.estimate.names:
+        raise ConditionError(
+            f"a result has {', '.join(other.estimate.names)} counted from the {other.event}, another "
+            f"{', '.join(first.estimate.names)} from the {first.event}; all must have the same, analysed alike",
+            where="series",
+        )
+
+
+def _on_lines(
+    cameras: Sequence[CameraTiming], x: Array, at: float, *, axis: Axis, where: str
+) -> tuple[Estimate, tuple[str, ...]]:
+    """Each number on its line, with the covariance of all of them."""
+    names = cameras[0].estimate.names
+    values = np.array([one.estimate.values for one in cameras])
+    u = np.array([np.sqrt(np.diag(one.estimate.covariance)) for one in cameras])
+    shared = np.minimum(np.array([one.shared_u or np.zeros(len(names)) for one in cameras]), u)
+    own = np.sqrt(np.maximum(u**2 - shared**2, 1e-12 * u**2 + 1e-30))
+    weights, ratios = np.zeros_like(values), np.ones(len(names))
+    for k, name in enumerate(names):
+        covariance = np.diag(own[:, k] ** 2) + np.outer(shared[:, k], shared[:, k])
+        weights[:, k], chi_squared = line_weights(x, values[:, k], covariance=covariance, at=at)
+        ratios[k] = _birge(chi_squared, x.size - 2, name=name, axis=axis, where=where)
+    alike = np.mean([_correlations(one) for one in cameras], axis=0)
+    together = np.einsum("ip,iq,ip,iq->pq", weights, weights, own, own)
+    common = np.sum(weights * shared, axis=0)
+    covariance = alike * (together * np.outer(ratios, ratios) + np.outer(common, common))
+    estimate = Estimate(
+        names=names, units=cameras[0].estimate.units, values=np.sum(weights * values, axis=0), covariance=covariance
+    )
+    return estimate, tuple(_said(cameras, x, at, axis=axis, ratios=dict(zip(names, ratios.tolist(), strict=True))))
+
+
+def line_weights(x: Array, y: Array, *, covariance: Array, at: float) -> tuple[Array, float]:
+    """Weights by which values at x make the value at another place of their generalised least-squares line, and chi-squared.
+
+    Parameters
+    ----------
+    x, y
+        Shape (n,).
+    covariance
+        Of y, shape (n, n), positive definite.
+    at
+        Where the line is wanted.
+    """
+    design = np.column_stack([np.ones_like(x), (x - at) / np.ptp(x)])
+    solved = np.linalg.solve(covariance, design)
+    weights = np.linalg.solve(design.T @ solved, solved.T)
+    rest = y - design @ (weights @ y)
+    return weights[0], float(rest @ np.linalg.solve(covariance, rest))
+
+
+def _birge(chi_squared: float, freedom: int, *, name: str, axis: Axis, where: str) -> float:
+    if freedom < 1:
+        return 1.0
+    chance = float(chi2.sf(chi_squared, freedom))
+    if chance < _REFUSED:
+        raise ConditionError(
+            f"{name} is no straight line over the {axis}: chi-squared is {chi_squared:.3g} for {freedom} degrees of freedom; "
+            "give results nearer to its setting, or measure it there",
+            where=where,
+        )
+    return float(np.sqrt(chi_squared / freedom)) if chance < _DOUBTFUL else 1.0
+
+
+def _correlations(camera: CameraTiming) -> Array:
+    u = np.sqrt(np.diag(camera.estimate.covariance))
+    scale = np.where(u > 0, u, 1.0)
+    found = np.asarray(camera.estimate.covariance / np.outer(scale, scale))
+    np.fill_diagonal(found, 1.0)
+    return found
+
+
+def _said(
+    cameras: Sequence[CameraTiming], x: Array, at: float, *, axis: Axis, ratios: dict[str, float]
+) -> Sequence[str]:
+    told = ", ".join(_time(float(one)) for one in np.sort(x))
+    lines = [f"interpolated to the {axis} of {_time(at)} by straight lines through {len(cameras)} results, at {told}"]
+    if x.size < 3:
+        lines.append("whether a straight line holds was not tested: that takes three results")
+    wide = ", ".join(f"{name} {ratio:.2g}" for name, ratio in ratios.items() if ratio > 1)
+    if wide:
+        lines.append(
+            f"results lie further from their line than their u says; what u has of their own was multiplied: {wide}"
+        )
+    return lines
+
+
+def _time(seconds: float) -> str:
+    return readable_time(float(f"{seconds:.6g}"))
