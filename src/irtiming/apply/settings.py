@@ -28,7 +28,10 @@ Axis = Literal["integration time", "time between frames"]
 
 _SAME = 1e-3  # relative, within which two settings are one
 _DOUBTFUL, _REFUSED = 0.05, 1e-4
-"""Probability of a chi-squared as large: below the first what u has of each result's own grows by the ratio of Birge, below the second it is no line."""
+"""Probability of a chi-squared as large: below the first what u has of each result's own grows by the ratio of Birge.
+
+Below the second it is no line.
+"""
 
 
 def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) -> tuple[CameraTiming, tuple[str, ...]]:
