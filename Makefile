@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
-.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-transcripts docs-figures clean
+.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -58,6 +58,10 @@ docs: .venv/ready-for-docs
 docs-pdf: .venv/ready-for-docs
 	$(BIN)/sphinx-build -E -W --keep-going -q -t print -b singlehtml docs build/docs-print
 	$(BIN)/python scripts/docs-pdf build/docs-print/index.html build/irtiming.pdf
+
+# The sites of all releases and of the checkout: build/site/index.html.
+docs-versions: .venv/ready-for-docs
+	$(BIN)/python scripts/docs-versions build/site
 
 # Every command of README.md and the tutorials is run, and what it prints compared with the page: some minutes.
 docs-transcripts: .venv/ready
