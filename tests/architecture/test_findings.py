@@ -1,5 +1,6 @@
 """Findings: each kind has one code, written once, and the page of the codes is current."""
 
+import json
 import re
 import runpy
 import subprocess
@@ -39,6 +40,18 @@ def test_every_finding_is_made_with_a_code_in_plain_text():
 def test_each_code_is_written_at_one_place():
     """Oracle: the syntax tree; two meanings never share a code, and two places that find the same share a function."""
     assert [code for code, times in Counter(_codes().values()).items() if times > 1] == []
+
+
+def test_every_finding_that_a_result_can_have_is_told_in_german():
+    """Oracle: the page of the codes; what is an error ends a command, and never stands in a certificate."""
+    page = (ROOT / "docs" / "reference" / "findings.md").read_text()
+    rows = re.findall(r"^\| `([a-z0-9-]+)` \| ([a-z ]+) \|", page, flags=re.MULTILINE)
+    told = {code for code, severity in rows if severity not in ("error", "ok")}
+    german = json.loads((ROOT / "src" / "irtiming" / "report" / "calibration" / "findings-de.json").read_text())
+    assert len(told) > 80
+    assert sorted(told - set(german)) == []
+    assert sorted(set(german) - told) == []
+    assert [code for code, text in german.items() if not text.strip() or text.endswith(".")] == []
 
 
 def test_the_page_of_the_findings_lists_every_code():

@@ -12,7 +12,7 @@ from irtiming.archive.certificate_file import Language
 from irtiming.errors import ArchiveError
 from irtiming.report.calibration import conditions, rows
 from irtiming.report.calibration.content import NAMED, MeasuredItem, Sheet
-from irtiming.report.calibration.words import day, translated
+from irtiming.report.calibration.words import day, finding_titles, translated
 from irtiming.report.sections.inputs import versions
 
 _KINDS = {".png": "image/png", ".svg": "image/svg+xml", ".jpg": "image/jpeg"}
@@ -81,14 +81,15 @@ def _texts(sheet: Sheet, text: Text) -> dict[str, Any]:
         "measured": text.day(first) if first == last else f"{text.day(first)} – {text.day(last)}",
         "place": place,
         "outside": "; ".join(text.of(one) for one in outside),
-        "doubts": list(
-            dict.fromkeys(
-                found.what
+        "doubts": [
+            {"title": title, "text": what}
+            for title, what in dict.fromkeys(
+                (finding_titles(sheet.language).get(found.code, ""), found.what)
                 for each in sheet.results
                 for found in each.result.findings
                 if found.severity in ("warning", "doubt")
             )
-        ),
+        ],
         "conformity": rows.conformity(sheet),
         "rule": text.of(conditions.RULES[form.decision.rule]),
         "environment": conditions.environment(sheet),
@@ -108,7 +109,9 @@ def _result(sheet: Sheet, one: MeasuredItem) -> dict[str, Any]:
         "conditions": conditions.of(sheet, one),
         "correlation": rows.correlation(one, sheet.language),
         "findings": [
-            {"severity": found.severity, "code": found.code, "text": _finding_text(found)} for found in one.result.findings
+            {"severity": found.severity, "code": found.code, "text": _finding_text(found),
+             "title": finding_titles(sheet.language).get(found.code, "")}
+            for found in one.result.findings
         ],
         "rig": rows.rig(one.result, sheet.language),
         "rig_sha256": one.result.rig.sha256,

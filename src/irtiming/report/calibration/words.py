@@ -22,6 +22,15 @@ def translated(text: str, language: Language) -> str:
     return catalogue(language).get(text, text)
 
 
+@cache
+def finding_titles(language: Language) -> dict[str, str]:
+    """What a finding says in one sentence without its numbers, by its code; none for English, which says it with them."""
+    if language == "en":
+        return {}
+    text = files("irtiming.report.calibration").joinpath(f"findings-{language}.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
 def day(when: date, language: Language) -> str:
     """A day as it is written: ISO 8601, in German with dots."""
     return when.strftime("%d.%m.%Y") if language == "de" else when.isoformat()
