@@ -78,6 +78,74 @@ def _vins(given: HandOver) -> str:
     return "%YAML:1.0\n" + _yaml(notes, lines)
 
 
+def _basalt(given: HandOver) -> str:
+    """Calibration of Basalt (calibration.hpp), as cereal writes it: all in ``value0``, the offset in whole ns.
+
+    Its estimators say "curr_frame->t_ns += calib.cam_time_offset_ns", which gives the sign; in several versions
+    (src/vi_estimator/keypoint_vio.cpp, later sqrt_keypoint_vio.cpp) that line stands as a comment, and the offset does nothing.
+    """
+    notes = [
+        *_common(given, given.middle_row, "the middle of the image"),
+        "sign: frame t_ns + cam_time_offset_ns = time of the IMU's clock",
+        "several versions of Basalt read this offset and do not add it (the line in vi_estimator is a comment): add it to t_ns "
+        "of the frames there, or to the stamps beforehand",
+        "put this number into value0 of the calibration that holds intrinsics and T_imu_cam",
+    ]
+    if given.is_rolling:
+        notes.append(f"Basalt has no rolling shutter: rows are up to {_half(given)} off")
+    content: dict[str, object] = {
+        "value0": {"cam_time_offset_ns": round(1e9 * given.middle_row.value_s)},
+        "notes": notes,
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def _orbslam3(given: HandOver) -> str:
+    """Settings of ORB-SLAM3, file version 1.0.
+
+    It has neither an offset of the camera's clock nor a rolling shutter (src/Settings.cc reads none): the stamps that are given
+    with the frames are taken to be those of the IMU's clock.
+    """
+    notes = [
+        *_common(given, given.middle_row, "the middle of the image"),
+        f"ORB-SLAM3 has no time offset: add {_float(given.middle_row.value_s)} s to the stamp of each frame before it gets them "
+        "(times.txt, header.stamp, or irtiming apply time)",
+        "sign: stamp + that = time of the IMU's clock",
+        "merge these lines into the settings that hold Camera1.fx and IMU.T_b_c1",
+    ]
+    if given.is_rolling:
+        notes.append(f"it has no rolling shutter: rows are up to {_half(given)} off")
+    lines = ['File.version: "1.0"']
+    if given.rows and given.columns:
+        lines += [f"Camera.width: {given.columns}", f"Camera.height: {given.rows}"]
+    if given.frame_period_s:
+        lines.append(f"Camera.fps: {max(1, round(1 / given.frame_period_s))}")
+    return "%YAML:1.0\n---\n" + _yaml(notes, lines)
+
+
+def _metashape(given: HandOver) -> str:
+    """Lines for the Python console of Agisoft Metashape.
+
+    Its API knows Sensor.rolling_shutter, one of Metashape.Shutter.Model: with Full it finds the camera's motion during the
+    readout of each picture by itself. It takes neither a readout time nor an offset.
+    """
+    model = "Full" if given.is_rolling else "Disabled"
+    notes = [
+        *_common(given, given.middle_row, "the middle of the image"),
+        "a delay has no place there: the positions of the pictures (Reference pane, EXIF, CSV) must be those at the effective "
+        f"moment, {1e3 * given.middle_row.value_s:+.4f} ms after the stamp",
+        "sign: positive is later than the stamp",
+    ]
+    if given.is_rolling:
+        notes.append(
+            f"a readout time has no place there either: {1e3 * given.readout.value_s:+.4f} ms, first row to one past the last, "
+            f"u = {1e3 * given.readout.u_s:.2g} ms; the motion during it is estimated anew for each picture"
+        )
+    lines = ["import Metashape", "for sensor in Metashape.app.document.chunk.sensors:",
+             f"    sensor.rolling_shutter = Metashape.Shutter.Model.{model}"]  # fmt: skip
+    return _yaml(notes, lines)
+
+
 def _gyroflow(given: HandOver) -> str:
     """Lens profile of Gyroflow (src/core/lens_profile.rs).
 
@@ -208,8 +276,8 @@ def _ros2(given: HandOver) -> str:
 
 
 _WRITERS: Mapping[Program, Callable[[HandOver], str]] = {
-    "kalibr": _kalibr, "openvins": _openvins, "vins": _vins, "gyroflow": _gyroflow, "opendronemap": _opendronemap,
-    "android": _android, "opencv": _opencv, "ros2": _ros2,
+    "kalibr": _kalibr, "openvins": _openvins, "vins": _vins, "basalt": _basalt, "orbslam3": _orbslam3, "gyroflow": _gyroflow,
+    "opendronemap": _opendronemap, "metashape": _metashape, "android": _android, "opencv": _opencv, "ros2": _ros2,
 }  # fmt: skip
 
 

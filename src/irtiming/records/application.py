@@ -13,5 +13,7 @@ KIND_OF: Mapping[FrameEvent, StampKind] = {
 }  # fmt: skip
 """The stamps that are the event from which a result counts."""
 
-Program = Literal["kalibr", "openvins", "vins", "gyroflow", "opendronemap", "android", "opencv", "ros2"]
+Program = Literal[
+    "kalibr", "openvins", "vins", "basalt", "orbslam3", "gyroflow", "opendronemap", "metashape", "android", "opencv", "ros2"
+]  # fmt: skip
 """Whose words a result can be said in."""

@@ -3,6 +3,7 @@
 import importlib.util
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import get_args
 
 import numpy as np
@@ -72,6 +73,37 @@ def test_vins_gets_td_of_the_middle_and_the_readout():
     snapshot = _yaml_of("vins", _given(made_up_result("photon", "snapshot", COOLED)))
     assert snapshot["rolling_shutter"] == 0
     assert snapshot["td"] == pytest.approx(5.25e-4, abs=1e-9)
+
+
+def test_basalt_gets_whole_nanoseconds_that_are_added():
+    """Oracle: t_ns += cam_time_offset_ns by hand; all in value0, as cereal reads it."""
+    found = json.loads(export.text_for("basalt", _given(ROLLING)))
+    assert found["value0"] == {"cam_time_offset_ns": round(1e9 * MIDDLE_S)}
+    assert any("do not add it" in note for note in found["notes"])
+
+
+def test_orb_slam3_gets_what_it_has_and_the_shift_as_a_note():
+    """Oracle: the keys of its settings; 33 ms are 30 frames per second; it has no key for a time offset."""
+    found = _yaml_of("orbslam3", _given(ROLLING))
+    assert found == {"File.version": "1.0", "Camera.width": 160, "Camera.height": 120, "Camera.fps": 30}
+    text = export.text_for("orbslam3", _given(ROLLING))
+    assert f"add {MIDDLE_S:.12f} s to the stamp of each frame" in text
+
+
+@pytest.mark.parametrize(
+    ("result", "model"), [(ROLLING, "Full"), (made_up_result("photon", "snapshot", COOLED), "Disabled")]
+)
+def test_metashape_gets_lines_that_python_takes(result, model):
+    """Oracle: Python's parser, and a stand-in for its document: the model of every sensor."""
+    sensors = [SimpleNamespace(rolling_shutter=None) for _ in range(2)]
+    document = SimpleNamespace(chunk=SimpleNamespace(sensors=sensors))
+    stand_in = SimpleNamespace(
+        app=SimpleNamespace(document=document),
+        Shutter=SimpleNamespace(Model=SimpleNamespace(Full="Full", Disabled="Disabled")),
+    )
+    text = export.text_for("metashape", _given(result)).replace("import Metashape\n", "")
+    exec(compile(text, "metashape.py", "exec"), {"Metashape": stand_in})
+    assert [one.rolling_shutter for one in sensors] == [model, model]
 
 
 def test_a_latency_of_the_stamps_is_taken_off():
