@@ -1,7 +1,7 @@
 """The default method for a camera that lags or is read row by row: contrast image and row sums, in turns, until they agree."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -19,6 +19,7 @@ from irtiming.estimate import (
 )
 from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
+from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
@@ -30,7 +31,7 @@ from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
-_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10
+_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10  # and one that takes the slopes of the image anew
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.1  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them, after the last: an image that is told to less than that goes to and fro
@@ -129,41 +130,68 @@ def _in_turns(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
     )
+    turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups)
     timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
-    views: list[_View] = []
-    fits: tuple[RowTimingFit, ...] = ()
-    for n_round in range(_MOST_ROUNDS):
-        starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(groups)
-        sectors = [
-            sector_fit.fit(_seen(recordings, members, fits=fits), model, rig=rig, timing=timing, start=start)
-            for members, timing, start in zip(groups, timings, starts, strict=True)
-        ]
-        views = [
-            _View(
-                members=members,
-                sector=sector,
-                light=row_light.row_light(
-                    recordings[members[0]].row_sums.row_px,
-                    sector,
-                    n_harmonics=kind.n_harmonics,
-                    blade=_blade([fits[k] for k in members], model) if fits else 0.0,
-                ),
-                timing=timing,
-            )
-            for members, sector, timing in zip(groups, sectors, timings, strict=True)
-        ]
-        before = fits
-        fits = _rows_fitted(recordings, model, views=views, before=before)
-        timings = [_mean([fits[k].timing for k in members]) for members in groups]
-        if n_round + 1 >= _FEWEST_ROUNDS and _move(before, fits) <= _AGREED:
-            return views, fits
+    views, fits = turns.next(timings)
+    for n_round in range(1, _MOST_ROUNDS):
+        before, is_start = fits, n_round + 1 < _FEWEST_ROUNDS
+        views, fits = turns.next(turns.timings(fits), views=views, before=before, keep_slopes=not is_start)
+        if not is_start and _move(before, fits) <= _AGREED:
+            break
     if _move(before, fits) <= _NEAR:
-        return views, fits
+        return turns.next(turns.timings(fits), views=views, before=fits)
     raise EstimationError(
         f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds "
-        f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * timings[0][kind.response.PARAMETER]:.3f} ms); "
+        f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * fits[0].timing[kind.response.PARAMETER]:.3f} ms); "
         "the recordings must show the whole opening and nothing else that turns with the wheel"
     )
+
+
+@dataclass(kw_only=True, eq=False)
+class _Turns:
+    """Images and rows by turns; ``groups`` holds the numbers of the recordings before each blackbody."""
+
+    recordings: Sequence[ReducedRecording]
+    model: WheelModel
+    rig: Rig
+    groups: list[list[int]]
+    slopes: list[Slopes] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """No slopes are known yet."""
+        self.slopes = [Slopes() for _ in self.groups]
+
+    def next(
+        self, timings: list[Timing], *, views: Sequence[_View] = (), before: tuple[RowTimingFit, ...] = (),
+        keep_slopes: bool = False,
+    ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:  # fmt: skip
+        """Images seen with these numbers, from the views of the turn before on, and then the rows."""
+        starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(self.groups)
+        every = zip(self.groups, timings, starts, self.slopes, strict=True)
+        found = [
+            self._view(members, timing, start, fits=before, slopes=slopes if keep_slopes else None)
+            for members, timing, start, slopes in every
+        ]
+        return found, _rows_fitted(self.recordings, self.model, views=found, before=before)
+
+    def timings(self, fits: Sequence[RowTimingFit]) -> list[Timing]:
+        """Of each group."""
+        return [_mean([fits[k].timing for k in members]) for members in self.groups]
+
+    def _view(
+        self, members: list[int], timing: Timing, start: SectorFit | None, *, fits: Sequence[RowTimingFit],
+        slopes: Slopes | None,
+    ) -> _View:  # fmt: skip
+        seen = _seen(self.recordings, members, fits=fits)
+        sector = sector_fit.fit(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
+        first = self.recordings[members[0]]
+        light = row_light.row_light(
+            first.row_sums.row_px,
+            sector,
+            n_harmonics=camera(first.camera_type, first.readout_mode).n_harmonics,
+            blade=_blade([fits[k] for k in members], self.model) if fits else 0.0,
+        )
+        return _View(members=members, sector=sector, light=light, timing=timing)
 
 
 def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig) -> Timing:
@@ -223,9 +251,7 @@ def _at_once(
     if camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS:
         return ()
     seen = _seen(recordings, view.members, fits=fits)
-    return image_doubts.of_rows(
-        sector_fit.fit(seen, model, rig=rig, timing=view.timing, start=view.sector, by_rows=True)
-    )
+    return image_doubts.of_rows(sector_fit.fit_row_by_row(seen, model, rig=rig, timing=view.timing, start=view.sector))
 
 
 def _changes(

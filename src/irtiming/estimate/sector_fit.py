@@ -26,7 +26,7 @@ from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
 from irtiming.estimate.sector_image import NUMBERS, SeenContrast, Sharp, View
-from irtiming.estimate.sector_search import Misfit, searched
+from irtiming.estimate.sector_search import Misfit, Slopes, searched
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
@@ -75,7 +75,7 @@ class _Images:
         return sector_image.contrast(self.seen, numbers, view=self.view, u_dn=self.u_dn)
 
     def sharp(self, numbers: Mapping[str, float]) -> list[Sharp]:
-        return [sector_image.sharp(look, numbers, view=self.view) for look in self.seen]
+        return sector_image.sharp(self.seen, numbers, view=self.view)
 
     def misfit(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Array]:
         return [
@@ -86,7 +86,7 @@ class _Images:
 
 def fit(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit | None = None,
-    by_rows: bool = False,
+    slopes: Slopes | None = None,
 ) -> SectorFit:  # fmt: skip
     """Sector fitted to the contrast images of all recordings.
 
@@ -102,33 +102,53 @@ def fit(
         As known so far.
     start
         An earlier fit; without one it starts at what the image shows.
-    by_rows
-        Whether a row delay is looked for in a camera that reads all rows at once.
+    slopes
+        Of the fits before of the same images, where they are known well enough to begin with; the covariance is theirs then.
 
     Raises
     ------
     EstimationError
         If the image shows no sector.
     """
+    is_rolling = bool(camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS)
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
+    return _fitted(images, recordings[0], rig=rig, start=start, is_rolling=is_rolling, slopes=slopes)
+
+
+def fit_row_by_row(
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit
+) -> SectorFit:
+    """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`."""
+    images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
+    return _fitted(images, recordings[0], rig=rig, start=start, is_rolling=True, slopes=None)
+
+
+def _fitted(
+    images: _Images,
+    first: ReducedRecording,
+    *,
+    rig: Rig,
+    start: SectorFit | None,
+    is_rolling: bool,
+    slopes: Slopes | None,
+) -> SectorFit:
     known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
     begin = sector_image.first_guess(images.seen[0], images.view) | known.start if start is None else _numbers(start)
-    is_rolling = by_rows or camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS
     held = (*known.held, *(() if is_rolling else ("row_delay_s",)), *(_SLIGHT if start is None else ()))
     free = [name for name in NUMBERS if name not in held]
 
     def residuals(numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
         return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers, sharp)])
 
-    misfit = Misfit(residuals=residuals, sharp=images.sharp)
     found = searched(
-        misfit,
+        Misfit(residuals=residuals, sharp=images.sharp),
         [begin | one for one in _signs(known, start)],
         free=free,
         n_before=0 if start is None else start.n_rounds,
+        slopes=slopes,
     )
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
-    _check(numbers, recordings[0])
+    _check(numbers, first)
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
     at = [NUMBERS.index(name) for name in free]
     clusters = _clusters(images, numbers, residual.size)

@@ -6,7 +6,7 @@ are solved for at each step: the contrast of the opening; that of the mask plate
 it need not be as warm as the wheel; and a smooth field over the ring, since the solid wheel reflects the camera unevenly.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -213,31 +213,59 @@ def fitted(
     )
 
 
-def sharp(look: Look, numbers: Mapping[str, float], *, view: View) -> Sharp:
-    """The sector without glare, and what a point in the place of each pixel shows."""
-    shape, turn = view.shape(numbers), numbers["turn_rad"] + look.turn_rad
-    row_turn = look.omega * numbers["row_delay_s"]
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Places:
+    """Where a sector lies in the region, the same in the images of all wheel speeds; shapes (roi rows, roi columns).
 
-    def seen(points: LightPoints) -> ComplexArray:
-        """What each point of light shows, as if read in the row in which it is seen."""
-        value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
-        return np.asarray(value * np.exp(-2j * row_turn * points.row_px))
+    ``border`` are points of light near its border; ``middle_rad`` the mean polar angle of even light and ``smear_rad`` its
+    standard deviation; ``inside`` pixels that the border's blur does not reach; ``radius`` and ``along_px`` as of `Sharp`.
+    """
 
-    read = np.exp(2j * row_turn * view.rows)
-    border = _smeared(shape, seen, view, near_border=True)
+    border: LightPoints
+    middle_rad: Array
+    smear_rad: Array
+    inside: Mask
+    radius: Array
+    along_px: Array
+
+
+def _places(shape: SectorShape, view: View) -> _Places:
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
-    smear = blurred_sector.angular_reach(shape, roi=view.roi)
-    middle = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
-    point = look.smeared(middle - turn - row_turn * view.rows, width_rad=smear)
-    inside = blurred_sector.well_inside(shape, roi=view.roi)
-    along_px = blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
-    return Sharp(
-        sector=np.where(inside, point / read, border), read=read, point=point, radius=radius, along_px=along_px
+    return _Places(
+        border=blurred_sector.border_points(shape),
+        middle_rad=angle + blurred_sector.even_angle_rad(shape, roi=view.roi),
+        smear_rad=blurred_sector.angular_reach(shape, roi=view.roi),
+        inside=blurred_sector.well_inside(shape, roi=view.roi),
+        radius=radius,
+        along_px=blurred_sector.blur_across_px(shape, roi=view.roi, along=True),
     )
 
 
+def sharp(looks: Sequence[Look], numbers: Mapping[str, float], *, view: View) -> list[Sharp]:
+    """The sector without glare, and what a point in the place of each pixel shows, in each image."""
+    shape = view.shape(numbers)
+    places = _places(shape, view)
+    turns = [(numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]) for look in looks]
+    values = []
+    for look, (turn, row_turn) in zip(
+        looks, turns, strict=True
+    ):  # each point as if read in the row in which it is seen
+        points = places.border
+        value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
+        values.append(value * np.exp(-2j * row_turn * points.row_px))
+    borders = blurred_sector.images(places.border, np.array(values), blur_px=shape.blur_of_axes_px, roi=view.roi)
+    found = []
+    for look, (turn, row_turn), border in zip(looks, turns, borders, strict=True):
+        read = np.exp(2j * row_turn * view.rows)
+        point = look.smeared(places.middle_rad - turn - row_turn * view.rows, width_rad=places.smear_rad)
+        sector = np.where(places.inside, point / read, border)
+        found.append(Sharp(sector=sector, read=read, point=point, radius=places.radius, along_px=places.along_px))
+    return found
+
+
 def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp | None = None) -> _Parts:
-    shape, made = view.shape(numbers), known or sharp(look, numbers, view=view)
+    shape, made = view.shape(numbers), known or sharp([look], numbers, view=view)[0]
     sector = blurred_sector.with_glare(made.sector, shape) * made.read
     size = np.abs(made.point)
     back = made.point.conj() / size
@@ -248,14 +276,6 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
         seen=look.projection * back * np.exp(-1j * own),
         size=size,
     )
-
-
-def _smeared(
-    shape: SectorShape, value: Callable[[LightPoints], ComplexArray], view: View, *, near_border: bool = False
-) -> ComplexArray:
-    """Image of the sector with that brightness, without glare; near its border only, if so asked."""
-    points = (blurred_sector.border_points if near_border else blurred_sector.light_points)(shape)
-    return blurred_sector.image(points, value(points), blur_px=shape.blur_of_axes_px, roi=view.roi)
 
 
 def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
@@ -290,7 +310,8 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, bl
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
-    without = _smeared(shape, lambda points: 1 + 1j * points.angle_rad, view)
+    points = blurred_sector.light_points(shape)
+    without = blurred_sector.image(points, 1 + 1j * points.angle_rad, blur_px=shape.blur_of_axes_px, roi=view.roi)
     both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)

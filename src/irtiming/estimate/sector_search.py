@@ -22,6 +22,8 @@ _GAINS = (1e-2, 1e-4, 1e-5)  # of the sum of squares, below which a search ends:
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
 _BY_CHANCE = 2.0  # standard uncertainties
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
+_AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
+_MISSED = 0.3  # of a step's change: slopes that foretell it worse are taken anew
 _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "bisector_rad": 0.05,
     "opening_angle_rad": 0.05,
@@ -64,7 +66,17 @@ class Misfit:
     sharp: Callable[[Numbers], Sequence[Sharp]]
 
 
-def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], n_before: int) -> OptimizeResult:
+@final
+@dataclass(kw_only=True, eq=False)
+class Slopes:
+    """Those of a search's residuals, shape (m, n_free), left for one that begins near its end; none at first."""
+
+    matrix: Array | None = None
+
+
+def searched(
+    misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], n_before: int, slopes: Slopes | None = None
+) -> OptimizeResult:
     """Best of the searches: a whole one from the first start, and from others where the numbers that they change were told.
 
     Parameters
@@ -77,8 +89,13 @@ def searched(misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], 
         Names of the numbers that are searched for, in the order of the result's.
     n_before
         Number of searches before: the result of the first two is but a start for another.
+    slopes
+        With which the search begins, and which are brought up to date; taken anew where they foretell steps badly.
     """
-    best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS)
+    best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS, slopes=slopes)
+    if slopes is not None and best.status not in _AGREES:
+        slopes.matrix = None
+        best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS, slopes=slopes)
     for start in starts[1:]:
         if not _is_told(best, [free.index(name) for name in free if start[name] != starts[0][name]]):
             continue
@@ -97,10 +114,18 @@ def _is_told(found: OptimizeResult, at: Sequence[int]) -> bool:
     return any(abs(found.x[k]) > _BY_CHANCE * np.sqrt(covariance[k, k]) for k in at)
 
 
-def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, evaluations: int) -> OptimizeResult:
+def _search(
+    misfit: Misfit,
+    start: Numbers,
+    *,
+    free: Sequence[str],
+    n_before: int,
+    evaluations: int,
+    slopes: Slopes | None = None,
+) -> OptimizeResult:
     scale = np.array([_SCALES[name] for name in free])
     low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high)
+    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
     return least_squares(
         course.residuals,
         np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale),
@@ -114,13 +139,18 @@ def _search(misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: in
 
 @dataclass(kw_only=True, eq=False)
 class _Course:
-    """Residuals and their slopes along a search; those of the last place are kept, for slopes are asked for where it stands."""
+    """Residuals and their slopes along a search; those of the last place are kept, for slopes are asked for where it stands.
+
+    Slopes are ``kept`` from place to place, each step making them foretell itself (Broyden 1965), as long as they nearly did.
+    """
 
     misfit: Misfit
     start: Numbers
     free: Sequence[str]
     step: Array
     high: Array
+    kept: Slopes
+    before: tuple[Array, Array] | None = None
 
     def residuals(self, at: Array) -> Array:
         self.at, numbers = at.copy(), self._numbers(at)
@@ -129,9 +159,28 @@ class _Course:
         return self.here
 
     def slopes(self, at: Array) -> Array:
-        """By differences, shape (m, n_free)."""
+        """Shape (m, n_free)."""
         if not np.array_equal(at, self.at):
             self.residuals(at)
+        found = self._updated(self.kept.matrix)
+        self.kept.matrix = self._differences(at) if found is None else found
+        self.before = self.at, self.here
+        return self.kept.matrix
+
+    def _updated(self, slopes: Array | None) -> Array | None:
+        """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not."""
+        if slopes is None or slopes.shape != (self.here.size, len(self.free)):
+            return None
+        if self.before is None:
+            return slopes
+        step, change = self.at - self.before[0], self.here - self.before[1]
+        missed = change - slopes @ step
+        if not np.linalg.norm(missed) <= _MISSED * np.linalg.norm(change):
+            return None
+        weighted = step / self.step**2
+        return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
+
+    def _differences(self, at: Array) -> Array:
         columns = []
         for k, name in enumerate(self.free):
             step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]

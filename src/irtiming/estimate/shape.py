@@ -80,7 +80,7 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     for _ in range(_ROUNDS - 1):
         sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
     sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
-    return sector, sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector, by_rows=True)
+    return sector, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=sector)
 
 
 def view(sector: SectorFit, summed: Mask) -> AxleView:

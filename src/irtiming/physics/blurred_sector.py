@@ -312,10 +312,17 @@ def image(
 
     ``blur_px`` is the standard deviation of the Gaussian, or those over rows and over columns.
     """
+    return np.asarray(images(points, value[None], blur_px=blur_px, roi=roi)[0])
+
+
+def images(
+    points: LightPoints, values: ComplexArray, *, blur_px: float | tuple[float, float], roi: tuple[int, int, int, int]
+) -> ComplexArray:
+    """The same of several brightnesses, shape (k, n), at once: shape (k, roi rows, roi columns)."""
     over_rows, over_columns = (blur_px, blur_px) if isinstance(blur_px, float) else blur_px
     return gaussian_spread.deposit(
         (points.row_px - roi[0], points.column_px - roi[2]),
-        value * points.area_px2,
+        values * points.area_px2,
         blur=(over_rows, over_columns),
         size=(roi[1] - roi[0], roi[3] - roi[2]),
     )

@@ -21,20 +21,24 @@ _GAUSSIAN = np.stack(
 
 
 def deposit(
-    places: tuple[Array, Array], value: ComplexArray, *, blur: tuple[float, float], size: tuple[int, int]
+    places: tuple[Array, Array], values: ComplexArray, *, blur: tuple[float, float], size: tuple[int, int]
 ) -> ComplexArray:
-    """Light of each point, spread over the pixels around it, shape ``size``.
+    """Light of each point, spread over the pixels around it, in several images of the same points; shape (k, *size).
 
     Parameters
     ----------
-    places, value
-        Rows and columns, px from the middle of the first pixel, and light; shapes (n,).
+    places
+        Rows and columns, px from the middle of the first pixel, shapes (n,).
+    values
+        Light of each point in each image, shape (k, n).
     blur
         Standard deviations over rows and over columns, px.
     size
         Number of rows and of columns.
     """
-    return np.asarray(_deposit(*places, value, blur, size))
+    light = np.ascontiguousarray(np.concatenate([values.real, values.imag]).T)
+    spread = np.asarray(_deposit(*places, light, blur, size))
+    return np.asarray(spread[: len(values)] + 1j * spread[len(values) :])
 
 
 @njit(cache=True, nogil=True)
@@ -59,10 +63,11 @@ def _along_axis(place: float, first: int, last: int, blur: float, out: Array) ->
 
 
 @njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, value: ComplexArray, blur: tuple[float, float], size: tuple[int, int]) -> Any:
-    """See deposit."""
+def _deposit(row: Array, column: Array, light: Array, blur: tuple[float, float], size: tuple[int, int]) -> Any:
+    """See deposit; light (n, 2 k) and what it becomes, shape (2 k, *size), real parts before imaginary ones."""
     n_row, n_column = size
-    real, imaginary = np.zeros((n_row, n_column)), np.zeros((n_row, n_column))
+    n = light.shape[1]
+    out = np.zeros((n, n_row, n_column))
     down, across = np.empty(n_row), np.empty(n_column)
     reach, beside = REACH * blur[0] + 0.5, REACH * blur[1] + 0.5
     for k in range(row.size):
@@ -71,8 +76,8 @@ def _deposit(row: Array, column: Array, value: ComplexArray, blur: tuple[float, 
         _along_axis(row[k], first_row, last_row, blur[0], down)
         _along_axis(column[k], first, last, blur[1], across)
         for i in range(first_row, last_row + 1):
-            along, aside = value[k].real * down[i], value[k].imag * down[i]
-            for j in range(first, last + 1):
-                real[i, j] += along * across[j]
-                imaginary[i, j] += aside * across[j]
-    return real + 1j * imaginary
+            for part in range(n):
+                along = light[k, part] * down[i]
+                for j in range(first, last + 1):
+                    out[part, i, j] += along * across[j]
+    return out

@@ -63,7 +63,7 @@ def test_the_sector_comes_back(plain, camera):
 def test_a_row_delay_is_looked_for_where_there_should_be_none(plain, camera, lag, brute_rows, rig_with):
     """Oracle: the row delay of the light that was summed; the camera is said to read all rows at once."""
     at_once = replace(brute_rows(camera, noise_dn=6.0, seed=3), readout_mode="snapshot")
-    found = sector_fit.fit([at_once], camera.model, rig=rig_with(), timing=lag, start=plain, by_rows=True)
+    found = sector_fit.fit_row_by_row([at_once], camera.model, rig=rig_with(), timing=lag, start=plain)
     assert abs(found.row_delay_s - camera.row_delay_s) < 4 * found.u_row_delay_s
     held = sector_fit.fit([at_once], camera.model, rig=rig_with(), timing=lag, start=plain)
     assert held.u_row_delay_s == 0

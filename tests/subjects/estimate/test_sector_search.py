@@ -1,0 +1,66 @@
+"""The search for the numbers of the contrast image, on a curve of which the answer is known."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from irtiming.estimate.sector_image import Sharp
+from irtiming.estimate.sector_search import Misfit, Slopes, searched
+from irtiming.records.arrays import Array
+
+FREE = ("axle_row_px", "axle_column_px", "inner_radius_px")
+TRUE = {"axle_row_px": 3.0, "axle_column_px": -2.0, "inner_radius_px": 5.0}
+PLACE = np.linspace(0.0, 1.0, 40)
+
+
+class _Curve:
+    """A bent curve with three numbers, that counts how often it is asked for; ``off`` is what it misses by."""
+
+    def __init__(self, off: float = 0.0) -> None:
+        self.asked, self.off = 0, off
+
+    def misfit(self) -> Misfit:
+        def sharp(numbers: Mapping[str, float]) -> Sequence[Sharp]:
+            self.asked += 1
+            return ()
+
+        return Misfit(residuals=self._residuals, sharp=sharp)
+
+    def _residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
+        a, b, c = (numbers[name] - TRUE[name] for name in FREE)
+        return np.asarray(
+            a + b * PLACE + c * np.sin(3 * PLACE) + 0.05 * a * b * PLACE**2 + self.off * np.cos(40 * PLACE)
+        )
+
+
+def test_slopes_that_were_kept_lead_to_the_same_place_with_fewer_images() -> None:
+    """Oracle: the numbers that the curve was made with, and one image a step, against one more for each number's slope."""
+    kept, first, again, alone = Slopes(), _Curve(), _Curve(), _Curve()
+    near = {name: value + 0.02 for name, value in TRUE.items()}
+    searched(first.misfit(), [{name: value + 0.5 for name, value in TRUE.items()}], free=FREE, n_before=2, slopes=kept)
+    with_kept = searched(again.misfit(), [near], free=FREE, n_before=2, slopes=kept)
+    without = searched(alone.misfit(), [near], free=FREE, n_before=2)
+    assert with_kept.x == pytest.approx([TRUE[name] for name in FREE], abs=2e-3)
+    assert without.x == pytest.approx(with_kept.x, abs=2e-3)
+    assert again.asked == with_kept.nfev
+    assert alone.asked == without.nfev + len(FREE)
+
+
+def test_slopes_of_another_curve_are_taken_anew() -> None:
+    """Oracle: the numbers that the curve was made with, though the slopes that it begins with have the wrong sign."""
+    wrong = Slopes()
+    wrong.matrix = -np.stack([np.ones(40), PLACE, np.sin(3 * PLACE)], axis=1)
+    with_wrong = searched(
+        _Curve(0.01).misfit(),
+        [{name: value + 0.5 for name, value in TRUE.items()}],
+        free=FREE,
+        n_before=2,
+        slopes=wrong,
+    )
+    other_length = searched(
+        _Curve(0.01).misfit(), [{name: value + 0.5 for name, value in TRUE.items()}], free=FREE, n_before=2,
+        slopes=Slopes(matrix=np.ones((7, 3))),
+    )  # fmt: skip
+    assert other_length.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
+    assert with_wrong.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
