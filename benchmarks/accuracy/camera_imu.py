@@ -59,11 +59,12 @@ class Motion:
 
 def filmed(truth, motion, rng):
     """Frames of the texture, stamped at their triggers; each pixel's value is a mean over when it looked."""
-    shares = (np.arange(NODES) + 0.5) / NODES
     if truth["camera"] == "microbolometer":
-        first_s, back_s = truth["trigger_delay_s"], truth["time_constant_s"] * np.log1p(-shares)
+        left = np.arange(NODES, -1, -1) / NODES  # of a past that fades: parts of equal weight, each at its own mean
+        within = left - left * np.log(np.where(left > 0, left, 1.0))
+        first_s, back_s = truth["trigger_delay_s"], -truth["time_constant_s"] * NODES * (within[:-1] - within[1:])
     else:
-        first_s, back_s = truth["trigger_delay_s"], truth["integration_time_s"] * shares
+        first_s, back_s = truth["trigger_delay_s"], truth["integration_time_s"] * (np.arange(NODES) + 0.5) / NODES
     rows_s = truth.get("row_delay_s", 0.0) * np.arange(ROWS)
     texture = np.convolve(rng.normal(size=4096), np.hanning(17), mode="same")
     place, centre = np.arange(4096), 2048 + np.arange(COLUMNS) - COLUMNS / 2

@@ -111,7 +111,7 @@ class ReferenceWishes:
 
 MEASURANDS = (
     "trigger_delay", "exposure_midpoint_delay", "trigger_delay_falling", "trigger_delay_rising", "integration_time",
-    "relative_delay", "time_constant", "row_delay",
+    "relative_delay", "time_constant", "row_delay", "strobe_delay", "timestamp_delay",
 )  # fmt: skip
 """What an uncertainty may be wished for; the relative delay is the least sure one of a series."""
 

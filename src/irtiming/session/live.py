@@ -24,6 +24,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
+from irtiming.report import event_words
 
 FEWEST_FRAMES = 120
 """Below so many frames of a run nothing is looked at."""
@@ -236,11 +237,12 @@ def _unknown(finding: Finding) -> LiveEstimate:
 
 def told_of(found: Analysis) -> LiveEstimate:
     """What an analysis says, in short."""
-    estimate = found.result.estimate
-    uncertainties = dict(zip(estimate.names, map(float, estimate.standard_uncertainties), strict=True))
+    estimate, event = found.result.estimate, event_words.event_of(found)
+    names = [event_words.text(name, event) for name in estimate.names]
+    uncertainties = dict(zip(names, map(float, estimate.standard_uncertainties), strict=True))
     apart = [each.standard_uncertainty_s for each in found.result.relative_delays if each.nominal_s > 0]
     return LiveEstimate(
         frames=sum(one.trigger_ticks.size for one in found.recordings),
-        values=dict(zip(estimate.names, map(float, estimate.values), strict=True)),
+        values=dict(zip(names, map(float, estimate.values), strict=True)),
         uncertainties=uncertainties | ({"relative_delay": max(apart)} if apart else {}),
     )

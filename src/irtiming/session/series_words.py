@@ -26,7 +26,7 @@ def so_far(found: LiveEstimate) -> str:
     numbers = [
         f"{name} {value_text(value, found.uncertainties[name], unit='1' if name in _SHARES else 's')}"
         for name, value in found.values.items()
-        if not name.startswith(("exposure", "trigger_delay_"))
+        if not name.startswith("exposure") and not name.endswith(("_falling", "_rising"))
     ]
     return f"{', '.join(numbers)}, from {found.frames} frames"
 

@@ -65,9 +65,12 @@ def _so_far(file: h5py.File) -> Checked:
     n_frames = frames_there(file)  # first: what a frame needs is in the file before the frame is counted
     for field in layout.FIELDS:
         contents[field] = None if field is layout.FRAMES else read_field(file, field)
-    is_free = contents[layout.FRAME_EVENT] not in (None, "trigger")
-    numbers, n_triggers = contents[layout.FRAME_NUMBER][:n_frames], contents[layout.CAMERA_TRIGGER].size
-    n_timed = n_frames if is_free else int(np.searchsorted(numbers, n_triggers))
+    event = contents[layout.FRAME_EVENT] or "trigger"
+    edges = layout.CAMERA_INPUT if event == "strobe" else layout.CAMERA_TRIGGER
+    is_edge = event in ("strobe", "trigger")
+    n_timed = (
+        int(np.searchsorted(contents[layout.FRAME_NUMBER][:n_frames], contents[edges].size)) if is_edge else n_frames
+    )
     if n_timed == 0:
         raise refuse(
             "",
