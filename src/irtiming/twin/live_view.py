@@ -14,7 +14,7 @@ import numpy as np
 from irtiming.records.arrays import Array, Pixels
 from irtiming.twin import window
 from irtiming.twin.frames import BlackbodyShots
-from irtiming.twin.node_picture import NodePicture
+from irtiming.twin.node_picture import SECOND_BLADE, NodePicture
 from irtiming.twin.noise import Values, generator
 from irtiming.twin.readout import (
     Exposure,
@@ -261,8 +261,10 @@ class _RowsViews:
         """Linear pixels at another speed before another blackbody."""
         radiance = self._scene.radiance
         warmer_dn = radiance.level_dn(blackbody_k) - radiance.level_dn(radiance.blackbody_k)
-        gain_dn = traced.gain_dn + traced.nodes.share * (traced.nodes.behind == 0) * np.float32(warmer_dn)
-        return replace(traced, gain_dn=gain_dn.astype(np.float32), response=response_of(self._scene, rad_per_s))
+        gains_dn = traced.gains_dn.copy()
+        gains_dn[:, 0] += traced.nodes.share * (traced.nodes.behind == 0) * np.float32(warmer_dn)
+        blade = None if traced.blade is None else response_of(self._scene, rad_per_s, seen=SECOND_BLADE)
+        return replace(traced, gains_dn=gains_dn, response=response_of(self._scene, rad_per_s), blade=blade)
 
     def _trace(self, rad_per_s: float, blackbody_k: float) -> RowsView:
         scene = replace(self._scene, radiance=replace(self._scene.radiance, blackbody_k=blackbody_k))

@@ -51,18 +51,17 @@ class Response:
 class NodePicture:
     """A scene ready to be read row by row.
 
-    gain_dn (n_node,), DN, is what its pixel gains when a node sees past the wheel; closed_dn (row, column), DN,
+    gains_dn (n_node, k), DN, is what its pixel gains when a node sees past the wheel; closed_dn (row, column), DN,
     what pixels give behind solid wheel. Where the blade between edges 2 and 3 is warmer, blade is the response to it, and
-    blade_dn (n_node,), DN, what a pixel gains when a node sees it.
+    the second of the gains what a pixel gains when a node sees it.
     """
 
     response: Response
     nodes: Nodes
-    gain_dn: Weights
+    gains_dn: Weights
     closed_dn: Values
     gate_rad: float
     blade: Response | None = None
-    blade_dn: Weights | None = None
 
 
 def cells_of(span_rad: float) -> int:
@@ -88,14 +87,16 @@ def node_picture(scene: Scene, response: Response, *, span_rad: float, blade: Re
     closed = solid_wheel(scene)
     levels = np.array([radiance.level_dn(radiance.blackbody_k), radiance.level_dn(radiance.mask_k)])
     hidden = np.repeat(closed.ravel()[nodes.pixel], np.diff(nodes.first_node))
+    gains = [nodes.share * (levels[nodes.behind] - hidden)]
+    if blade is not None:
+        gains.append(nodes.share * radiance.blade_dn)
     return NodePicture(
         response=response,
         nodes=nodes,
-        gain_dn=(nodes.share * (levels[nodes.behind] - hidden)).astype(np.float32),
+        gains_dn=np.stack(gains, axis=1).astype(np.float32),
         closed_dn=closed,
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
         blade=blade,
-        blade_dn=None if blade is None else (nodes.share * radiance.blade_dn).astype(np.float32),
     )
 
 
@@ -115,16 +116,14 @@ def read_rows(shot: NodePicture, wheel_angle_rad: Array, *, speed: float, out: V
     """
     out[...] = shot.closed_dn
     nodes, angle = shot.nodes, np.asarray(wheel_angle_rad, dtype=np.float64) + shot.gate_rad
-    for response, gain_dn in ((shot.response, shot.gain_dn), (shot.blade, shot.blade_dn)):
-        if response is None or gain_dn is None:
-            continue
-        level = (response.level + speed * response.per_speed).astype(np.float32)
-        _add_nodes_past_wheel(
-            out.reshape(-1),
-            (angle, level),
-            (nodes.pixel, nodes.reference_rad, nodes.first_node, nodes.offset_rad, gain_dn),
-            out.shape[1],
-        )
+    responses = [shot.response] if shot.blade is None else [shot.response, shot.blade]
+    level = np.stack([one.level + speed * one.per_speed for one in responses], axis=1).astype(np.float32)
+    _add_nodes_past_wheel(
+        out.reshape(-1),
+        (angle, level),
+        (nodes.pixel, nodes.reference_rad, nodes.first_node, nodes.offset_rad, shot.gains_dn),
+        out.shape[1],
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -134,10 +133,10 @@ def _add_nodes_past_wheel(
     table: tuple[Indices, Array, Counts, Offsets, Weights],
     columns: int,
 ) -> None:
-    """Add to each live pixel what its nodes bring at the angle of its row."""
+    """Add to each live pixel what its nodes bring at the angle of its row; levels (n_cell + 1, k) and gains (n_node, k)."""
     angle, level = wheel
     pixel, reference, first_node, offset, gain = table
-    cells = level.size - 1
+    cells = level.shape[0] - 1
     per_rad = cells / (2 * math.pi)
     for live in range(pixel.size):
         middle = (angle[pixel[live] // columns] - reference[live]) * per_rad
@@ -150,5 +149,6 @@ def _add_nodes_past_wheel(
             elif place >= cells:
                 place -= cells
             cell = min(int(place), cells - 1)
-            total += gain[node] * (level[cell] + (place - cell) * (level[cell + 1] - level[cell]))
+            for k in range(level.shape[1]):
+                total += gain[node, k] * (level[cell, k] + (place - cell) * (level[cell + 1, k] - level[cell, k]))
         flat[pixel[live]] += total
