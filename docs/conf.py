@@ -103,6 +103,12 @@ def _after_napoleon(app: Sphinx, what: str, name: str, *rest: object) -> None:
         rest[-1][:] = _docstrings.pop(name)  # type: ignore[index]
 
 
+def _dashes(app: Sphinx, tree: nodes.document, docname: str) -> None:
+    """A dash between a parameter and its description, which Sphinx leaves to the quotation marks that are switched off."""
+    for text in list(tree.findall(lambda node: isinstance(node, nodes.Text) and node == " -- ")):
+        text.parent.replace(text, nodes.Text(" – "))
+
+
 class _Translator(HTML5Translator):
     """Tables in a box of their own, which scrolls where a screen is narrow."""
 
@@ -118,6 +124,7 @@ class _Translator(HTML5Translator):
 def setup(app: Sphinx) -> dict[str, bool]:
     """What this site does beyond Sphinx."""
     app.connect("source-read", _front_page)
+    app.connect("doctree-resolved", _dashes)
     app.connect("autodoc-process-docstring", _before_napoleon, priority=400)
     app.connect("autodoc-process-docstring", _after_napoleon, priority=600)
     app.set_translator("html", _Translator)
