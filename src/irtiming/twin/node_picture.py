@@ -87,13 +87,13 @@ def node_picture(scene: Scene, response: Response, *, span_rad: float, blade: Re
     closed = solid_wheel(scene)
     levels = np.array([radiance.level_dn(radiance.blackbody_k), radiance.level_dn(radiance.mask_k)])
     hidden = np.repeat(closed.ravel()[nodes.pixel], np.diff(nodes.first_node))
-    gains = [nodes.share * (levels[nodes.behind] - hidden)]
+    gains: list[Weights] = [(nodes.share * (levels[nodes.behind] - hidden)).astype(np.float32)]
     if blade is not None:
-        gains.append(nodes.share * radiance.blade_dn)
+        gains.append((nodes.share * radiance.blade_dn).astype(np.float32))
     return NodePicture(
         response=response,
         nodes=nodes,
-        gains_dn=np.stack(gains, axis=1).astype(np.float32),
+        gains_dn=np.stack(gains, axis=1),
         closed_dn=closed,
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
         blade=blade,
