@@ -10,7 +10,7 @@ demo: .venv/ready
 
 test: .venv/ready-for-tests check
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \
-		pango-view:pango1.0-tools
+		pango-view:pango1.0-tools chromium:chromium
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
 check: .venv/ready-for-tests

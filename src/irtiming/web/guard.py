@@ -82,7 +82,18 @@ class Guard:
         elif scope["type"] == "http":
             await self._bounded(scope, receive, send)
         else:
-            await self._app(scope, receive, send)
+            await self._opened(scope, receive, send)
+
+    async def _opened(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """A line that stays open, if who asked for it is still there."""
+        first: list[Message] = [await receive()]
+        if first[0]["type"] != "websocket.connect":
+            return
+
+        async def replayed() -> Message:
+            return first.pop() if first else await receive()
+
+        await self._app(scope, replayed, send)
 
     def _complaint(self, scope: Scope) -> str | None:
         headers: Headers = scope["headers"]

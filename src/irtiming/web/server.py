@@ -1,6 +1,7 @@
 """The server of the pages: one folder, one token, loopback unless something else is asked for."""
 
 import asyncio
+import logging
 import secrets
 import signal
 import socket
@@ -120,6 +121,7 @@ async def _served(order: ServeOrder, rules: Rules, *, line: socket.socket, ready
 def add_pages(desk: Desk, *, upload_bytes: int) -> None:
     """All pages, for a desk."""
     pages_app.add_static_files("/look", Path(__file__).with_name("look"))
+    logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is told to who asked
     pages_app.config.socket_io_js_transports = ["websocket"]
     for page in (start_page, plan_page, rig_page, record_page, files, analyse_page, certificate_page, apply_page):
         page.add(desk)
@@ -134,6 +136,7 @@ def _listening(order: ServeOrder) -> Iterator[socket.socket]:
             line.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             line.bind((order.host, order.port))
+            line.listen(MOST_CONNECTIONS)  # who opens the page before all is loaded waits, and is not turned away
         except OSError as error:
             raise InstrumentError(
                 f"{order.host} port {order.port} cannot be used ({error.strerror}); give another {{port}}, or 0 for any",

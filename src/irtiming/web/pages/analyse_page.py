@@ -2,6 +2,7 @@
 
 from html import escape
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from nicegui import ui
@@ -20,10 +21,10 @@ def add(desk: Desk) -> None:
     """Serve it."""
 
     @ui.page("/analyse")
-    async def analyse(result: str = "") -> None:
+    def analyse(result: str = "") -> None:
         with frame.page(desk, "/analyse"):
             if result:
-                await _result(desk, result)
+                _result(desk, result)
             with show.card("Analyse recordings"):
                 _form(desk)
             with show.card("Results"):
@@ -106,38 +107,16 @@ def _results(desk: Desk) -> None:
     show.html(f'<ul class="files">{rows}</ul>')
 
 
-async def _result(desk: Desk, name: str) -> None:
-    """A result: what is doubtful first."""
+def _result(desk: Desk, name: str) -> None:
+    """A result: what is doubtful first, then the numbers, then the report."""
     try:
         path = desk.folder.existing(name)
     except IrTimingError as error:
         show.html(show.finding_html("error", str(error)))
         return
+    report = path.with_suffix(".html")
     with show.card(f"Result: {path.stem}"):
         body = show.html('<p class="note">reading …</p>')
-        found = await desk.ask("analysis:read", path)
-        if not found.is_good:
-            show.put(body, show.finding_html("error", found.text))
-            return
-        told = found.answer
-        doubts = [one for one in told["findings"] if one["severity"] not in ("ok", "info")]
-        notes = [one for one in told["findings"] if one["severity"] in ("ok", "info")]
-        first = show.findings_html(doubts) or show.finding_html("ok", "nothing is doubtful", title="findings:")
-        folded = (
-            f"<details><summary>{len(notes)} more notes</summary>{show.findings_html(notes)}</details>" if notes else ""
-        )
-        simulated = (
-            show.finding_html("info", "the camera is a simulated one", title="mark:") if told["is_simulated"] else ""
-        )
-        headline = f'<div class="verdict"><p>{escape(told["headline"])}</p></div>'
-        table = show.table_html(["", "value ± standard uncertainty", "what it is"], told["parameters"])
-        delays = (
-            show.table_html(["recording", "relative delay"], told["relative_delays"])
-            if len(told["relative_delays"]) > 1
-            else ""
-        )
-        show.put(body, first + folded + simulated + headline + table + delays)
-        report = path.with_suffix(".html")
         with ui.element("div").classes("actions"):
             ui.link("Save the result (JSON)", files.link(desk, path)).classes("button")
             if report.is_file():
@@ -146,3 +125,25 @@ async def _result(desk: Desk, name: str) -> None:
     if report.is_file():
         with show.card("Report"):
             show.html(f'<iframe class="inside" title="report" src="{escape(files.link(desk, report))}"></iframe>')
+
+    async def read() -> None:
+        found = await desk.ask("analysis:read", path)
+        show.put(body, _told(found.answer) if found.is_good else show.finding_html("error", found.text))
+
+    ui.timer(0.05, read, once=True)
+
+
+def _told(result: dict[str, Any]) -> str:
+    findings, parts = result["findings"], []
+    doubts = [one for one in findings if one["severity"] not in ("ok", "info")]
+    notes = [one for one in findings if one["severity"] in ("ok", "info")]
+    parts.append(show.findings_html(doubts) or show.finding_html("ok", "nothing is doubtful", title="findings:"))
+    if notes:
+        parts.append(f"<details><summary>{len(notes)} more notes</summary>{show.findings_html(notes)}</details>")
+    if result["is_simulated"]:
+        parts.append(show.finding_html("info", "the camera is a simulated one", title="mark:"))
+    parts.append(f'<div class="verdict"><p>{escape(result["headline"])}</p></div>')
+    parts.append(show.table_html(["", "value ± standard uncertainty", "what it is"], result["parameters"]))
+    if len(result["relative_delays"]) > 1:
+        parts.append(show.table_html(["recording", "relative delay"], result["relative_delays"]))
+    return "".join(parts)

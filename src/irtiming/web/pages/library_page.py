@@ -26,11 +26,11 @@ def add(desk: Desk, *, upload_bytes: int) -> None:
     """Serve it."""
 
     @ui.page("/library")
-    async def library(file: str = "", find: str = "") -> None:
+    def library(file: str = "", find: str = "") -> None:
         with frame.page(desk, "/library"):
             if file:
                 with show.card(file):
-                    await _one(desk, file)
+                    _one(desk, file)
             with show.card("Files of frames"):
                 _list(desk, find, chosen=file)
             with show.card("Drag files in"):
@@ -62,7 +62,7 @@ def _row(desk: Desk, path: Path, *, is_chosen: bool) -> str:
     )
 
 
-async def _one(desk: Desk, name: str) -> None:
+def _one(desk: Desk, name: str) -> None:
     """A file: a frame of it, what it tells, and what can be done with it."""
     try:
         path = desk.folder.existing(name)

@@ -1,0 +1,144 @@
+"""The pages as a person uses them, in a real browser; and as nobody should."""
+
+import importlib.util
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CHROMIUM = shutil.which("chromium")
+FLAGS = (
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+FORM = {
+    "Number": ["W-1"], "Signed by": ["Dr. A. Example"], "Name": ["Laboratory", "Customer"], "Street": ["Messweg 1"] * 2,
+    "Postcode": ["38116"] * 2, "City": ["Braunschweig"] * 2, "Country (two letters)": ["DE"] * 2, "E-mail": ["a@example.org"] * 2,
+}  # fmt: skip
+
+
+def _hostile():
+    spec = importlib.util.spec_from_file_location("hostile_requests", ROOT / "benchmarks" / "hostile_requests.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def hostile():
+    """The benchmark of hostile requests."""
+    return _hostile()
+
+
+@pytest.fixture(scope="module")
+def served(hostile, tmp_path_factory):
+    """A server of a folder that has things outside it which it must not touch."""
+    around = tmp_path_factory.mktemp("pages").resolve()
+    hostile.lay_out(around)
+    (around / "lab" / "run.nxs").unlink()
+    with hostile.served(around) as found:
+        yield found
+
+
+def test_a_few_dozen_hostile_requests_reach_nothing(hostile, served):
+    """Oracle: the files on the disk, and what was written outside the folder; the benchmark does ten thousand of them."""
+    before = hostile.state(served.around)
+    counts, wrong = hostile.attack(served, n=60, seed=2)
+    assert wrong == []
+    assert counts["403"] > 10
+    assert hostile.is_alive(served)
+    assert hostile.state(served.around) == before
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+def test_a_session_in_a_browser_from_the_plan_to_the_certificate(served):
+    """Oracle: the truth of the simulated rig, the files on the disk, and what the browser asked of other hosts: nothing."""
+    from playwright.sync_api import expect, sync_playwright
+
+    lab, base = served.around / "lab", f"http://{served.host}"
+    foreign, complaints = [], []
+    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
+        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
+        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
+        page.on("console", lambda one: complaints.append(one.text) if one.type == "error" else None)
+        page.set_default_timeout(60_000)
+        expect.set_options(timeout=60_000)
+        page.goto(served.address)
+        assert "token" not in page.url
+
+        _start_rig(page, base, lab)
+        _plan(page, base)
+        _record(page, base)
+        _analyse(page, base)
+        _certify(page, base)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert foreign == []
+    assert complaints == []
+    truth = json.loads((lab / "simulated-rig" / "truth.json").read_text())
+    found = json.loads((lab / "results" / "recordings.json").read_text())["parameters"]["trigger_delay"]
+    assert abs(found["value"] - truth["trigger_delay_s"]) < 5 * found["standard_uncertainty"]
+
+
+def _start_rig(page, base, lab):
+    page.goto(f"{base}/rig")
+    for label, value in (("Rows", "32"), ("Columns", "40"), ("Seconds of the rig in one of yours", "3")):
+        page.get_by_label(label, exact=True).fill(value)
+    page.get_by_role("button", name="Start the simulated rig").click()
+    page.get_by_text("its files are in simulated-rig").wait_for()
+    plan = lab / "simulated-rig" / "plan.toml"
+    plan.write_text(plan.read_text().split("[references]")[0])  # a blackbody that settles takes its time
+
+
+def _plan(page, base):
+    page.goto(f"{base}/plan")
+    page.get_by_text(re.compile("u.trigger delay. = ")).wait_for()
+    samples = page.get_by_label("Samples in a turn").locator("[tabindex]")
+    samples.focus()
+    for key in ("PageDown", "PageDown", "ArrowRight", "ArrowLeft"):
+        samples.press(key)
+    page.get_by_text("Samples in a turn: 100").wait_for()
+    page.locator(".q-chip", has_text="9 Hz").locator(".q-chip__icon--remove").click()
+    page.get_by_role("button", name="Write the plan").click()
+    page.get_by_text("Record has it in its list").wait_for()
+
+
+def _record(page, base):
+    page.goto(f"{base}/record")
+    _choose(page, "The rig's numbers", "(no estimate while recording)")
+    for _ in range(4):  # a busy computer may be late for the rig; the same again goes on
+        page.get_by_role("button", name="Record", exact=True).click()
+        page.get_by_text("goes on; closing this page stops nothing").wait_for()
+        page.goto(f"{base}/library")
+        page.goto(f"{base}/record")
+        ending = page.get_by_text(re.compile("complete:|ended early:"))
+        ending.wait_for()
+        if "complete" in ending.inner_text():
+            break
+        _choose(page, "The rig's numbers", "(no estimate while recording)")
+
+
+def _analyse(page, base):
+    page.goto(f"{base}/analyse")
+    page.get_by_role("button", name="Analyse", exact=True).click()
+    page.wait_for_url(re.compile("result="), wait_until="commit")
+    page.get_by_text("value ± standard uncertainty").wait_for()
+
+
+def _certify(page, base):
+    page.get_by_role("link", name="Make a certificate").click()
+    page.get_by_label("Number", exact=True).wait_for()
+    for label, values in FORM.items():
+        for number, value in enumerate(values):
+            page.get_by_label(label, exact=True).nth(number).fill(value)
+    page.get_by_role("button", name="Preview").click()
+    page.frame_locator("iframe").get_by_text("No. W-1").wait_for()
+
+
+def _choose(page, label, option):
+    page.get_by_role("combobox", name=label, exact=True).click()
+    page.get_by_role("option", name=option).click()
