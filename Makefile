@@ -3,6 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PROJECT := pyproject.toml constraints.txt
 
+# Without files of bytecode, each process of the tests compiles all sources anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready

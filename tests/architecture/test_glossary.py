@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from syntax import tree
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "explanation" / "definitions.md"
@@ -22,7 +23,7 @@ def _records() -> dict[str, list[str]]:
     """Every public record and its public fields, from the source."""
     found = {}
     for path in sorted((ROOT / "src" / "irtiming" / "records").glob("*.py")):
-        for node in filter(_is_record, ast.parse(path.read_text()).body):
+        for node in filter(_is_record, tree(path).body):
             names = [part.target.id for part in node.body if isinstance(part, ast.AnnAssign)]
             found[node.name] = [name for name in names if not name.startswith("_")]
     return found

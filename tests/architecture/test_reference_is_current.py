@@ -4,7 +4,10 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+
+from syntax import nodes
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -25,11 +28,12 @@ def _block(page: str, language: str) -> str:
     return found[1]
 
 
+@cache
 def _messages() -> list[str]:
     """Every text of the program, with an ellipsis for each value that is put into it."""
     texts = []
     for path in (ROOT / "src").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes(path):
             if isinstance(node, ast.JoinedStr):
                 texts.append("".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in node.values))
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):

@@ -3,7 +3,10 @@
 import ast
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+
+from syntax import nodes, tree
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src" / "irtiming"
@@ -39,7 +42,7 @@ OFFENDERS = {
 
 
 def _all_functions(path: Path) -> Iterator[Function]:
-    yield from (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, Function))
+    yield from (node for node in nodes(path) if isinstance(node, Function))
 
 
 def _arguments(function: Function) -> list[ast.arg]:
@@ -47,17 +50,15 @@ def _arguments(function: Function) -> list[ast.arg]:
     return [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
 
 
+@cache
 def _aliases(path: Path) -> dict[str, str]:
     """Names that a module gives to types, such as ``Runs: TypeAlias = Sequence[tuple[Information, int]]``."""
     found = {}
-    for node in ast.parse(path.read_text()).body:
+    for node in tree(path).body:
         target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
         if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(target, ast.Name) and node.value is not None:
             found[target.id] = ast.unparse(node.value)
     return found
-
-
-ALIASES = {name: text for path in SOURCES for name, text in _aliases(path).items() if "tuple[" in text}
 
 
 def _unlike(annotation: ast.expr, aliases: dict[str, str]) -> bool:
@@ -75,10 +76,11 @@ def _unlike(annotation: ast.expr, aliases: dict[str, str]) -> bool:
 
 def test_no_parameter_is_a_tuple_of_unlike_things():
     """Oracle: the annotations; what belongs together is a record with names, the rest are parameters of their own."""
+    tuples = {name: text for path in SOURCES for name, text in _aliases(path).items() if "tuple[" in text}
     found = {
         f"{path.relative_to(PACKAGE)}:{function.name}({argument.arg})"
         for path in SOURCES
-        for aliases in [ALIASES | _aliases(path)]
+        for aliases in [tuples | _aliases(path)]
         for function in _all_functions(path)
         for argument in _arguments(function)
         if argument.annotation is not None and _unlike(argument.annotation, aliases)
@@ -93,14 +95,14 @@ ARRAYS = {
 }  # fmt: skip
 """Names of array types in annotations."""
 
-ERRORS = {node.name for node in ast.parse((PACKAGE / "errors.py").read_text()).body if isinstance(node, ast.ClassDef)}
+ERRORS = {node.name for node in tree(PACKAGE / "errors.py").body if isinstance(node, ast.ClassDef)}
 ERRORS |= {"Complaint", "archive_error", "as_error", "broken", "refuse", "unwritable"}
 """Errors of this program, and what makes them."""
 
 
 def _documented(path: Path) -> Iterator[tuple[Function, str]]:
     """Public functions and methods of a file with their docstrings, a method's with that of its class behind it."""
-    for node in ast.parse(path.read_text()).body:
+    for node in tree(path).body:
         if isinstance(node, Function) and not node.name.startswith("_"):
             yield node, ast.get_docstring(node) or ""
         elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
