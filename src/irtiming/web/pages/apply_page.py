@@ -35,7 +35,7 @@ def _form(desk: Desk) -> None:
     with ui.element("div").classes("form"):
         result = ui.select(results, value=results[0] if results else None, label="Result")
         source = ui.select(names, value=names[0] if names else None, label="Frames of the same camera")
-        period = ui.input("Time between frames, if the file does not tell it", placeholder="33.3 ms")
+        period = ui.input("Frame period, if not told", placeholder="33.3 ms")
         times = ui.checkbox("Write the times of all rows, too (CSV)")
     ui.label(
         "A result for another camera, integration time, readout or image size is refused. The frames are left as they are."
@@ -104,6 +104,7 @@ def _compared(desk: Desk) -> None:
             return
         told = found.answer
         slider.props(f"max={told['n_frames'] - 1}")
+        slider.set_value(told["index"])
         both = "".join(
             f'<figure><div class="live"><img alt="{title}" src="data:image/jpeg;base64,{base64.b64encode(told[name]).decode()}">'
             f"</div><figcaption>{title}</figcaption></figure>"

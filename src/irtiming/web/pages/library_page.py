@@ -19,6 +19,9 @@ MOST_SHOWN = 60
 _DRAGGED = "dragged-in"
 _TAKEN = (*files.FRAMES, ".json", ".toml", ".csv")
 _RESERVE_BYTES = 2**30
+_READ_S = 3.0
+"""For what was said of each file to be read."""
+
 _FORMATS = {".nxs": "NeXus (.nxs)", ".tif": "BigTIFF (.tif)", ".npy": "NumPy (.npy)", ".hcc": "Telops (.hcc)"}
 
 
@@ -171,4 +174,4 @@ def _drag_in(desk: Desk, upload_bytes: int) -> None:
         on_rejected=lambda: show.complain(f"larger than {upload_bytes // 2**20} MiB; copy it into {desk.folder.root}"),
     )  # fmt: skip
     upload.props("flat bordered").classes("wide")
-    upload.on("finish", lambda: ui.navigate.to("/library"))
+    upload.on("finish", lambda: ui.timer(_READ_S, lambda: ui.navigate.to("/library"), once=True))

@@ -1,5 +1,6 @@
 """Recording a series: the live image, the estimate as it tightens, how the edges come; it goes on whoever looks."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -63,7 +64,13 @@ def _form(desk: Desk) -> Callable[[Job | None], None]:
                 "info", "there is no plan.toml in the folder", cure="Start a simulated rig, or write one."
             )
         )
-    state = show.html()
+    command, state = show.html(), show.html()
+
+    def tell_command() -> None:
+        show.put(command, _command(desk, str(plan.value or "")))
+
+    plan.on_value_change(tell_command)
+    tell_command()
 
     def start(*, checks_only: bool) -> None:
         try:
@@ -101,6 +108,16 @@ def _beside(plans: list[str], rigs: list[str]) -> str:
     """The rig.toml in the folder of the plan, where there is one."""
     wanted = [f"{one.removesuffix('plan.toml')}rig.toml" for one in plans]
     return next((one for one in wanted if one in rigs), rigs[0])
+
+
+def _command(desk: Desk, name: str) -> str:
+    """The program that a plan runs, to be seen before it does."""
+    try:
+        text = desk.folder.existing(name).read_text(encoding="utf-8", errors="replace")
+    except (IrTimingError, OSError):
+        return ""
+    found = re.search(r"(?m)^\s*command\s*=\s*(.+)$", text)
+    return show.finding_html("info", found[1].strip(), title="This plan runs a program:") if found else ""
 
 
 def _say(desk: Desk, word: str) -> None:

@@ -72,6 +72,8 @@ def _attending(line: Line, order: RecordingOrder) -> series.Attending:
     @contextmanager
     def attending(plan: SeriesPlan, live: LiveAnalysis | None) -> Iterator[LiveAttendant]:
         yield Watcher(plan, live, line=line, is_silent=order.is_silent)
+        if live is not None:
+            line.says("all is recorded; the estimate of it all is being made")
 
     return attending
 
