@@ -14,7 +14,8 @@ from irtiming.archive.live.recording import LiveRecording
 from irtiming.measurement import analyse
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
-from irtiming.session.live import FEWEST_FRAMES, Analyst, LiveAnalysis, LiveEstimate, told_of
+from irtiming.session.analyst import Analyst, told_of
+from irtiming.session.live import FEWEST_FRAMES, LiveAnalysis, LiveEstimate
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 

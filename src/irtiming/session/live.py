@@ -5,8 +5,6 @@ together with the finished recordings of the series. A look costs what an analys
 of them together at a few times the last. What the last look says of finished files is what `measurement.analyse` says.
 """
 
-import os
-import signal
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,15 +14,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, final
 
-from irtiming import measurement
-from irtiming.archive.live.so_far import read_so_far
-from irtiming.errors import IrTimingError
-from irtiming.records.analysis import Analysis
 from irtiming.records.finding import Finding
-from irtiming.records.recording import Recording
-from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.report import event_words
 
 FEWEST_FRAMES = 120
 """Below so many frames of a run nothing is looked at."""
@@ -32,7 +23,6 @@ FEWEST_FRAMES = 120
 APART = 1.4
 """From look to look within a run the frames grow by this factor."""
 
-_POLITENESS = 10
 _PATIENCE_S = 60.0
 
 What = Literal["look", "keep"]
@@ -158,7 +148,7 @@ class LiveAnalysis:
 
     def _gone(self) -> None:
         self._is_busy, self._waiting = False, []
-        self._latest = _unknown(
+        self._latest = nothing_known(
             Finding(
                 code="live-analysis-ended",
                 severity="warning",
@@ -168,81 +158,13 @@ class LiveAnalysis:
         )
 
 
-@final
-class Analyst:
-    """Finished recordings of one camera, reduced once, and what they say together with one that still grows.
-
-    Parameters
-    ----------
-    rig
-        As measured by its owner.
-    """
-
-    def __init__(self, rig: Rig) -> None:
-        self._rig = rig
-        self._kept: list[ReducedRecording] = []
-
-    def keep(self, path: Path) -> Analysis:
-        """Read a finished recording, keep it, and estimate all that is kept.
-
-        Raises
-        ------
-        IrTimingError
-            As `measurement.analyse`; the recording is then not kept.
-        """
-        reduced = self._reduced(read_so_far(path))
-        found = self._estimated([*self._kept, reduced])
-        self._kept.append(reduced)
-        return found
-
-    def look(self, path: Path) -> Analysis:
-        """The same for one that is still written, which is not kept.
-
-        Raises
-        ------
-        IrTimingError
-            As `measurement.analyse`.
-        """
-        return self._estimated([*self._kept, self._reduced(read_so_far(path))])
-
-    def _reduced(self, recording: Recording) -> ReducedRecording:
-        return measurement.reduce(recording, self._rig, before=self._kept)
-
-    def _estimated(self, reduced: list[ReducedRecording]) -> Analysis:
-        return measurement.estimate(reduced, self._rig)
-
-
 def _work(line: Connection, rig: Rig) -> None:
-    """What the process does: answer one question after the other, and give way to whoever records."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the recording
-    with suppress(AttributeError, OSError):
-        os.nice(_POLITENESS)
-    analyst = Analyst(rig)
-    with suppress(EOFError, OSError):
-        while (question := line.recv()) is not None:
-            what, path = question
-            try:
-                answer = told_of(analyst.keep(path) if what == "keep" else analyst.look(path))
-            except (IrTimingError, ArithmeticError, ValueError) as error:
-                where, what = (error.where, error.what) if isinstance(error, IrTimingError) else ("", str(error))
-                answer = _unknown(
-                    Finding(code="no-live-estimate", severity="info", where=where, what=" ".join(what.split()))
-                )
-            line.send(answer)
+    """What the process does; whoever records loads nothing of the analysis."""
+    from irtiming.session.analyst import answer_all
+
+    answer_all(line, rig)
 
 
-def _unknown(finding: Finding) -> LiveEstimate:
+def nothing_known(finding: Finding) -> LiveEstimate:
+    """No estimate, and why."""
     return LiveEstimate(frames=0, values={}, uncertainties={}, finding=finding)
-
-
-def told_of(found: Analysis) -> LiveEstimate:
-    """What an analysis says, in short."""
-    estimate, event = found.result.estimate, event_words.event_of(found)
-    names = [event_words.text(name, event) for name in estimate.names]
-    uncertainties = dict(zip(names, map(float, estimate.standard_uncertainties), strict=True))
-    apart = [each.standard_uncertainty_s for each in found.result.relative_delays if each.nominal_s > 0]
-    return LiveEstimate(
-        frames=sum(one.trigger_ticks.size for one in found.recordings),
-        values=dict(zip(names, map(float, estimate.values), strict=True)),
-        uncertainties=uncertainties | ({"relative_delay": max(apart)} if apart else {}),
-    )
