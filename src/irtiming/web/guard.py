@@ -142,7 +142,7 @@ class Guard:
         async def counted() -> Message:
             nonlocal seen, has_left
             message = await receive()
-            has_left = message["type"] == "http.disconnect"
+            has_left = has_left or message["type"] == "http.disconnect"
             seen += len(message.get("body", b""))
             if seen > most:
                 raise _TooLarge
@@ -157,12 +157,12 @@ class Guard:
 
         try:
             await self._app(scope, counted, marked)
-        except RuntimeError:
-            if not has_left:  # what is behind complains of a browser that goes before it has its answer
+        except Exception:
+            if has_left:  # what is behind complains of a browser that goes before it has its answer
+                return
+            if seen <= most or has_begun:
                 raise
-        except _TooLarge:
-            if not has_begun:
-                await _refuse(scope, send, f"a request of more than {most} bytes", status=413)
+            await _refuse(scope, send, f"a request of more than {most} bytes", status=413)
 
 
 def _the_one(headers: Headers, name: bytes) -> str | None:

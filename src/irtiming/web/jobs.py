@@ -1,5 +1,6 @@
 """The work that goes on for the pages: owned by the server, whoever looks or has stopped looking."""
 
+import os
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -12,7 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, final
 
 from irtiming.errors import InstrumentError, IrTimingError
-from irtiming.web.work import LEAVE, News, Task, function_of, give_way, run
+from irtiming.web.work import LEAVE, News, Task, accompany, function_of, run
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -162,11 +163,11 @@ class Jobs:
         """Have something small found out in a process that is kept for it."""
         with self._lock:
             if self._asked is None:
-                self._asked = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=give_way)
+                self._asked = _companion()
             try:
                 return self._asked.submit(_answered, task, order)
             except BrokenProcessPool:
-                self._asked = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=give_way)
+                self._asked = _companion()
                 return self._asked.submit(_answered, task, order)
 
     def end(self, patience_s: float) -> None:
@@ -183,6 +184,10 @@ class Jobs:
                     one.break_off()
         if self._asked is not None:
             self._asked.shutdown(wait=False, cancel_futures=True)
+
+
+def _companion() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=accompany, initargs=(os.getpid(),))
 
 
 class _Silent:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing.connection import Connection
 from threading import Condition, Thread
+from time import sleep
 from typing import Any, Literal, TypeAlias, final
 
 from irtiming.errors import IrTimingError, one_line
@@ -147,3 +148,15 @@ def give_way(by: int = 10) -> None:
     """Let a recording go first."""
     with suppress(AttributeError, OSError):
         os.nice(by)
+
+
+def accompany(parent: int, *, every_s: float = 5.0) -> None:
+    """Give way to recordings, and end when the parent process has: one that was killed can say nothing."""
+    give_way()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            sleep(every_s)
+        os._exit(0)
+
+    Thread(target=watch, name="companion", daemon=True).start()
