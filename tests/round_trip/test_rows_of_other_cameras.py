@@ -40,7 +40,7 @@ def test_truth_lies_within_the_uncertainty_of_the_fit(name):
     truth = {
         "row_delay": timing.row_delay_s, "integration_time": window_s,
         "time_constant": getattr(timing, "time_constant_s", None),
-        "recursive_filter": 0.0, "pixel_memory": 0.0, "blade_share": 0.0,
+        "recursive_filter": 0.0, "pixel_memory": 0.0, "blade_share": 0.0, "blade_share_beside": 0.0,
     }  # fmt: skip
     for number in fit.estimate.names[4:]:
         assert abs(fit.timing[number] - truth[number]) < 3.5 * u[number], number

@@ -23,7 +23,7 @@ from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, Timing, timing_names
+from irtiming.physics.light.row_sum import BESIDE, BLADE, EDGE_DELAYS, Timing, timing_names
 from irtiming.records.arrays import ComplexArray
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -189,7 +189,7 @@ class _Turns:
             first.row_sums.row_px,
             sector,
             n_harmonics=camera(first.camera_type, first.readout_mode).n_harmonics,
-            blade=_blade([fits[k] for k in members], self.model) if fits else 0.0,
+            **(_blades([fits[k] for k in members], self.model) if fits else {}),
         )
         return _View(members=members, sector=sector, light=light, timing=timing)
 
@@ -211,10 +211,13 @@ def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig
     return _mean([fit.timing for fit in fits])
 
 
-def _blade(fits: Sequence[RowTimingFit], model: WheelModel) -> float:
-    """By how much a warmer second blade lessens the contrast in an image, which is of the second order of the wheel's angle."""
+def _blades(fits: Sequence[RowTimingFit], model: WheelModel) -> dict[str, float]:
+    """What a warmer second blade takes of the contrasts in an image, which is of the second order of the wheel's angle."""
     steps = wheel_harmonics.open_harmonics(model, _IMAGE_ORDER)[:, _IMAGE_ORDER]
-    return float((steps[2:].sum() / steps.sum()).real * np.mean([fit.timing[BLADE] for fit in fits]))
+    part = float((steps[2:].sum() / steps.sum()).real)
+    shares = [(fit.timing[BLADE], fit.timing.get(BESIDE, fit.timing[BLADE])) for fit in fits]
+    blade, beside = part * np.mean(shares, axis=0)
+    return {"blade": float(blade), "beside": float(beside)}
 
 
 def _rows_fitted(

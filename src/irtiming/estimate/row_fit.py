@@ -17,7 +17,7 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
-from irtiming.physics.light.row_sum import RowSum, Timing
+from irtiming.physics.light.row_sum import BESIDE, BLADE, RowSum, Timing
 from irtiming.physics.response import in_camera_filter, integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -29,7 +29,9 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
-_SEEN = 3.0  # standard uncertainties of a recursive filter from which frames are rid of it before they are fitted
+_SEEN = (
+    3.0  # standard uncertainties from which frames are rid of a recursive filter, and a warmer blade has two numbers
+)
 _RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
@@ -39,8 +41,9 @@ _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say 
 class _Task:
     """Wheel angle (n,) of each frame, sums (n, n_row) of the lit rows, frames of each stretch; compressed, and the model.
 
-    ``kept`` (n_kept,) are the frames of the recording that take part, ``sway`` how the levels of all its frames changed.
-    ``stated`` is what the recording says of the model's numbers, ``signs`` which way the contrast goes.
+    ``pixels`` (n_row,) is how many of each row the wheel turns before, ``kept`` (n_kept,) are the frames of the recording that
+    take part, ``sway`` how the levels of all its frames changed. ``stated`` is what the recording says of the model's numbers,
+    ``signs`` which way the contrast goes.
     """
 
     kept: Mask
@@ -50,6 +53,7 @@ class _Task:
     stretches: list[Mask]
     data: list[HarmonicData]
     model: RowSum
+    pixels: Array
     stated: Timing
     signs: tuple[int, ...]
 
@@ -134,6 +138,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         held=held,
         step_rad=task.model.step_rad,
         undone=task.model.undone,
+        blades_apart=task.model.blades_apart,
         sway=None if task.sway is None else task.sway.moved(told.sway_step),
         kept=task.kept,
         start=found.began,
@@ -160,7 +165,9 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     decided already.
     """
     if start is not None:
-        return row_timing.solve(task.data, task.model, start=start.timing, held=start.held), start.held
+        begin = {BESIDE: start.timing[BLADE]} | start.timing
+        begin = {name: begin[name] for name in task.model.names}
+        return row_timing.solve(task.data, task.model, start=begin, held=start.held), start.held
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:
         return found, {}
@@ -192,7 +199,10 @@ def _to_undo(start: RowTimingFit | None) -> float:
 
 
 def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: RowLight) -> RowTimingFit | None:
-    """The earlier fit with the filter that it found; and with how levels sway, once it has undone what filter there is."""
+    """The earlier fit with the filter that it found; and with how levels sway, once it has undone what filter there is.
+
+    Where one blade is warmer, what it shows beside the opening becomes a number of its own.
+    """
     if start is None:
         return None
     undone, sway = _to_undo(start), start.sway
@@ -200,7 +210,12 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
         per_light = light.pixels / light.harmonics[:, 0].real
         pixels = np.interp(start.row_px, light.row_px, per_light)  # lit rows may have changed
         sway = row_sway.chosen(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment, pixels=pixels)
-    return replace(start, undone=undone, sway=sway)
+    apart = start.blades_apart or _is_beyond_doubt(start, BLADE)
+    return replace(start, undone=undone, sway=sway, blades_apart=apart)
+
+
+def _is_beyond_doubt(fit: RowTimingFit, name: str) -> bool:
+    return name in fit.estimate and abs(fit.estimate.value(name)) > _SEEN * fit.estimate.u(name)
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before: RowTimingFit | None) -> _Task:
@@ -217,7 +232,8 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         camera=camera(rows.camera_type, rows.readout_mode),
         open_harmonics=wheel_harmonics.open_harmonics(wheel, light.harmonics.shape[1] - 1),
         row_harmonics=light.harmonics,
-        blade_harmonics=light.before,
+        beside_harmonics=light.beside,
+        blades_apart=before is not None and before.blades_apart,
         row_px=light.row_px.astype(float),
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
         step_rad=frame_steps.step_rad(rows),
@@ -237,6 +253,7 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         stretches=stretches,
         data=[harmonic_data.compress(angle[part], sums[part], n_harmonics=model.n_harmonics) for part in stretches],
         model=model,
+        pixels=light.pixels,
         stated={} if window_s is None else {_WINDOW: window_s},
         signs=(-1 if rows.opening.blackbody_is_colder else 1,),
     )
@@ -271,9 +288,9 @@ class _Swaying:
 def _swaying(task: _Task, model: Array) -> _Swaying:
     if task.sway is None:
         return _Swaying(shared=np.zeros((0, *model.shape)), own=np.zeros(model.shape))
-    sway, pixels = task.sway.of(task.kept), np.asarray(task.model.before_blades[:, 0].real, dtype=float)
+    sway = task.sway.of(task.kept)
     own = row_sway.own_columns(sway, model, stretches=task.stretches)
-    shared = row_sway.columns(sway, model, pixels=pixels, stretches=task.stretches)
+    shared = row_sway.columns(sway, model, pixels=task.pixels, stretches=task.stretches)
     return _Swaying(shared=row_sway.beside_own(own, shared, stretches=task.stretches), own=own)
 
 

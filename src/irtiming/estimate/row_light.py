@@ -33,13 +33,19 @@ class RowLight:
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
     ``harmonics`` (n_row, M + 1) is the light behind the wheel, ``before`` (n_row, M + 1) that of all summed pixels over which the
-    cutouts sweep, where the blades are seen.
+    cutouts sweep.
     """
 
     row_px: Ticks
     is_lit: Mask
     harmonics: ComplexArray
     before: ComplexArray
+
+    @property
+    def beside(self) -> ComplexArray | None:
+        """Where cutouts sweep beside the opening, shape (n_row, M + 1); None where that is next to nothing."""
+        beside = np.asarray(self.before - self.harmonics)
+        return beside if np.abs(beside[:, 0]).sum() > _LEAST_LIGHT_PX2 else None
 
     @property
     def pixels(self) -> Array:
@@ -68,7 +74,9 @@ class Product:
     second: str
 
 
-def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int, blade: float = 0.0) -> RowLight:
+def row_light(
+    row_px: Ticks, sector: SectorFit, *, n_harmonics: int, blade: float = 0.0, beside: float = 0.0
+) -> RowLight:
     """Light of the rows.
 
     Parameters
@@ -79,16 +87,16 @@ def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int, blade: floa
         Fitted to the contrast image; its excess counts as points of light at their own angles.
     n_harmonics
         Highest order M that the camera's response needs.
-    blade
-        By how much a warmer blade lessens the contrast wherever the cutouts sweep, as a share of the opening's: in an image,
-        which knows one order of the wheel's angle, it looks like a mask plate.
+    blade, beside
+        By how much a warmer blade lessens the contrast of the opening, and what is seen of the cutouts beside it, as shares of
+        the opening's: in an image, which knows one order of the wheel's angle, it looks like a mask plate.
 
     Raises
     ------
     EstimationError
         If too few rows hold the light of three pixels.
     """
-    sector = _told_from_blade(sector, blade)
+    sector = _told_from_blade(sector, blade, beside)
     harmonics = _harmonics(sector, row_px, n_harmonics=n_harmonics)
     lit = harmonics[:, 0].real > _LEAST_LIGHT_PX2
     if lit.sum() < _FEWEST_ROWS:
@@ -104,10 +112,10 @@ def row_light(row_px: Ticks, sector: SectorFit, *, n_harmonics: int, blade: floa
     )  # fmt: skip
 
 
-def _told_from_blade(sector: SectorFit, blade: float) -> SectorFit:
-    """The sector as it would look were both blades alike: contrasts seen are 1 - b of the opening, p - b of the plate."""
+def _told_from_blade(sector: SectorFit, blade: float, beside: float) -> SectorFit:
+    """The sector as it would look were both blades alike: contrasts seen are 1 - b of the opening, p - b' of the plate."""
     field = sector.ring - sector.plate * sector.swept
-    plate = sector.plate * (1 - blade) + blade
+    plate = sector.plate * (1 - blade) + beside
     return replace(sector, plate=plate, ring=plate * sector.swept + (1 - blade) * field)
 
 

@@ -247,7 +247,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
         sectors=rows.sectors,
         fits=rows.fits,
         exact=tuple(
-            _exact(fit.holding(row_sum.BLADE), model, names=names).widened(float(scale) * fit.widening)
+            _exact(fit.holding(*row_sum.BLADES), model, names=names).widened(float(scale) * fit.widening)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
         found=_of_recordings(found, recordings, rig, fits=rows.fits),
@@ -273,7 +273,7 @@ def of_row_fits(
     rig
         What else is known of the rig.
     """
-    whole, fits = fits, [fit.holding(row_sum.BLADE) for fit in fits]
+    whole, fits = fits, [fit.holding(*row_sum.BLADES) for fit in fits]
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
     own = _with_stated(_of_camera(fits, first, blackbodies=blackbodies), fits, rig, stated_s=stated_s)
@@ -319,7 +319,8 @@ def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:
 
 
 def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...]) -> LocalModel:
-    """The rows' own likelihood over the numbers that were fitted, were residuals white; ``names`` are the model's."""
+    """The rows' own likelihood over the numbers that were fitted, were residuals white; ``names`` those of the camera's rows."""
+    names = tuple(name for name in names if name in fit.timing)  # the model's
     columns = [names.index(name) for name in fit.estimate.names]
 
     def at(numbers: Mapping[str, float]) -> Linearised:

@@ -158,7 +158,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
         the pixels' gains do to them is an error that stays.
     """
     normal, effect = normal_and_effect(run, model)
-    local = row_sum.timing_names(_kind(run.camera))
+    local = _local_names(run)
     normal = (
         Information(source=NOISE, names=local, matrix=normal, gradient=np.zeros(len(local)))
         .without(row_sum.BLADE)
@@ -184,13 +184,18 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
 
 def timing_names(run: RollingRun) -> tuple[str, ...]:
     """What a run tells of its camera: the trigger delay, what response, memory and readout have."""
-    response, memory, _, *readout = row_sum.timing_names(_kind(run.camera))[len(row_sum.EDGE_DELAYS) :]
+    response, memory, _, *readout = _local_names(run)[len(row_sum.EDGE_DELAYS) :]
     return ("trigger_delay", *([] if run.knows_response else [response]), memory, *readout)
+
+
+def _local_names(run: RollingRun) -> tuple[str, ...]:
+    """What the sum over a row has; the plan knows the opening alone, and no blade beside it."""
+    return tuple(name for name in row_sum.timing_names(_kind(run.camera)) if name != row_sum.BESIDE)
 
 
 def _timing_design(run: RollingRun) -> Array:
     """Change of edge delays, response and row delay per unit of each of `timing_names`, shape (k, n)."""
-    local, own = row_sum.timing_names(_kind(run.camera)), timing_names(run)
+    local, own = _local_names(run), timing_names(run)
     design = np.zeros((len(local), len(own)))
     design[:4, 0] = 1.0
     for column, name in enumerate(own[1:], 1):

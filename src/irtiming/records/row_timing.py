@@ -222,6 +222,8 @@ class RowTimingFit:
         Angle by which the wheel turns from trigger to trigger.
     undone
         Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
+    blades_apart
+        Whether a warmer blade has one number for the opening and another for what is seen of it beside.
     sway
         How gain and offset of the recording's kept frames changed, which row sums were rid of before they were fitted; None
         before it was looked for.
@@ -263,6 +265,7 @@ class RowTimingFit:
     held: Mapping[str, float]
     step_rad: float
     undone: float
+    blades_apart: bool
     kept: Mask
     start: Mapping[str, float]
     n_steps: int
@@ -286,18 +289,17 @@ class RowTimingFit:
         """All numbers of the model by name, fitted or held, s."""
         return dict(zip(self.estimate.names, map(float, self.estimate.values), strict=True)) | dict(self.held)
 
-    def holding(self, name: str) -> "RowTimingFit":
-        """The same with a number, such as one that is this recording's own, held where it was found."""
-        if name not in self.estimate:
-            return self
-        names = [other for other in self.estimate.names if other != name]
-        at = [self.estimate.names.index(other) for other in names]
+    def holding(self, *names: str) -> "RowTimingFit":
+        """The same with numbers, such as those that are this recording's own, held where they were found."""
+        kept = [name for name in self.estimate.names if name not in names]
+        at = [self.estimate.names.index(name) for name in kept]
+        held = {name: self.timing[name] for name in names if name in self.estimate}
         return replace(
             self,
-            estimate=self.estimate.pick(*names),
+            estimate=self.estimate.pick(*kept),
             shape_effect=self.shape_effect[at],
             product_effect=None if self.product_effect is None else self.product_effect[at],
-            held={**self.held, name: self.timing[name]},
+            held={**self.held, **held},
         )
 
     @property

@@ -10,6 +10,7 @@ from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.inference.optimiser import minimise
 from irtiming.physics import blurred_sector
+from irtiming.physics.light.row_sum import BLADE
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
@@ -250,11 +251,11 @@ def test_every_camera_comes_back(brute_bolometer, brute_rows, sector_of, kind, c
     camera = brute_bolometer(edge_delay_s=(2.31e-3, 2.29e-3, 2.3e-3, 2.32e-3), **OTHERS[kind])
     fit = _fitted(camera, brute_rows, sector_of, contrast_dn=contrast_dn)
     own = {"integration_time": 8e-3} if camera.camera_type == "photon" else {"time_constant": camera.time_constant_s}
-    own |= {"pixel_memory" if camera.camera_type == "photon" else "recursive_filter": 0.0, "blade_share": 0.0}
+    own |= {"pixel_memory" if camera.camera_type == "photon" else "recursive_filter": 0.0} | {BLADE: 0.0}
     rolling = {"row_delay": camera.row_delay_s} if camera.readout_mode == "rolling" else {}
     assert fit.estimate.names == (*(f"edge_delay_{edge}" for edge in range(4)), *own, *rolling)
     np.testing.assert_allclose(fit.edge_delay_s, camera.edge_delay_s, atol=2e-6)
-    tolerance = {"row_delay": 4e-8, "pixel_memory": 2e-4, "recursive_filter": 2e-4, "blade_share": 2e-4}
+    tolerance = {"row_delay": 4e-8, "pixel_memory": 2e-4, "recursive_filter": 2e-4, BLADE: 2e-4}
     for name, value in (own | rolling).items():
         assert fit.timing[name] == pytest.approx(value, abs=tolerance.get(name, 2e-5)), name
     assert fit.held == {}

@@ -9,7 +9,7 @@ import pytest
 from irtiming.estimate import timing
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import timing_names
+from irtiming.physics.light.row_sum import BLADES, timing_names
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
@@ -19,9 +19,7 @@ from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 TURN = 2 * np.pi
 OMEGA = TURN * 3
 SIX_NAMES = tuple(
-    name
-    for name in timing_names(camera("microbolometer", "rolling"))
-    if name not in ("recursive_filter", "blade_share")
+    name for name in timing_names(camera("microbolometer", "rolling")) if name not in ("recursive_filter", *BLADES)
 )
 NAMES = ("trigger_delay", "time_constant", "row_delay")
 KNOWN = Finding(code="known", severity="warning", what="told by the geometry")
@@ -56,6 +54,7 @@ def fits():
                     held={},
                     step_rad=0.622,
                     undone=0.0,
+                    blades_apart=False,
                     kept=np.ones(4, bool),
                     start={},
                     shape_names=SHAPE_NUMBERS,

@@ -4,13 +4,13 @@ Row y sees the opening through a weight over polar angle (`physics.blurred_secto
 respond (`physics.response`), frames keep a share of those before, and the row is read in its turn (`physics.readout`). All are
 factors on the harmonics:
 
-.. math:: F_{ym} = \left(\sum_i o_i K_y - b \sum_{i = 2, 3} o_i B_y\right)_m R_m\, G_m\, e^{i m \omega (d_i + t_y)}
+.. math:: F_{ym} = \left(\sum_i o_i K_y - \sum_{i = 2, 3} o_i (b K_y + b' B_y)\right)_m R_m\, G_m\, e^{i m \omega (d_i + t_y)}
 
 with :math:`o_i` the step that wheel edge i makes, :math:`K_y` the row's light, :math:`b` the share by which the blade between
-the edges 2 and 3 is warmer, :math:`B_y` all summed pixels over which the cutouts sweep, for the wheel turns before the mask
-plate too, :math:`R` the response, :math:`G` the memory over that part of it that was undone in the data, :math:`t_y` the time
-by which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's edges need not stand
-where the ring's do.
+the edges 2 and 3 is warmer and :math:`b'` that by which it looks warmer before the mask plate, :math:`B_y` the summed pixels
+there over which the cutouts sweep, :math:`R` the response, :math:`G` the memory over that part of it that was undone in the
+data, :math:`t_y` the time by which the row is read after row 0, and one delay :math:`d_i` per wheel edge, because the cutout's
+edges need not stand where the ring's do.
 """
 
 from collections.abc import Mapping
@@ -29,8 +29,13 @@ EDGE_DELAYS = tuple(f"edge_delay_{edge}" for edge in range(4))
 BLADE = "blade_share"
 """By how much the blade between edges 2 and 3 is warmer than the other one, over the contrast between that and the opening."""
 
+BESIDE = "blade_share_beside"
+"""The same where cutouts sweep beside the opening: a blade is not as warm at its rim, and a plate may mirror it."""
+
+BLADES = (BLADE, BESIDE)
+
 Timing: TypeAlias = Mapping[str, float]
-"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; BLADE; those of the readout, s."""
+"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; BLADES; those of the readout, s."""
 
 
 @final
@@ -38,8 +43,8 @@ Timing: TypeAlias = Mapping[str, float]
 class RowSum:
     """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym and B_ym, shape (n_row, M + 1), rows and omega.
 
-    Without ``blade_harmonics`` the second blade is seen where the opening is. The wheel turns by ``step_rad`` from trigger to
-    trigger; ``undone`` is the share of the recursion that the data are rid of.
+    Without ``beside_harmonics``, B, the wheel is seen where the opening is, and nowhere else; unless ``blades_apart``, b' is b.
+    It turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of.
     """
 
     camera: Camera
@@ -49,17 +54,17 @@ class RowSum:
     angular_frequency_rad_per_s: float
     step_rad: float
     undone: float = 0.0
-    blade_harmonics: ComplexArray | None = None
-
-    @property
-    def before_blades(self) -> ComplexArray:
-        """B_ym."""
-        return self.row_harmonics if self.blade_harmonics is None else self.blade_harmonics
+    beside_harmonics: ComplexArray | None = None
+    blades_apart: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters, in the order of the derivatives."""
-        return timing_names(self.camera)
+        """Parameters, in the order of the derivatives: `timing_names`, without BESIDE where that is no number of its own."""
+        return tuple(name for name in timing_names(self.camera) if name != BESIDE or self._is_apart)
+
+    @property
+    def _is_apart(self) -> bool:
+        return self.blades_apart and self.beside_harmonics is not None
 
     @property
     def n_harmonics(self) -> int:
@@ -68,28 +73,29 @@ class RowSum:
 
     def lowest(self, n_harmonics: int) -> "RowSum":
         """The same with fewer harmonics."""
-        keep = slice(n_harmonics + 1)
+        keep, beside = slice(n_harmonics + 1), self.beside_harmonics
         return replace(
             self, open_harmonics=self.open_harmonics[:, keep], row_harmonics=self.row_harmonics[:, keep],
-            blade_harmonics=self.before_blades[:, keep],
+            beside_harmonics=None if beside is None else beside[:, keep],
         )  # fmt: skip
 
     def some_rows(self, rows: slice) -> "RowSum":
         """The same with fewer rows."""
+        beside = self.beside_harmonics
         return replace(
             self, row_harmonics=self.row_harmonics[rows], row_px=self.row_px[rows],
-            blade_harmonics=self.before_blades[rows],
+            beside_harmonics=None if beside is None else beside[rows],
         )  # fmt: skip
 
 
 def timing_names(camera: Camera) -> tuple[str, ...]:
-    """Names of the parameters of a row sum: four edge delays, the response's, the memory's, the blade's, those of the readout."""
-    return (*EDGE_DELAYS, camera.response.PARAMETER, camera.memory.PARAMETER, BLADE, *camera.readout.PARAMETERS)
+    """Names of the parameters of a row sum: four edge delays, the response's, the memory's, the blades', those of the readout."""
+    return (*EDGE_DELAYS, camera.response.PARAMETER, camera.memory.PARAMETER, *BLADES, *camera.readout.PARAMETERS)
 
 
 def unit(parameter: str, camera: Camera) -> str:
     """Of a parameter of a row sum: a share has none, all others are times."""
-    return "1" if parameter in (camera.memory.PARAMETER, BLADE) else "s"
+    return "1" if parameter in (camera.memory.PARAMETER, *BLADES) else "s"
 
 
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
@@ -106,10 +112,13 @@ def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray
     slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
     seen, bare = (_seen(rows, timing, factor=factor) for factor in (passed * kept, np.ones(n + 1)))
     by_edge = seen * (1j * np.arange(n + 1) * omega)
-    by_blade = -_edges(rows, timing)[2:].sum(axis=0) * passed * kept * _read(rows, timing, rows.before_blades)
+    warm = -_edges(rows, timing)[2:].sum(axis=0) * passed * kept
+    lights = [light for light in (rows.row_harmonics, rows.beside_harmonics) if light is not None]
+    by_blades = warm * np.array([_read(rows, timing, light) for light in lights])
+    by_blades = by_blades if rows.blades_apart else by_blades.sum(axis=0)[None]
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
     return np.asarray(seen.sum(axis=0)), np.concatenate([
-        by_edge, bare.sum(axis=0)[None] * slope * kept, bare.sum(axis=0)[None] * passed * kept_slope, by_blade[None], by_readout
+        by_edge, bare.sum(axis=0)[None] * slope * kept, bare.sum(axis=0)[None] * passed * kept_slope, by_blades, by_readout
     ])  # fmt: skip
 
 
@@ -122,9 +131,11 @@ def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
 def _seen(rows: RowSum, timing: Timing, *, factor: ComplexArray | Array) -> ComplexArray:
     """What each edge adds to the rows as they are read, times a factor on the harmonics; shape (4, n_row, M + 1)."""
     edges = (_edges(rows, timing) * factor)[:, None, :]
-    share, lit = timing.get(BLADE, 0.0), edges * _read(rows, timing, rows.row_harmonics)
-    if share != 0:
-        lit[2:] -= share * edges[2:] * _read(rows, timing, rows.before_blades)
+    lit = edges * _read(rows, timing, rows.row_harmonics)
+    lit[2:] *= 1 - timing.get(BLADE, 0.0)
+    if rows.beside_harmonics is not None:
+        beside = timing.get(BESIDE if rows._is_apart else BLADE, 0.0)
+        lit[2:] -= beside * edges[2:] * _read(rows, timing, rows.beside_harmonics)
     return np.asarray(lit)
 
 

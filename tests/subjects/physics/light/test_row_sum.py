@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import BLADE, EDGE_DELAYS, RowSum, harmonics, linearised
+from irtiming.physics.light.row_sum import BESIDE, BLADE, BLADES, EDGE_DELAYS, RowSum, harmonics, linearised
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
 
@@ -14,13 +14,13 @@ OMEGA = 5 * TURN
 MODEL = wheel_model((0.0, 1.58, 3.15, 4.7), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-91)))
 KINDS = [(kind, mode) for kind in ("photon", "microbolometer") for mode in ("snapshot", "rolling")]
 OWN = {
-    "photon": {"integration_time": 9e-3, "pixel_memory": 0.0, BLADE: 0.0},
-    "microbolometer": {"time_constant": 6e-3, "recursive_filter": 0.0, BLADE: 0.0},
+    "photon": {"integration_time": 9e-3, "pixel_memory": 0.0, BLADE: 0.0, BESIDE: 0.0},
+    "microbolometer": {"time_constant": 6e-3, "recursive_filter": 0.0, BLADE: 0.0, BESIDE: 0.0},
 }
 M = 30
 
 
-def _rows(kind, mode):
+def _rows(kind, mode, *, apart=True):
     rng = np.random.default_rng(5)
     damped = np.exp(-0.02 * np.arange(M + 1) ** 2)
     return RowSum(
@@ -30,7 +30,8 @@ def _rows(kind, mode):
         row_px=np.array([4.0, 90.0, 311.0]),
         angular_frequency_rad_per_s=OMEGA,
         step_rad=0.622,
-        blade_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
+        beside_harmonics=rng.normal(size=(3, M + 1)) + 1j * rng.normal(size=(3, M + 1)),
+        blades_apart=apart,
     )
 
 
@@ -43,14 +44,16 @@ def _timing(kind, mode, **change):
 def test_names_are_those_of_response_and_readout(kind, mode):
     """Oracle: eq. 1 has an integration time, eq. 2 a time constant, eq. 3 a row delay; frames remember, blades differ."""
     own = ("integration_time", "pixel_memory") if kind == "photon" else ("time_constant", "recursive_filter")
-    assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, BLADE, *(("row_delay",) if mode == "rolling" else ()))
+    assert _rows(kind, mode).names == (*EDGE_DELAYS, *own, *BLADES, *(("row_delay",) if mode == "rolling" else ()))
 
 
+@pytest.mark.parametrize("apart", [True, False])
 @pytest.mark.parametrize(("kind", "mode"), KINDS)
-def test_derivatives_are_those_of_differences(kind, mode):
+def test_derivatives_are_those_of_differences(kind, mode, apart):
     """Oracle: central differences in each parameter."""
-    shares = {BLADE: 0.02, ("pixel_memory" if kind == "photon" else "recursive_filter"): 0.07}
-    rows, timing = _rows(kind, mode), _timing(kind, mode, **shares)
+    shares = {BLADE: 0.02, BESIDE: 0.01, ("pixel_memory" if kind == "photon" else "recursive_filter"): 0.07}
+    rows, timing = _rows(kind, mode, apart=apart), _timing(kind, mode, **shares)
+    assert (BESIDE in rows.names) == apart
     whole, found = linearised(rows, timing)
     np.testing.assert_array_equal(whole, harmonics(rows, timing))
     assert found.shape == (len(rows.names), 3, M + 1)
@@ -65,12 +68,13 @@ def test_derivatives_are_those_of_differences(kind, mode):
 def test_a_warmer_second_blade_is_seen_between_its_edges(wide):
     """Oracle: by hand; a point sees 1 when open, 0 behind the first blade, the share behind the second one; up to a constant.
 
-    Where the blade fills three times the opening's light, it is three times as bright.
+    Where three times the opening's light is seen of the blades, and all of it is as warm, it is three times as bright.
     """
     angle = np.linspace(0, TURN, 721)[:-1]
     sharp = RowSum(
         camera=camera("photon", "snapshot"), open_harmonics=open_harmonics(MODEL, 400), row_harmonics=np.ones((1, 401), complex),
-        row_px=np.zeros(1), angular_frequency_rad_per_s=OMEGA, step_rad=0.622, blade_harmonics=np.full((1, 401), wide, complex),
+        row_px=np.zeros(1), angular_frequency_rad_per_s=OMEGA, step_rad=0.622,
+        beside_harmonics=np.full((1, 401), wide - 1, complex),
     )  # fmt: skip
     timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {"integration_time": 0.0, "pixel_memory": 0.0, BLADE: 0.1}
     seen = at_angles(harmonics(sharp, timing)[0], angle)
