@@ -25,7 +25,7 @@ def photon():
     recordings = [
         recording
         for k, speed in enumerate((3.0, 12.0))
-        for recording in twin.series(with_wheel_speed(rig.scene, speed), (0.0,), repeats=1, seed=20 + k)
+        for recording in twin.series(with_wheel_speed(rig.scene, speed, samples=400), (0.0,), repeats=1, seed=20 + k)
     ]
     return analyse(recordings, rig.measured, extras=ALL_EXTRAS)
 
@@ -61,7 +61,7 @@ def test_the_report_compares_and_the_result_can_be_planned_with(photon, tmp_path
 @pytest.mark.slow
 def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
     """Oracle: the Fisher information of row sums and contrast image; tau is widened for residuals that hang together."""
-    rig = twin.draw(microbolometer_scene(120, 160), seed=1)
+    rig = twin.draw(with_wheel_speed(microbolometer_scene(120, 160), 3.0, samples=500), seed=1)
     done = analyse(twin.series(rig.scene, (0.0,), repeats=1, seed=1), rig.measured, extras=ALL_EXTRAS)
     estimate = done.best.estimate
     stated = dict(zip(estimate.names, estimate.standard_uncertainties, strict=True))

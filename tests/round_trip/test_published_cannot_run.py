@@ -11,14 +11,15 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
 from irtiming.report import certificate
 from irtiming.twin import rig as twin
-from irtiming.twin.scene import paper_scene
+from irtiming.twin.scene import paper_scene, with_wheel_speed
 
+SCENE = with_wheel_speed(paper_scene(80, 100), 3.0, samples=300)
 NARROW = (0.5, 0.502)  # too few points of a slope for a line
 
 
 @pytest.fixture(scope="module")
 def analysis() -> Analysis:
-    rig = twin.draw(paper_scene(100, 120), seed=3)
+    rig = twin.draw(SCENE, seed=3)
     found = analyse(
         twin.series(rig.scene, [0.0, 0.025], repeats=1, seed=3),
         rig.measured,
@@ -41,7 +42,7 @@ def test_the_default_method_goes_on_and_says_so(analysis):
 
 def test_who_asks_for_the_published_method_gets_its_error():
     """Oracle: the same limits; without a fallback there is no result to give."""
-    rig = twin.draw(paper_scene(100, 120), seed=3)
+    rig = twin.draw(SCENE, seed=3)
     with pytest.raises(EstimationError, match="points between 0.5"):
         analyse(
             [twin.simulate(rig.scene, seed=3)], rig.measured, choices=Choices(slope_limits=NARROW, method="published")

@@ -73,6 +73,9 @@ def analyse(
     delay. Every choice is made automatically and shown in the report; the options take it over.
     """
     given = locals()
+    low, high = _numbers(slope_limits, 2, "--slope-limits")
+    region = None if roi is None else _region(roi)
+    choices = filled(Choices, given, roi=region, slope_limits=(low, high))
     from rich.console import Console
 
     from irtiming.cli.progress import shown
@@ -80,9 +83,6 @@ def analyse(
     from irtiming.session.analysis import AnalysisOrder
     from irtiming.session.analysis import analyse as analyse_files
 
-    low, high = _numbers(slope_limits, 2, "--slope-limits")
-    region = None if roi is None else _region(roi)
-    choices = filled(Choices, given, roi=region, slope_limits=(low, high))
     order = filled(AnalysisOrder, given, recordings=tuple(recording), choices=choices, result=json)
     with shown("frames") as told:
         analysis = analyse_files(order, progress=told)

@@ -254,7 +254,10 @@ class PaperCamera:
         return row, column, through
 
     def light_by_angle(self):
-        """Blurred light of each pixel by wheel coordinate at theta = 0: shape (angle, row, column), sums to the opening."""
+        """Blurred light of each pixel by wheel coordinate at theta = 0, shape (angle, row, column), which sums to the opening.
+
+        Second the angles that have any, in steps of which a turn has ``n_angles``.
+        """
         from scipy import ndimage
 
         (row, column, through), n_angles = self.points(), self.n_angles
@@ -263,19 +266,18 @@ class PaperCamera:
         pixel = np.repeat(np.arange(self.rows), self.sub)[:, None] * self.columns
         pixel = pixel + np.repeat(np.arange(self.columns), self.sub)[None, :]
         where = np.mod(np.floor(alpha / TURN * n_angles).astype(int), n_angles)
-        flat = where * (self.rows * self.columns) + pixel[through]
-        light = np.bincount(flat, minlength=n_angles * self.rows * self.columns) / self.sub**2
-        light = light.reshape(n_angles, self.rows, self.columns)
-        used = np.flatnonzero(light.any(axis=(1, 2)))
-        light[used] = ndimage.gaussian_filter(light[used], (0, self.blur_px, self.blur_px), mode="constant")
+        used, place = np.unique(where, return_inverse=True)
+        flat = place * (self.rows * self.columns) + pixel[through]
+        light = np.bincount(flat, minlength=used.size * self.rows * self.columns) / self.sub**2
+        light = light.reshape(used.size, self.rows, self.columns)
+        light = ndimage.gaussian_filter(light, (0, self.blur_px, self.blur_px), mode="constant")
         return light, used
 
     def frames(self, theta_of, times, *, seed=0):
         """Frames for triggers at the given times: the wheel at 9 instants of the window."""
         light, used = self.light_by_angle()
-        n_angles = len(light)
-        alpha = (used + 0.5) / n_angles * TURN
-        light = light[used].reshape(used.size, -1)
+        alpha = (used + 0.5) / self.n_angles * TURN
+        light = light.reshape(used.size, -1)
         share = np.zeros((times.size, alpha.size))
         for instant in (np.arange(9) + 0.5) / 9 * self.integration_s:
             wheel = np.mod(theta_of(times + self.delay_s + instant)[:, None] + alpha, TURN)
@@ -283,7 +285,9 @@ class PaperCamera:
         share /= 9
         opening = light.sum(axis=0)
         scene = self.plate_dn + (self.wheel_dn - self.plate_dn) * opening
-        scene = scene + (self.blackbody_dn - self.wheel_dn) * (share @ light)
+        lit = opening > 0
+        scene = np.repeat(scene[None], times.size, axis=0)
+        scene[:, lit] += (self.blackbody_dn - self.wheel_dn) * (share @ light[:, lit])
         noise = np.random.default_rng(seed).normal(0, self.noise_dn, scene.shape)
         return np.clip(np.rint(scene + noise), 0, 16383).astype(np.uint16).reshape(-1, self.rows, self.columns)
 
@@ -338,13 +342,13 @@ class PaperBolometer:
         """Values without noise for wheel angles at the triggers, shape (frame, row, column)."""
         camera = self.camera
         light, used = camera.light_by_angle()
-        alpha = (used + 0.5) / len(light) * TURN
+        alpha = (used + 0.5) / camera.n_angles * TURN
         wheel, seen = self.response()
         values = np.empty((theta.size, camera.rows, camera.columns))
         for row in range(camera.rows):
             at = theta + TURN * self.rate_hz * (self.delay_s + row * self.row_delay_s)
             share = np.interp(at[:, None] + alpha, wheel, seen, period=TURN)
-            opening = light[used, row]
+            opening = light[:, row]
             values[:, row] = camera.plate_dn + (camera.wheel_dn - camera.plate_dn) * opening.sum(axis=0)
             values[:, row] += (camera.blackbody_dn - camera.wheel_dn) * (share @ opening)
         return values

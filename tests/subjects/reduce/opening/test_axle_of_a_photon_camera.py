@@ -46,7 +46,7 @@ def reduced(paper_wheel, recorded, rig):
 
 def _true_offset(camera):
     """Mean polar angle about the axle of the points that the mask lets through, minus the mask's own bisector."""
-    row, column, through = replace(camera, sub=32).points()
+    row, column, through = replace(camera, sub=16).points()
     phi = np.arctan2(*camera.beside_axle(row[through], column[through]))
     return np.mean(np.angle(np.exp(1j * (phi - camera.bisector_rad))))
 
