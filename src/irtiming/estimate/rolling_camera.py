@@ -31,9 +31,9 @@ from irtiming.records.rig import Rig
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
-_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 10  # and one that takes the slopes of the image anew
+_FEWEST_ROUNDS, _MOST_ROUNDS = 3, 40  # and one that takes the slopes of the image anew
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
-_AGREED = 0.1  # standard uncertainties, by the noise of the rows, between two rounds
+_AGREED = 0.05  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them, after the last: an image that is told to less than that goes to and fro
 _FIRST_RESPONSE_S = 1e-4  # of pixels that answer at once, nearly: with it a sector is guessed
 

@@ -29,9 +29,10 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
-_SEEN = (
-    3.0  # standard uncertainties from which frames are rid of a recursive filter, and a warmer blade has two numbers
+_DAMPED = (
+    0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where frames visit the wheel slowly
 )
+_SEEN = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
 _RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
@@ -139,7 +140,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         step_rad=task.model.step_rad,
         undone=task.model.undone,
         blades_apart=task.model.blades_apart,
-        sway=None if task.sway is None else task.sway.moved(told.sway_step),
+        sway=None if task.sway is None else task.sway.moved(_DAMPED * told.sway_step),
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
