@@ -320,10 +320,10 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
         doubts.append(
             Finding(
                 code="row-delays-disagree",
-                severity="warning",
+                severity="doubt",
                 what=f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels "
                 f"{1e6 * sector.row_delay_s:.3f} us: they differ by {apart / u:.1f} u",
-                cure="lens distortion or a moved camera may be the cause",
+                cure="focus the camera on the mask; a lens that distorts or a camera that was moved may be the cause, too",
             )
         )
     return tuple(doubts)
