@@ -349,7 +349,7 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
             names=ROLLING_NAMES, units=("s",) * 6, covariance=covariance,
             values=np.array([*(ROLLING_DELAY_S + np.array([1, -1, 2, -2]) * 1e-6), TAU_S, ROW_S]),
         ),
-        held={}, step_rad=0.622, undone=0.0, kept=np.ones(angle.size, bool),
+        held={}, step_rad=0.622, undone=0.0, blades_apart=False, kept=np.ones(angle.size, bool),
         start=dict(zip(ROLLING_NAMES, (0.0, 0.0, 0.0, 0.0, 3e-3, 60e-6), strict=True)), n_steps=9,
         shape_names=(), shape_effect=np.zeros((6, 0)), row_px=ROW_PX,
         wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
