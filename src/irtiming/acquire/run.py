@@ -324,13 +324,14 @@ class _Capture:
             silent_s = (monotonic() - self._last_s) * self._rig.speed
             patience_s = max(_SILENT_S, _SILENT_PERIODS * self._period_s, _SILENT_HOST_S * self._rig.speed)
             if silent_s > patience_s + self._delay_s:
-                did, cure = (
-                    ("ran free", "") if self._runs_free else ("was triggered", ", its trigger line and TriggerSource")
-                )
-                self._ends(
-                    f"{self._rig.camera.name} sent no frame for {readable_time(float(f'{silent_s:.2g}'))} while it "
-                    f"{did}; check its cable{cure}"
-                )
+                name, silent = self._rig.camera.name, readable_time(float(f"{silent_s:.2g}"))
+                if self._runs_free:
+                    self._ends(f"{name} sent no frame for {silent} while it ran free; check its cable")
+                else:
+                    self._ends(
+                        f"{name} sent no frame for {silent} while it was triggered; check its cable, its trigger line and "
+                        "TriggerSource"
+                    )
         return self._ending is not None
 
     @property
