@@ -14,6 +14,7 @@ from irtiming.instruments.protocols import Blackbody, Camera, Chopper, TriggerGe
 from irtiming.records.series_plan import DeviceAddresses, SeriesPlan, WiringWishes
 
 _POLL_S = 0.2
+_REPLY_OF_A_PROGRAM_S = 2.0  # a simulated generator shares a computer that may be busy
 
 
 @final
@@ -75,7 +76,8 @@ async def connected_rig(plan: SeriesPlan) -> AsyncIterator[Rig]:
 @asynccontextmanager
 async def _generator(address: str, plan: SeriesPlan) -> AsyncIterator[TriggerGenerator]:
     """The trigger generator with the wiring of the plan; a filter is told in cycles, so the clock must be known first."""
-    patience = Patience(poll_s=_POLL_S / max(plan.devices.speed, 1.0))
+    reply_s = Patience.reply_s if plan.devices.speed == 1 else _REPLY_OF_A_PROGRAM_S
+    patience = Patience(poll_s=_POLL_S / max(plan.devices.speed, 1.0), reply_s=reply_s)
     clock_hz = 1
     if plan.wiring.glitch_filter_s > 0:
         async with connected(address, patience=patience) as unwired:

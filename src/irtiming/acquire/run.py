@@ -5,7 +5,7 @@ says so and is not analysed.
 """
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Awaitable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from time import monotonic, thread_time
@@ -148,7 +148,7 @@ class _Capture:
             )
             beside.append(asyncio.create_task(self._temperature.watch()))
         try:
-            timestamps = await (self._listen() if self._runs_free else self._trigger())
+            timestamps = await self._until_it_fails(self._listen() if self._runs_free else self._trigger())
             await self._last_frames(timestamps)
             await self._last_look(timestamps, beside)
             counts = await self._disarm(frames)
@@ -162,21 +162,25 @@ class _Capture:
             await asyncio.gather(*beside, frames, return_exceptions=True)
         return await self._finished(timestamps, counts)
 
-    async def _trigger(self) -> Timestamps:
-        """The train of triggers; where the generator fails, what it had told until then."""
-        beside = Accompaniment(before_start=self._begin, is_over=self._is_over, progress=self._progress)
+    async def _until_it_fails(self, timestamps: Awaitable[Timestamps]) -> Timestamps:
+        """Of the whole run; where the generator fails, what it had told until then."""
         try:
-            return await trigger(
-                self._rig.generator, self._order.run, counter=self._counter, beside=beside, poll_s=self._rig.poll_s
-            )
+            return await timestamps
         except InstrumentError as error:
             if self._writer is None:
                 raise
             self._ends(str(error))
             return self._rig.generator.captured()
 
+    async def _trigger(self) -> Timestamps:
+        """The train of triggers."""
+        beside = Accompaniment(before_start=self._begin, is_over=self._is_over, progress=self._progress)
+        return await trigger(
+            self._rig.generator, self._order.run, counter=self._counter, beside=beside, poll_s=self._rig.poll_s
+        )
+
     async def _listen(self) -> Timestamps:
-        """A camera that runs free, from before its start to after its stop; where the generator fails, what it had told."""
+        """A camera that runs free, from before its start to after its stop."""
         beside = FreeAccompaniment(
             start_camera=self._start_camera,
             look=self._look_at_clocks,
@@ -185,15 +189,9 @@ class _Capture:
             is_over=self._is_over,
             progress=lambda: self._progress(min(self._free.last_number + 1, self._n_triggers), self._n_triggers),
         )
-        try:
-            return await listen(
-                self._rig.generator, self._order.run, counter=self._counter, beside=beside, poll_s=self._rig.poll_s
-            )
-        except InstrumentError as error:
-            if self._writer is None:
-                raise
-            self._ends(str(error))
-            return self._rig.generator.captured()
+        return await listen(
+            self._rig.generator, self._order.run, counter=self._counter, beside=beside, poll_s=self._rig.poll_s
+        )
 
     async def _start_camera(self) -> None:
         self._strobes_before = int(self._rig.generator.captured().camera_input_ticks.size)

@@ -29,9 +29,7 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
-_DAMPED = (
-    0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where frames visit the wheel slowly
-)
+_DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel is seen slowly
 _SEEN = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
 _RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
@@ -195,8 +193,7 @@ def _to_undo(start: RowTimingFit | None) -> float:
     name = in_camera_filter.PARAMETER
     if start is None or name not in start.estimate:
         return 0.0 if start is None else start.held.get(name, 0.0)
-    share, u = start.estimate.value(name), start.estimate.u(name)
-    return share if share > _SEEN * u else 0.0
+    return max(start.estimate.value(name), 0.0) if _is_beyond_doubt(start, name) else 0.0
 
 
 def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: RowLight) -> RowTimingFit | None:

@@ -1,7 +1,6 @@
 """One frame of any file, for the eye."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import final
 
 import numpy as np
@@ -10,6 +9,7 @@ from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.scene_file import made_from
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, read_only
+from irtiming.records.frame_view import PairOrder, ViewOrder
 
 
 @final
@@ -25,20 +25,6 @@ class FrameView:
     n_frames: int
     lowest: float
     highest: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class ViewOrder:
-    """What a person wants to see: a frame of a file (-1: the middle one), no wider than so many pixels.
-
-    ``levels`` are the values for black and white, such as those of a view to compare with; None: the frame's own.
-    """
-
-    path: Path
-    index: int = -1
-    widest_px: int = 640
-    levels: tuple[float, float] | None = None
 
 
 def view(order: ViewOrder) -> FrameView:
@@ -60,17 +46,6 @@ def view(order: ViewOrder) -> FrameView:
     low, high = order.levels or (float(np.percentile(small, 0.5)), float(np.percentile(small, 99.5)))
     grey = np.clip((small - low) * (255 / (high - low if high > low else 1.0)), 0, 255).astype(np.uint8)
     return FrameView(grey=read_only(grey), index=index, n_frames=n_frames, lowest=low, highest=high)
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class PairOrder:
-    """What a person wants to compare: frames, the scene made of them, and the index of a frame of the scene (-1: the middle)."""
-
-    before: Path
-    after: Path
-    index: int = -1
-    widest_px: int = 640
 
 
 @final

@@ -10,8 +10,8 @@ from fastapi.responses import FileResponse
 from nicegui import app as pages_app
 
 from irtiming.errors import ArchiveError
+from irtiming.records.frame_view import ViewOrder
 from irtiming.web.desk import Desk
-from irtiming.web.orders import PictureOrder
 
 FRAMES = (
     ".nxs", ".h5", ".hdf5", ".tif", ".tiff", ".npy", ".npz", ".raw", ".bin", ".dat", ".img", ".fff", ".seq", ".csq", ".sfmov",
@@ -61,7 +61,7 @@ def add(desk: Desk) -> None:
         width = _THUMB_PX if width == _THUMB_PX else 640
         key = (path, path.stat().st_mtime_ns, index, width)
         if key not in kept:
-            found = await desk.ask("files:picture", PictureOrder(path=path, index=max(-1, index), widest_px=width))
+            found = await desk.ask("files:picture", ViewOrder(path=path, index=max(-1, index), widest_px=width))
             if not found.is_good:
                 return Response(_NO_PICTURE, media_type="image/svg+xml") if width == _THUMB_PX else _refused(found.text)
             kept[key] = found.answer["content"]

@@ -51,16 +51,6 @@ class ConvertOrder:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PictureOrder:
-    """A frame of a file, -1: the middle one, no wider than so many pixels."""
-
-    path: Path
-    index: int = -1
-    widest_px: int = 640
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
 class AnalyseOrder:
     """Recordings of one camera on one rig, how to analyse them, and the files to write."""
 
@@ -91,16 +81,6 @@ class ApplyOrder:
     out: Path
     period: str = ""
     times: Path | None = None
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class CompareOrder:
-    """Frames, the scene made of them, and the index of a frame of the scene, -1: the middle one."""
-
-    before: Path
-    after: Path
-    index: int = -1
 
 
 @final

@@ -7,10 +7,11 @@ from pathlib import Path
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
+from irtiming.records.frame_view import PairOrder
 from irtiming.web import files, frame, show
 from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
-from irtiming.web.orders import ApplyOrder, CompareOrder
+from irtiming.web.orders import ApplyOrder
 from irtiming.web.pages.analyse_page import RESULTS
 
 PLACE = "applied"
@@ -95,9 +96,7 @@ def _compared(desk: Desk) -> None:
         job = desk.jobs.latest("application")
         if job is None or job.ending is None or not job.ending.is_good:
             return
-        order = CompareOrder(
-            before=Path(job.ending.answer["before"]), after=Path(job.ending.answer["after"]), index=index
-        )
+        order = PairOrder(before=Path(job.ending.answer["before"]), after=Path(job.ending.answer["after"]), index=index)
         found = await desk.ask("applying:compare", order)
         if not found.is_good:
             show.put(pictures, show.finding_html("error", found.text))

@@ -1,16 +1,15 @@
 """A result put to use on other frames, and both beside each other."""
 
-import io
 from typing import Any
 
-from PIL import Image
-
+from irtiming.records.frame_view import PairOrder
 from irtiming.session.apply_frames import FramesOrder, apply_frames
 from irtiming.session.apply_time import TimeOrder, apply_time
 from irtiming.session.frame_stamps import StampsWanted
-from irtiming.session.frame_views import FrameView, PairOrder, pair
+from irtiming.session.frame_views import pair
 from irtiming.units import seconds
-from irtiming.web.orders import ApplyOrder, CompareOrder
+from irtiming.web.orders import ApplyOrder
+from irtiming.web.tasks.jpeg import jpeg
 from irtiming.web.work import Line, give_way
 
 
@@ -40,17 +39,11 @@ def apply(line: Line, order: ApplyOrder) -> dict[str, Any]:
     }
 
 
-def compare(line: Line, order: CompareOrder) -> dict[str, Any]:
+def compare(line: Line, order: PairOrder) -> dict[str, Any]:
     """A frame before and after, as JPEG."""
-    found = pair(PairOrder(before=order.before, after=order.after, index=order.index))
+    found = pair(order)
     return {
         "index": found.index, "n_frames": found.after.n_frames, "frame": found.before.index,
         "lowest": found.before.lowest, "highest": found.before.highest,
-        "before": _jpeg(found.before), "after": _jpeg(found.after),
+        "before": jpeg(found.before), "after": jpeg(found.after),
     }  # fmt: skip
-
-
-def _jpeg(view: FrameView) -> bytes:
-    file = io.BytesIO()
-    Image.fromarray(view.grey).save(file, "JPEG", quality=90)
-    return file.getvalue()

@@ -1,19 +1,18 @@
 """Files looked at, checked and converted, away from the server: a file that is not sound harms no more than this."""
 
-import io
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
-
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.verify import verify as verify_file
+from irtiming.records.frame_view import ViewOrder
 from irtiming.session import frame_files
-from irtiming.session.frame_views import ViewOrder, view
+from irtiming.session.frame_views import view
 from irtiming.units import readable_time
-from irtiming.web.orders import CheckOrder, ConvertOrder, PictureOrder
+from irtiming.web.orders import CheckOrder, ConvertOrder
+from irtiming.web.tasks.jpeg import jpeg
 from irtiming.web.work import Line, give_way
 
 _PLAIN = ("format", "frames", "rows", "columns", "dtype", "unit", "bit_depth", "start_time")
@@ -23,13 +22,11 @@ def warm_up(line: Line, order: None) -> None:
     """Nothing: the process has then loaded what the next task needs."""
 
 
-def picture(line: Line, order: PictureOrder) -> dict[str, Any]:
+def picture(line: Line, order: ViewOrder) -> dict[str, Any]:
     """A frame as JPEG, and which it is."""
-    found = view(ViewOrder(path=order.path, index=order.index, widest_px=order.widest_px))
-    file = io.BytesIO()
-    Image.fromarray(found.grey).save(file, "JPEG", quality=88)
+    found = view(order)
     told = {"index": found.index, "n_frames": found.n_frames, "lowest": found.lowest, "highest": found.highest}
-    return told | {"content": file.getvalue()}
+    return told | {"content": jpeg(found)}
 
 
 def about(line: Line, path: Path) -> dict[str, str]:
