@@ -70,6 +70,7 @@ COMMANDS = (
     "recover",
     "rig",
     "serve",
+    "series",
 )
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 6, 2
 

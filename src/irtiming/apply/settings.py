@@ -20,6 +20,7 @@ from scipy.stats import chi2
 from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.conditions import require
 from irtiming.errors import ConditionError
+from irtiming.inference.weighted_line import line_weights
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.units import readable_time
@@ -135,25 +136,6 @@ def _on_lines(
         names=names, units=cameras[0].estimate.units, values=np.sum(weights * values, axis=0), covariance=covariance
     )
     return estimate, tuple(_said(cameras, x, at, axis=axis, ratios=dict(zip(names, ratios.tolist(), strict=True))))
-
-
-def line_weights(x: Array, y: Array, *, covariance: Array, at: float) -> tuple[Array, float]:
-    """Weights by which values at x make the value at another place of their generalised least-squares line, and chi-squared.
-
-    Parameters
-    ----------
-    x, y
-        Shape (n,).
-    covariance
-        Of y, shape (n, n), positive definite.
-    at
-        Where the line is wanted.
-    """
-    design = np.column_stack([np.ones_like(x), (x - at) / np.ptp(x)])
-    solved = np.linalg.solve(covariance, design)
-    weights = np.linalg.solve(design.T @ solved, solved.T)
-    rest = y - design @ (weights @ y)
-    return weights[0], float(rest @ np.linalg.solve(covariance, rest))
 
 
 def _birge(chi_squared: float, freedom: int, *, name: str, axis: Axis, where: str) -> float:

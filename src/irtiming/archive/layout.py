@@ -157,6 +157,23 @@ CAMERA_MODEL = Field(path=f"{CAMERA}/model", kind="text", meaning="model of the 
 CAMERA_SERIAL_NUMBER = Field(path=f"{CAMERA}/serial_number", kind="text", meaning="serial number of the camera")
 CAMERA_FIRMWARE = Field(path=f"{CAMERA}/firmware", kind="text", meaning="version of the camera's firmware")
 CAMERA_ADDRESS = Field(path=f"{CAMERA}/address", kind="text", meaning="address at which the camera was reached")
+GAIN_SETTING = Field(path=f"{CAMERA}/gain_setting", kind="text", meaning="gain mode, in the camera's own words")
+INTERNAL_DELAY_SET = Field(
+    path=f"{CAMERA}/internal_delay_set", kind="number", unit="s", lowest=0.0, highest=60.0,
+    meaning="delay set in the camera itself, between the edge that it accepts and its start",
+)
+SENSOR_TEMPERATURE = Field(
+    path=f"{CAMERA}/sensor_temperature", kind="number", unit="K", lowest=1.0, highest=500.0,
+    meaning="temperature of the focal plane array",
+)
+REGION_FIRST_ROW = Field(
+    path=f"{CAMERA}/region_first_row", kind="integer", lowest=0, highest=2.0**31,
+    meaning="row of the sensor that is row 0 of the image",
+)
+REGION_FIRST_COLUMN = Field(
+    path=f"{CAMERA}/region_first_column", kind="integer", lowest=0, highest=2.0**31,
+    meaning="column of the sensor that is column 0 of the image",
+)
 ROTATION_SPEED = Field(
     path=f"{CHOPPER}/rotation_speed", kind="number",
     attribute="rotation_speed_hz", unit="Hz", required=True, lowest=1e-3, highest=1e4,
@@ -244,6 +261,7 @@ FIELDS = (
     FRAME_STATUS, FRAME_ID, FRAME_TIMESTAMP, TIMESTAMP_FREQUENCY, FRAME_HOST_TIME, FRAME_EVENT, TIMESTAMP_CLOCK,
     CAMERA_EXCHANGE_BEFORE, CAMERA_EXCHANGE, CAMERA_EXCHANGE_AFTER,
     CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS,
+    GAIN_SETTING, INTERNAL_DELAY_SET, SENSOR_TEMPERATURE, REGION_FIRST_ROW, REGION_FIRST_COLUMN,
     ROTATION_SPEED,
     CLOCK_FREQUENCY, CAMERA_TRIGGER, CONTROL_SLOT, APPLICATION_SLOT, APPLICATION_EDGES, LOST_AFTER,
     CAMERA_TRIGGER_DELAYED, CAMERA_INPUT, SPARE,
@@ -256,6 +274,12 @@ FIELDS = (
 
 IDENTITY = (CAMERA_VENDOR, CAMERA_MODEL, CAMERA_SERIAL_NUMBER, CAMERA_FIRMWARE, CAMERA_ADDRESS)
 """What a camera says of itself; each is named as in `CameraIdentity`."""
+
+SETTINGS = {
+    "gain_setting": GAIN_SETTING, "internal_delay_set_s": INTERNAL_DELAY_SET, "sensor_temperature_k": SENSOR_TEMPERATURE,
+    "region_first_row": REGION_FIRST_ROW, "region_first_column": REGION_FIRST_COLUMN,
+}  # fmt: skip
+"""What a camera was set to, by the names of `CameraSettings`."""
 
 PER_FRAME = (FRAME_NUMBER, FRAME_ID, FRAME_TIMESTAMP, FRAME_HOST_TIME)
 """Columns with one entry per frame, its status apart."""

@@ -19,6 +19,7 @@ from irtiming.archive.layout import Field
 from irtiming.archive.live.unfinished import unfinished
 from irtiming.records.arrays import Array, Ticks, read_only
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.recording import FrameStack, NonuniformityReference, Recording
 
 
@@ -234,7 +235,9 @@ def _recording(path: Path, contents: Contents, *, frames: FrameStack) -> Recordi
     found["name"] = found.get("name") or path.stem
     found.setdefault("frame_number", read_only(np.arange(frames.shape[0], dtype=np.int64)))
     found.setdefault("camera_trigger_ticks", read_only(np.zeros(0, np.int64)))
-    return Recording(frames=frames, camera=_identity(contents), source=str(path), **found)
+    told = {name: contents[field] for name, field in layout.SETTINGS.items() if contents[field] is not None}
+    settings = CameraSettings(**told)
+    return Recording(frames=frames, camera=_identity(contents), settings=settings, source=str(path), **found)
 
 
 def _identity(contents: Contents) -> CameraIdentity | None:

@@ -10,7 +10,7 @@ from irtiming.records.frame_events import FrameEvent
 from irtiming.records.recording import CameraType, ReadoutMode
 
 FORMAT = "irtiming-result"
-VERSION = "1.1"
+VERSION = "1.2"
 """A reader takes any file of its own major version: a later minor one has more keys, which it leaves out."""
 
 Real = float | None
@@ -220,6 +220,16 @@ class EventsOfFrames(Part):
     unit: str
 
 
+class InputSettings(Part):
+    """What a camera was set to, SI units; null where the recording does not say."""
+
+    gain_setting: str | None = None
+    internal_delay_set: Real = Field(None, description="s, set in the camera itself")
+    sensor_temperature: Real = Field(None, description="K, of the focal plane array")
+    region_first_row: int | None = None
+    region_first_column: int | None = None
+
+
 class Input(Part):
     """One recording, and what its reduction took."""
 
@@ -244,6 +254,7 @@ class Input(Part):
     start_time: str | None = Field(None, description="ISO 8601; null: the recording does not say")
     item: Item | None = Field(None, description="the camera that this recording names; null: none")
     simulated: bool = False
+    settings: InputSettings = InputSettings()
     event: EventsOfFrames | None = Field(None, description="null: the camera was triggered")
 
 

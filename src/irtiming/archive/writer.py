@@ -26,6 +26,7 @@ from irtiming.archive.nexus import (
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.recording import FrameStack, Recording
 
 Stack = Literal["frames", "low", "high"]
@@ -242,6 +243,7 @@ def values_of(recording: Recording) -> dict[Field, Any]:
     """What a recording says, by field of the file, None where it says nothing; frames and reference stacks are written apart."""
     values = {field: getattr(recording, field.attribute) for field in layout.FIELDS if field.attribute}
     values |= {} if recording.camera is None else identity_values(recording.camera)
+    values |= settings_values(recording.settings)
     unsaid = layout.FRAME_EVENT if recording.frame_event == "trigger" else layout.CAMERA_TRIGGER
     values |= {unsaid: None} | ({layout.TIMESTAMP_CLOCK: None} if recording.timestamp_clock == "camera" else {})
     return {field: None if isinstance(value, str) and not value else value for field, value in values.items()}
@@ -250,6 +252,11 @@ def values_of(recording: Recording) -> dict[Field, Any]:
 def identity_values(camera: CameraIdentity) -> dict[Field, str | None]:
     """What a camera says of itself, by field of the file; None where it does not say."""
     return {field: getattr(camera, field.name) or None for field in layout.IDENTITY}
+
+
+def settings_values(settings: CameraSettings) -> dict[Field, Any]:
+    """What a camera was set to, by field of the file; None where nobody says."""
+    return {field: getattr(settings, name) for name, field in layout.SETTINGS.items()}
 
 
 def _reference_stacks(recording: Recording, path: str | Path) -> list[tuple[Stack, FrameStack]]:

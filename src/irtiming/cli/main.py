@@ -36,6 +36,7 @@ from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
 from irtiming.cli.recover_command import recover
 from irtiming.cli.rig_command import rig
+from irtiming.cli.series_command import series
 from irtiming.cli.serve_command import serve
 from irtiming.cli.simulate_command import simulate
 from irtiming.cli.verify_command import verify
@@ -51,7 +52,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 COMMANDS = (
-    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, explain,
+    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, series, explain,
     certificate, import_capture, export_vcd, info, convert, serve, demo,
 )  # fmt: skip
 for command in COMMANDS:

@@ -75,6 +75,13 @@ NucAt = Annotated[
 DriftRate = Annotated[
     float | None, typer.Option("--drift-dn-per-s", help="Drift of a microbolometer's values, DN per second.")
 ]
+SerialNumber = Annotated[
+    str, typer.Option(metavar="TEXT", help="What the camera calls itself; left out: made of its seed.")
+]
+InternalDelay = Annotated[
+    str | None,
+    typer.Option(metavar="TIME", help="Delay set in the camera itself, on top of its own, such as '50 us'."),
+]
 Seed = Annotated[
     int, typer.Option(min=0, max=2**63 - 1, help="Draws rig and runs; the same seed gives the same files.")
 ]
@@ -165,6 +172,8 @@ def simulate(
     row_delay: RowDelay = None,
     nuc_at: NucAt = None,
     drift_dn_per_s: DriftRate = None,
+    serial_number: SerialNumber = "",
+    internal_delay: InternalDelay = None,
     reference_frames: References = None,
     seed: Seed = 1,
     blur_px: Blur = 0.7,

@@ -1,9 +1,10 @@
 """What a camera hands over while it is triggered: itself, its settings, its frames, and what became of them on the way."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 from irtiming.records.arrays import Pixels
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.short_repr import short_repr
 
 SIMULATED_VENDOR = "irtiming"
@@ -28,7 +29,8 @@ class CameraSetup:
     """Settings of an armed camera as read back from it.
 
     ``timestamp_frequency_hz`` is 0 for a camera without clock. ``integration_time_s`` is None where the camera has
-    no such feature. ``trigger_source`` and ``trigger_activation`` are in words of GenICam SFNC.
+    no such feature. ``settings`` has what its timing may depend on besides. ``trigger_source`` and ``trigger_activation``
+    are in words of GenICam SFNC.
     """
 
     rows: int
@@ -39,6 +41,7 @@ class CameraSetup:
     trigger_activation: str
     timestamp_frequency_hz: float = 0.0
     integration_time_s: float | None = None
+    settings: CameraSettings = field(default_factory=CameraSettings)
 
 
 @final

@@ -1,13 +1,14 @@
 """One uninterrupted series of frames, triggered or of a camera that runs free, with the timestamps taken beside it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol, final
 
 import numpy as np
 
 from irtiming.records.arrays import Array, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvent, FrameEvents
 from irtiming.records.short_repr import short_repr
@@ -119,6 +120,7 @@ class Recording:
     camera_exchange_after_s: Array | None = None
     events: FrameEvents | None = None
     camera: CameraIdentity | None = None
+    settings: CameraSettings = field(default_factory=CameraSettings)
     start_time: str = ""
     ending: str = ""
     program_version: str = ""

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias, final
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvents
 from irtiming.records.recording import CameraType, ReadoutMode
@@ -317,6 +318,7 @@ class ReducedRecording:
     frame_period_s: float | None = None
     bit_depth: int | None = None
     camera: CameraIdentity | None = None
+    settings: CameraSettings = field(default_factory=CameraSettings)
     start_time: str = ""
     is_simulated: bool = False
     events: FrameEvents | None = None

@@ -120,6 +120,7 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
 
 def _refuse_another_camera(recording: Recording, other: ReducedRecording) -> None:
     """Refuse where both say which camera made them, and differ; what a recording does not say is no difference."""
+    _refuse_another_setting(recording, other)
     if recording.camera is None or other.camera is None:
         return
     for name in ("vendor", "model", "serial_number", "firmware"):
@@ -128,4 +129,19 @@ def _refuse_another_camera(recording: Recording, other: ReducedRecording) -> Non
             raise EstimationError(
                 f"{recording.name} is of a camera with {name.replace('_', ' ')} '{here}', {other.name} of one with '{there}': "
                 "all must be of one camera, with one firmware; analyse them apart"
+            )
+
+
+def _refuse_another_setting(recording: Recording, other: ReducedRecording) -> None:
+    """Refuse where both say what the camera was set to, and differ: its timing may be another one."""
+    here, there = recording.settings, other.settings
+    for words, one, two in (
+        ("gain setting", here.gain_setting, there.gain_setting),
+        ("internal delay (s)", here.internal_delay_set_s, there.internal_delay_set_s),
+        ("first row of the region", here.region_first_row, there.region_first_row),
+    ):
+        if one not in (None, "") and two not in (None, "") and one != two:
+            raise EstimationError(
+                f"{recording.name} was made with {words} {one}, {other.name} with {two}: all must be of one setting; analyse "
+                "them apart, or give them to irtiming series"
             )

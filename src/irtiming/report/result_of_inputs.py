@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from irtiming.records.camera_frame import CameraIdentity
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.frame_events import FrameEvents
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Measured, Rig
@@ -54,7 +55,19 @@ def of_recording(recording: ReducedRecording) -> dict[str, Any]:
         "start_time": recording.start_time or None,
         "item": None if recording.camera is None else item(recording.camera),
         "simulated": recording.is_simulated,
+        "settings": settings(recording.settings),
         "event": None if recording.events is None else event(recording.events),
+    }
+
+
+def settings(told: CameraSettings) -> dict[str, Any]:
+    """What the camera was set to; None where its recording does not say."""
+    return {
+        "gain_setting": told.gain_setting or None,
+        "internal_delay_set": told.internal_delay_set_s,
+        "sensor_temperature": told.sensor_temperature_k,
+        "region_first_row": told.region_first_row,
+        "region_first_column": told.region_first_column,
     }
 
 

@@ -9,6 +9,7 @@ from irtiming.archive import rig_writer, writer
 from irtiming.archive.json_file import make_folder, write_json
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.frame_events import FreeEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
 from irtiming.records.rig import Rotation
@@ -31,6 +32,7 @@ _TIMES_S = {
     "time_constant_s": 1e-6,
     "scene_time_constant_s": 1e-6,
     "row_delay_s": -1.0,
+    "internal_delay_s": 0.0,
 }
 """The shortest that each time may be; the longest is a second."""
 
@@ -61,6 +63,8 @@ class CameraOrder:
     row_delay_s: float | None = None
     nuc_at_s: tuple[float, ...] = ()
     drift_dn_per_s: float | None = None
+    serial_number: str = ""
+    internal_delay_s: float | None = None
 
     def __post_init__(self) -> None:
         other = _OTHER[self.camera]
@@ -201,7 +205,9 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
 def _drawn(order: SimulationOrder) -> SimulatedRig:
     """A rig with imperfections, but for what was asked for; rig.toml tells defects where a whole laboratory was."""
     rig = draw(_nominal(order), seed=order.seed)
-    scene = replace(rig.scene, timing=_stated(rig.scene.timing, order.camera))
+    timing = _stated(rig.scene.timing, order.camera)
+    internal_s = order.camera.internal_delay_s or 0.0
+    scene = replace(rig.scene, timing=replace(timing, trigger_delay_s=timing.trigger_delay_s + internal_s))
     if order.mask_offset_m is not None:
         scene = replace(scene, mask=replace(scene.mask, centre_x_m=order.mask_offset_m, centre_y_m=0.0))
     if order.laboratory:
@@ -277,8 +283,12 @@ def _share(order: SimulationOrder, n_before: int, progress: Progress | None) -> 
 
 
 def _recordings(scenes: list[Scene], order: SimulationOrder) -> Iterator[Recording]:
-    """Every run, speed by speed."""
+    """Every run, speed by speed; with what was asked for of the camera's name and settings."""
+    settings = CameraSettings(internal_delay_set_s=order.camera.internal_delay_s)
     for index, scene in enumerate(scenes):
         for run in series(scene, order.delay_s, repeats=order.runs, seed=order.seed + 1_000_003 * index):
             blackbody = f"-{scene.radiance.blackbody_k:g}K" if len(order.camera.blackbody_temperature_k) > 1 else ""
-            yield replace(run, name=f"{run.name}{blackbody}")
+            camera = run.camera
+            if camera is not None and order.camera.serial_number:
+                camera = replace(camera, serial_number=order.camera.serial_number)
+            yield replace(run, name=f"{run.name}{blackbody}", camera=camera, settings=settings)

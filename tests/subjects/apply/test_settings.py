@@ -7,8 +7,9 @@ import pytest
 from made_up_result import COOLED, made_up_result
 
 from irtiming.apply import camera_timing
-from irtiming.apply.settings import between, line_weights
+from irtiming.apply.settings import between
 from irtiming.errors import ConditionError
+from irtiming.inference.weighted_line import line_weights
 
 WINDOWS_S = (1e-4, 2.5e-4, 4e-4, 7e-4)
 OWN_S, SHARED_S = 4e-7, 2e-6

@@ -56,7 +56,7 @@ def test_a_result_is_written_with_its_format_and_read_back(tmp_path: Path) -> No
     write_result(LEAST | {"parameters": {"trigger_delay": _DELAY | {"value": float("nan")}}}, path)
     content = json.loads(path.read_text())
     assert list(content) == ["format", "version", *LEAST]
-    assert (content["format"], content["version"]) == ("irtiming-result", "1.1")
+    assert (content["format"], content["version"]) == ("irtiming-result", "1.2")
     assert {key: content[key] for key in LEAST if key != "parameters"} == {
         key: value for key, value in LEAST.items() if key != "parameters"
     }
@@ -101,7 +101,7 @@ def test_a_later_minor_version_is_read_without_its_further_keys(tmp_path: Path) 
     [
         ({"format": "irtiming wheel calibration"}, "is no result (its format must be 'irtiming-result')"),
         ({"format": ...}, "is no result"),
-        ({"version": "2.0"}, "version is 2.0, this irtiming knows 1.1: update it"),
+        ({"version": "2.0"}, "version is 2.0, this irtiming knows 1.2: update it"),
         ({"version": "new"}, "version is 'new'"),
         ({"inputs": 3}, "inputs is 3, must be a list"),
         ({"inputs": [{"file": 1}]}, "inputs[0]: file is 1, must be text"),

@@ -15,6 +15,7 @@ from irtiming.archive.json_file import plain, write_json
 from irtiming.archive.writer import RecordingWriter
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
+from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.recording import Recording
 
 
@@ -60,6 +61,22 @@ def test_frames_are_stored_one_per_chunk_bitshuffled_and_checked(recording: Reco
         properties = dataset.id.get_create_plist()
         assert dataset.chunks == (1, 4, 6)
         assert [properties.get_filter(i)[0] for i in range(properties.get_nfilters())] == [32008, 3]
+
+
+def test_settings_of_the_camera_come_back(recording: Recording, tmp_path: Path) -> None:
+    """Oracle: what was written, and h5py for the unit; a recording without them says none."""
+    settings = CameraSettings(
+        gain_setting="high",
+        internal_delay_set_s=5e-5,
+        sensor_temperature_k=77.0,
+        region_first_row=0,
+        region_first_column=64,
+    )
+    writer.write(replace(recording, settings=settings), tmp_path / "out.nxs")
+    assert reader.read(tmp_path / "out.nxs").settings == settings
+    assert recording.settings == CameraSettings()
+    with h5py.File(tmp_path / "out.nxs") as file:
+        assert file["entry/instrument/camera/internal_delay_set"].attrs["units"] == "s"
 
 
 def test_a_flipped_bit_in_a_frame_is_noticed(recording: Recording, tmp_path: Path) -> None:

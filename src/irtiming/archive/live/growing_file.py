@@ -28,7 +28,7 @@ from irtiming.archive.nexus import (
     set_temperature,
     set_units,
 )
-from irtiming.archive.writer import identity_values
+from irtiming.archive.writer import identity_values, settings_values
 from irtiming.errors import ArchiveError
 
 STREAMS = (
@@ -138,6 +138,7 @@ def _values(head: RecordingHead) -> dict[Field, Any]:
         layout.WHEEL_PERIOD: run.scheme.turn_period_ticks,
         layout.BLACKBODY_TEMPERATURE: None if head.blackbody is None else head.blackbody.temperature_k,
         **identity_values(head.camera),
+        **{field: None if value == "" else value for field, value in settings_values(setup.settings).items()},
     }
 
 
@@ -149,7 +150,7 @@ def _told_by_instruments(head: RecordingHead) -> dict[str, Any]:
         for instrument, state in states.items()
         if state is not None
         for name, value in asdict(state).items()
-        if value is not None
+        if value is not None and name != "settings"
     }
     return told | {
         "run_control_slots": head.run.scheme.control_slots,

@@ -5,11 +5,14 @@ from typing import Protocol, final
 
 from irtiming.errors import InstrumentRefused
 from irtiming.records.camera_frame import CameraSetup
+from irtiming.records.camera_settings import CameraSettings
 
 _FORMATS = ("Mono16", "Mono14", "Mono12", "Mono10")  # one pixel in 16 bits; the first is taken if none of them is set
 _FRAME_START = "FrameStart"
 _LINES = ("Line1", "Line0")
 _EXPOSURES = ("ExposureTime", "ExposureTimeAbs", "IntegrationTime")  # all in us
+_GAINS = ("SensorGainMode", "GainMode", "Gain")
+_ZERO_CELSIUS_K = 273.15
 _EDGES = ("RisingEdge", "FallingEdge")
 
 
@@ -171,6 +174,22 @@ def _setup(
         trigger_activation=activation,
         timestamp_frequency_hz=timestamp_frequency_hz,
         integration_time_s=features.number(exposures[0]) * 1e-6 if exposures else None,
+        settings=_settings(features),
+    )
+
+
+def _settings(features: FeatureAccess) -> CameraSettings:
+    """What the camera's timing may depend on besides, as far as it has features for it (SFNC 2.7)."""
+    gains = [features.read(name) for name in _GAINS if features.has(name)]
+    told = {name: features.number(name) for name in ("TriggerDelay", "DeviceTemperature", "OffsetY", "OffsetX")
+            if features.has(name)}  # fmt: skip
+    delay_us, celsius = told.get("TriggerDelay"), told.get("DeviceTemperature")
+    return CameraSettings(
+        gain_setting=gains[0] if gains else "",
+        internal_delay_set_s=None if delay_us is None else delay_us * 1e-6,
+        sensor_temperature_k=None if celsius is None else celsius + _ZERO_CELSIUS_K,
+        region_first_row=int(told["OffsetY"]) if "OffsetY" in told else None,
+        region_first_column=int(told["OffsetX"]) if "OffsetX" in told else None,
     )
 
 

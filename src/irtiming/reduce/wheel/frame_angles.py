@@ -68,6 +68,7 @@ class FrameAngles:
             frame_period_s=one.frame_period_s,
             bit_depth=one.bit_depth,
             camera=one.camera,
+            settings=one.settings,
             start_time=one.start_time,
             is_simulated=one.is_simulated,
             events=one.events,

@@ -8,25 +8,14 @@ from typing import final
 from irtiming.archive.certificate_file import CertificateFile, Limit
 from irtiming.archive.result_model import CombinedDelay, Contribution, Result, RigValue
 from irtiming.errors import ArchiveError
+from irtiming.records.rig_inputs import CLOCK, RIG_KEYS
 from irtiming.report import budget
 from irtiming.report.calibration.decision import Conformity, judged
 
 LEADING = ("trigger_delay", "exposure_midpoint_delay", "time_constant", "row_delay")
 """What a reader wants to know first, as far as a camera has it."""
 
-CLOCK = "clock of the trigger generator"
 _LEAST_SHARE = 1e-7  # of u, below which a contribution is the rounding of numbers
-_RIG_KEYS = {
-    "mask centre angle phi_M": "mask.centre_angle",
-    "gate distance d (caliper)": "beams.half_separation",
-    "gate height difference dh (caliper)": "beams.height_difference",
-    "lateral offset of the beams": "beams.lateral_offset",
-    "latency of the application gate": "latency.application_gate",
-    "latency of the control gate": "latency.control_gate",
-    "latency of the trigger path": "latency.trigger",
-    CLOCK: "clock.relative_error",
-}
-"""Key of rig.toml that states the estimate behind each contribution."""
 
 
 @final
@@ -129,7 +118,7 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
 def _line(part: Contribution, name: str, *, rig: dict[str, RigValue]) -> BudgetLine:
     """What was measured and how much of it counts; without such a number the effect on the measurand itself."""
     contribution = part.standard_uncertainty[name] or 0.0
-    stated = rig.get(_RIG_KEYS.get(part.source, ""))
+    stated = rig.get(RIG_KEYS.get(part.source, ""))
     is_default_clock = part.source == CLOCK and stated is None
     distribution = "rectangular" if is_default_clock else "normal"
     freedom = _freedom(part.degrees_of_freedom)
@@ -178,7 +167,7 @@ def _relative(result: Result, combined: CombinedDelay) -> Measurand:
     rest = sqrt(max(0.0, u**2 - clock**2))
     lines = [_own("fit of the runs: noise, edges and their correlation", rest)]
     if clock > 0:
-        rate = next((one for one in result.rig.values if one.name == _RIG_KEYS[CLOCK]), None)
+        rate = next((one for one in result.rig.values if one.name == RIG_KEYS[CLOCK]), None)
         known = u_rate or clock / combined.nominal
         lines.append(
             BudgetLine(

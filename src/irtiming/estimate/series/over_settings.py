@@ -1,0 +1,99 @@
+"""Each parameter of a camera over each setting in which its results differ: level, line, and a step where there is one.
+
+Inputs that results have in common stand in their covariance (`inference.common_inputs`), so a slope is known better than the
+value at any setting. Only results that agree in all other settings are compared; the FPA temperature, which sways, is no such
+other setting.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.inference import common_inputs, weighted_line
+from irtiming.records.setting_point import SETTINGS, CameraKey, SettingName, SettingPoint
+from irtiming.records.setting_series import CameraSeries, OverSetting
+
+_SAME = 1e-3
+_CLEAR_STEP = 0.01
+
+
+def by_camera(points: Sequence[SettingPoint]) -> tuple[CameraSeries, ...]:
+    """Each camera by itself, in order of serial number.
+
+    Parameters
+    ----------
+    points
+        Of any cameras.
+
+    Raises
+    ------
+    EstimationError
+        If there is none, or one names no serial number while there are several cameras.
+    """
+    if not points:
+        raise EstimationError("no result is given; name at least two of one camera at different settings")
+    cameras = sorted({one.camera for one in points}, key=lambda key: (key.serial_number, str(key)))
+    if len(cameras) > 1:
+        nameless = next((one for one in points if not one.camera.serial_number), None)
+        if nameless is not None:
+            raise EstimationError(
+                f"names no serial number, and there are {len(cameras)} cameras: nobody knows whose it is, and two cameras are "
+                "never taken together; leave it out, or record it with its serial_number",
+                where=nameless.label,
+            )
+    return tuple(_series(key, [one for one in points if one.camera == key]) for key in cameras)
+
+
+def _series(camera: CameraKey, points: list[SettingPoint]) -> CameraSeries:
+    found = [
+        one for setting in SETTINGS for group in _alike_besides(points, setting)
+        for name in group[0].parameters for one in _over(group, setting, name=name)
+    ]  # fmt: skip
+    return CameraSeries(camera=camera, points=tuple(points), over=tuple(found))
+
+
+def _alike_besides(points: list[SettingPoint], setting: SettingName) -> list[list[SettingPoint]]:
+    """Groups of points that differ in one setting alone; a setting that is a word has no axis."""
+    groups: list[list[SettingPoint]] = []
+    for one in points:
+        if isinstance(one.settings.get(setting), float | int):
+            mine = next((group for group in groups if _agree(group[0], one, besides=setting)), None)
+            groups.append([one]) if mine is None else mine.append(one)
+    varying = [sorted(group, key=lambda one: _x(one, setting)) for group in groups]
+    return [group for group in varying if not _is_same(_x(group[0], setting), _x(group[-1], setting))]
+
+
+def _agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName) -> bool:
+    names = (set(one.settings) | set(other.settings)) - {besides, "sensor_temperature"}
+    return all(_is_same(one.settings.get(name), other.settings.get(name)) for name in names)
+
+
+def _is_same(one: float | str | None, other: float | str | None) -> bool:
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return abs(one - other) <= _SAME * max(abs(one), abs(other))
+    return one == other
+
+
+def _x(one: SettingPoint, setting: SettingName) -> float:
+    return float(one.settings[setting])
+
+
+def _over(group: list[SettingPoint], setting: SettingName, *, name: str) -> list[OverSetting]:
+    """One parameter, where at least two different settings have it."""
+    points = [one for one in group if name in one.parameters]
+    if len(points) < 2 or _is_same(_x(points[0], setting), _x(points[-1], setting)):
+        return []
+    told = [one.parameters[name] for one in points]
+    x, y = np.array([_x(one, setting) for one in points]), np.array([one.value for one in told])
+    u = np.array([one.standard_uncertainty for one in told])
+    covariance = common_inputs.covariance(u, [one.common for one in told])
+    step = weighted_line.step(x, y, covariance=covariance)
+    return [
+        OverSetting(
+            parameter=name, unit=told[0].unit, event=told[0].event, setting=setting, points=tuple(points), x=x, values=y,
+            covariance=covariance, level=weighted_line.level(y, covariance=covariance),
+            line=weighted_line.line(x, y, covariance=covariance),
+            step=step if step is not None and step.chance < _CLEAR_STEP else None,
+        )
+    ]  # fmt: skip

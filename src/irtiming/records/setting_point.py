@@ -1,0 +1,76 @@
+"""What one result says of a camera at one setting: the point of a series over settings, of a campaign, and of a history."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+from irtiming.records.frame_events import FrameEvent
+from irtiming.records.recording import CameraType, ReadoutMode
+
+SettingName = Literal[
+    "integration_time", "frame_period", "internal_delay_set", "sensor_temperature", "region_first_row", "rows", "gain_setting",
+]  # fmt: skip
+SETTINGS: Mapping[SettingName, tuple[str, str]] = {
+    "integration_time": ("integration time", "s"),
+    "frame_period": ("time between frames", "s"),
+    "internal_delay_set": ("internal delay set", "s"),
+    "sensor_temperature": ("FPA temperature", "K"),
+    "region_first_row": ("first row of the region", "1"),
+    "rows": ("rows of the region", "1"),
+    "gain_setting": ("gain setting", ""),
+}
+"""Settings on which a timing may depend: what to call each, and its unit; none for words."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class CameraKey:
+    """Which camera a result is of, as far as it says; two that differ in any of these are never taken together."""
+
+    manufacturer: str
+    model: str
+    serial_number: str
+    camera_type: CameraType
+    readout_mode: ReadoutMode
+    event: FrameEvent = "trigger"
+
+    @property
+    def name(self) -> str:
+        """What to call it."""
+        return " ".join(word for word in (self.model, self.serial_number) if word) or "camera without a name"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PointParameter:
+    """A measurand of a point: value, its uncertainty, and what each input that other points have too adds to it, with sign.
+
+    ``degrees_of_freedom`` is inf where u is well known, ``expanded_uncertainty`` U = k u; ``event`` is what the time ends with.
+    """
+
+    value: float
+    standard_uncertainty: float
+    unit: str
+    expanded_uncertainty: float
+    degrees_of_freedom: float = float("inf")
+    event: str = ""
+    common: Mapping[str, float] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SettingPoint:
+    """A result as one point.
+
+    ``label`` says where it comes from. ``settings`` has those that are known, numbers in SI units or words. ``start_time`` is ISO
+    8601 of its first recording, or empty; ``findings`` are codes of what the analysis warned of.
+    """
+
+    label: str
+    camera: CameraKey
+    settings: Mapping[SettingName, float | str]
+    parameters: Mapping[str, PointParameter]
+    start_time: str = ""
+    n_recordings: int = 1
+    findings: tuple[str, ...] = ()
+    simulated: bool = False
