@@ -99,9 +99,11 @@ def _plan(page, base):
     page.get_by_text(re.compile("u.trigger delay. = ")).wait_for()
     samples = page.get_by_label("Samples in a turn").locator("[tabindex]")
     samples.focus()
-    for key in ("PageDown", "PageDown", "ArrowRight", "ArrowLeft"):
-        samples.press(key)
-    page.get_by_text("Samples in a turn: 100").wait_for()
+    for key, value in (("PageDown", 500), ("PageDown", 100), ("ArrowRight", 150), ("ArrowLeft", 100)):
+        samples.press(
+            key
+        )  # the next one when the server has answered: what it says of a key comes after other keys otherwise
+        page.get_by_text(f"Samples in a turn: {value}", exact=True).wait_for()
     page.locator(".q-chip", has_text="9 Hz").locator(".q-chip__icon--remove").click()
     page.get_by_role("button", name="Write the plan").click()
     page.get_by_text("Record has it in its list").wait_for()

@@ -9,6 +9,7 @@ import typer
 from irtiming.cli.options import Duration, filled
 from irtiming.cli.screen import say
 from irtiming.errors import PlanError
+from irtiming.records.frame_events import FreeEvent
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.units import seconds
 
@@ -21,7 +22,7 @@ def rig(
         typer.Option(help="How it is read, if not as usual: photon cameras at once, others row by row."),
     ] = None,
     free_running: Annotated[
-        Literal["strobe", "stamp"] | None,
+        FreeEvent | None,
         typer.Option(help="A camera that needs no trigger, and what the delay of its frames is to count from."),
     ] = None,
     rows: Annotated[int, typer.Option(min=16, max=4096, help="Pixels down the image.")] = 120,

@@ -5,10 +5,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, final
+from typing import final
 
 from irtiming.archive import rig_writer
 from irtiming.archive.json_file import make_folder, write_atomically, write_json
+from irtiming.records.frame_events import FreeEvent
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.devices.bench import Bench, Workplace
@@ -17,8 +18,7 @@ from irtiming.twin.free_camera import draw_free
 from irtiming.twin.rig import SimulatedRig, draw, truth
 from irtiming.twin.scene import CameraTiming, readout_mode_of
 
-ServedEvent = Literal["strobe", "stamp"]
-"""Events of a served camera that runs free whose truth is known; when its frames arrive is this computer's doing."""
+_FROM_AN_EVENT = ("timestamp_delay_s", "exposure_midpoint_delay_s")
 
 
 @final
@@ -26,7 +26,8 @@ ServedEvent = Literal["strobe", "stamp"]
 class ServedOrder:
     """What a person wants served: a camera at a place, words taken at the port ``console`` (0: any that is free).
 
-    With ``free_running`` it makes frames by itself, and its plan counts from that event.
+    With ``free_running`` it makes frames by itself, and its plan counts from that event. When frames arrive is this computer's
+    doing, so truth.json holds no delay from an arrival.
     """
 
     camera: CameraType = "photon"
@@ -34,7 +35,7 @@ class ServedOrder:
     rows: int = 120
     columns: int = 160
     place: Workplace = field(default_factory=Workplace)
-    free_running: ServedEvent | None = None
+    free_running: FreeEvent | None = None
     console: int = 0
     folder: Path | None = None
 
@@ -71,8 +72,14 @@ def served(order: ServedOrder) -> Iterator[ServedRig]:
 def _write(found: ServedRig, rig: SimulatedRig, folder: Path) -> None:
     make_folder(folder)
     rig_writer.write_rig(rig.measured, folder / "rig.toml")
-    write_json(truth(rig.scene), folder / "truth.json")
+    write_json(_known(rig), folder / "truth.json")
     write_atomically(_plan(found, rig), folder / "plan.toml")
+
+
+def _known(rig: SimulatedRig) -> dict[str, object]:
+    """What is true of the rig, but for the way of its frames through this computer."""
+    arrives = rig.scene.free is not None and rig.scene.free.event == "arrival"
+    return {name: value for name, value in truth(rig.scene).items() if not (arrives and name in _FROM_AN_EVENT)}
 
 
 def _plan(found: ServedRig, rig: SimulatedRig) -> str:

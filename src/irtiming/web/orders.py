@@ -74,13 +74,19 @@ class CertifyOrder:
 @final
 @dataclass(frozen=True, kw_only=True)
 class ApplyOrder:
-    """A result, the frames that it is applied to, and the files to write; ``period`` is text such as "33.3 ms", or empty."""
+    """A result, the frames that it is applied to, and the files to write; ``period`` is text such as "33.3 ms", or empty.
+
+    ``series`` are results at other settings of the camera, between which is interpolated. Each stamp counts ``alone``, or by its
+    place among all.
+    """
 
     result: Path
     source: Path
     out: Path
+    series: tuple[Path, ...] = ()
     period: str = ""
     times: Path | None = None
+    alone: bool = False
 
 
 @final

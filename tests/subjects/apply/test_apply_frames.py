@@ -10,6 +10,8 @@ from moving_scene import COLUMNS, EDGE_COLUMNS, HIGH, LOW, ROWS, FilmedBy, film
 
 from irtiming.archive.result_file import write_result
 from irtiming.cli.main import run
+from irtiming.web.orders import ApplyOrder
+from irtiming.web.tasks import applying
 
 CAMERA = FilmedBy(row_delay_s=7e-4, tau_s=5e-3)
 NUMBERS = {"trigger_delay": (4e-3, 2e-5), "time_constant": (5e-3, 5e-6), "row_delay": (7e-4, 1e-7)}
@@ -171,3 +173,37 @@ def test_a_scene_is_no_recording(tmp_path, told, recording):
     status, _, error = told("apply", "frames", _result(tmp_path), tmp_path / "scene.nxs", tmp_path / "twice.nxs")
     assert status == 2
     assert "is missing" in error
+
+
+class _Quiet:
+    """The page's line to a task, unheard."""
+
+    def says(self, text):
+        pass
+
+    def step(self, part, *, done, total):
+        pass
+
+
+def test_the_page_makes_what_the_commands_make(tmp_path, recording, told):
+    """Oracle: the files of `irtiming apply frames` and `irtiming apply time`, with results at two frame rates."""
+    results = []
+    for number, period_s in enumerate((20e-3, 50e-3)):
+        content = made_up_result("microbolometer", "rolling", NUMBERS, rows=ROWS).model_dump(mode="json")
+        content["inputs"][0] |= {"frame_period": period_s, "image": {"rows": ROWS, "columns": COLUMNS}}
+        results.append(tmp_path / f"result{number}.json")
+        write_result({key: value for key, value in content.items() if key not in ("format", "version")}, results[-1])
+    first, other = results
+    for words in (
+        ("frames", first, recording, tmp_path / "a.nxs"),
+        ("time", first, recording, "--out", tmp_path / "a.csv"),
+    ):
+        assert told("apply", *words, "--series", other)[0] == 0
+    order = ApplyOrder(
+        result=first, source=recording, out=tmp_path / "b.nxs", series=(other,), times=tmp_path / "b.csv"
+    )
+    done = applying.apply(_Quiet(), order)
+    assert done["n_written"] < done["n_frames"]
+    with h5py.File(tmp_path / "a.nxs") as made, h5py.File(tmp_path / "b.nxs") as again:
+        assert np.array_equal(made["entry/scene/gain"], again["entry/scene/gain"])
+    assert (tmp_path / "a.csv").read_text() == (tmp_path / "b.csv").read_text()

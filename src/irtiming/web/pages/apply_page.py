@@ -36,8 +36,10 @@ def _form(desk: Desk) -> None:
     with ui.element("div").classes("form"):
         result = ui.select(results, value=results[0] if results else None, label="Result")
         source = ui.select(names, value=names[0] if names else None, label="Frames of the same camera")
+        series = ui.select(results, value=[], multiple=True, label="Results at other settings, to interpolate")
         period = ui.input("Frame period, if not told", placeholder="33.3 ms")
         times = ui.checkbox("Write the times of all rows, too (CSV)")
+        alone = ui.checkbox("Take each stamp by itself, not its place among all").bind_visibility_from(times, "value")
     ui.label(
         "A result for another camera, integration time, readout or image size is refused. The frames are left as they are."
     ).classes("note")
@@ -50,7 +52,9 @@ def _form(desk: Desk) -> None:
                 result=desk.folder.existing(str(result.value or "")),
                 source=path,
                 out=desk.folder.free(f"{path.stem}-at-one-instant.nxs", within=PLACE),
+                series=tuple(desk.folder.existing(name) for name in series.value if name != result.value),
                 period=str(period.value or "").strip(),
+                alone=bool(alone.value),
                 times=desk.folder.free(f"{path.stem}-times.csv", within=PLACE) if times.value else None,
             )
             desk.jobs.start("application", f"the result on {path.name}", task="applying:apply", order=order)

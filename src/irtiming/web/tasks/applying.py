@@ -21,9 +21,11 @@ def apply(line: Line, order: ApplyOrder) -> dict[str, Any]:
         source=order.source,
         out=order.out,
         period_s=seconds(order.period) if order.period else None,
+        series=order.series,
     )
     if order.times is not None:
-        apply_time(TimeOrder(result=frames.result, stamps=StampsWanted(source=frames.source), out=order.times))
+        stamps = StampsWanted(source=frames.source, alone=order.alone)
+        apply_time(TimeOrder(result=frames.result, stamps=stamps, out=order.times, series=order.series))
         line.says(f"the times are in {order.times.name}")
     done = apply_frames(frames, progress=lambda n, total: line.step(frames.source.name, done=n, total=total))
     return {
