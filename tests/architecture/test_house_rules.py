@@ -15,6 +15,9 @@ HOMES = {
     "GTC": "report",
     "astropy": "archive",
     "av": "archive",
+    "dask": "distribute",
+    "distributed": "distribute",
+    "sqlalchemy": "archive",
     "fasthcc": "archive",
     "imagecodecs": "archive",
     "tifffile": "archive",
@@ -70,6 +73,8 @@ COMMANDS = (
     "recover",
     "rig",
     "serve",
+    "campaign",
+    "history",
     "series",
 )
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 6, 2

@@ -19,6 +19,7 @@ from irtiming.cli.analyse_command import analyse
 from irtiming.cli.apply_command import app as apply
 from irtiming.cli.calibrate_wheel_command import calibrate_wheel
 from irtiming.cli.camera_command import camera
+from irtiming.cli.campaign_command import campaign
 from irtiming.cli.certificate_command import certificate
 from irtiming.cli.clock_command import clock
 from irtiming.cli.convert_command import convert
@@ -52,8 +53,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 COMMANDS = (
-    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, series, explain,
-    certificate, import_capture, export_vcd, info, convert, serve, demo,
+    discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, series, campaign,
+    explain, certificate, import_capture, export_vcd, info, convert, serve, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

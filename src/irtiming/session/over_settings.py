@@ -11,18 +11,17 @@ from irtiming.archive.result_file import checked_result, read_result
 from irtiming.archive.result_model import Result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
+from irtiming.distribute.campaign import together
+from irtiming.distribute.pieces import look
 from irtiming.errors import ArchiveError
 from irtiming.estimate.series import over_settings, points
 from irtiming.measurement import Progress, analyse
+from irtiming.records.campaign import Listed
 from irtiming.records.choices import Choices
-from irtiming.records.recording import Recording
 from irtiming.records.setting_point import SettingPoint
 from irtiming.records.setting_series import CameraSeries
 from irtiming.report import result as report_result
 from irtiming.report import series_page
-
-_SAME_WINDOW_S = 1e-9
-_SAME_PERIOD = 5e-3  # relative; plans for several wheel speeds have frame rates that differ by less
 
 
 @final
@@ -105,33 +104,5 @@ def alike(files: Sequence[Path]) -> list[tuple[Path, ...]]:
     ArchiveError
         If one cannot be read.
     """
-    groups: list[tuple[Recording, list[Path]]] = []
-    for path in files:
-        recording = reader.read(path)
-        mine = next((paths for first, paths in groups if is_alike(first, recording)), None)
-        if mine is None:
-            groups.append((recording, [path]))
-        else:
-            mine.append(path)
-    return [tuple(paths) for _, paths in groups]
-
-
-def is_alike(one: Recording, other: Recording) -> bool:
-    """Whether two recordings are of one camera at one setting; the FPA temperature may sway."""
-    mine, theirs = one.settings, other.settings
-    told = [
-        (each.camera_type, each.readout_mode, each.frame_event, each.frames.shape[1:], each.camera and (
-            each.camera.vendor, each.camera.model, each.camera.serial_number))
-        for each in (one, other)
-    ]  # fmt: skip
-    return (
-        told[0] == told[1]
-        and (mine.gain_setting, mine.internal_delay_set_s, mine.region_first_row, mine.region_first_column)
-        == (theirs.gain_setting, theirs.internal_delay_set_s, theirs.region_first_row, theirs.region_first_column)
-        and _near(one.integration_time_s, other.integration_time_s, within=_SAME_WINDOW_S)
-        and _near(one.frame_period_s, other.frame_period_s, within=_SAME_PERIOD * (one.frame_period_s or 0.0))
-    )
-
-
-def _near(one: float | None, other: float | None, *, within: float) -> bool:
-    return one == other if one is None or other is None else abs(one - other) <= within
+    seen = [look(Listed(path=path, is_one_of_many=False)) for path in files]
+    return [tuple(one.listed.path for one in group) for group in together(seen)]

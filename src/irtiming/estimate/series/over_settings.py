@@ -58,13 +58,22 @@ def _alike_besides(points: list[SettingPoint], setting: SettingName) -> list[lis
     groups: list[list[SettingPoint]] = []
     for one in points:
         if isinstance(one.settings.get(setting), float | int):
-            mine = next((group for group in groups if _agree(group[0], one, besides=setting)), None)
+            mine = next((group for group in groups if agree(group[0], one, besides=setting)), None)
             groups.append([one]) if mine is None else mine.append(one)
     varying = [sorted(group, key=lambda one: _x(one, setting)) for group in groups]
     return [group for group in varying if not _is_same(_x(group[0], setting), _x(group[-1], setting))]
 
 
-def _agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName) -> bool:
+def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None = None) -> bool:
+    """Whether two results have the same settings, but for one that is named and the FPA temperature, which sways.
+
+    Parameters
+    ----------
+    one, other
+        Of one camera.
+    besides
+        What may differ.
+    """
     names = (set(one.settings) | set(other.settings)) - {besides, "sensor_temperature"}
     return all(_is_same(one.settings.get(name), other.settings.get(name)) for name in names)
 

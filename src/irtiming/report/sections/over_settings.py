@@ -11,7 +11,7 @@ from irtiming.report.blocks import US, Panel, Section, Table, several
 from irtiming.report.rounding import in_unit, signed, significant, time_text, time_unit, value_text
 
 DELAYS = ("trigger_delay", "strobe_delay", "timestamp_delay")
-_LEADING = (*DELAYS, "exposure_midpoint_delay", "time_constant", "row_delay")
+LEADING = (*DELAYS, "exposure_midpoint_delay", "time_constant", "row_delay")
 _MEANT = {
     ("start", 0.0): "the start of integration stays",
     ("start", -0.5): "the middle of integration stays",
@@ -30,7 +30,7 @@ def sections(series: tuple[CameraSeries, ...]) -> tuple[Section, ...]:
 
 def section(one: CameraSeries, *, alone: bool) -> Section:
     """All of one camera; ``alone`` where there is no other."""
-    leading = [each for each in one.over if each.parameter in _LEADING]
+    leading = [each for each in one.over if each.parameter in LEADING]
     delays = [internal_delays(each) for each in one.over if _is_internal(each)]
     return Section(
         title="Over the settings" if alone else f"Over the settings: {one.camera.name}",
@@ -54,7 +54,7 @@ def slopes(one: CameraSeries) -> Table:
             "–" if each.line.degrees_of_freedom < 1 else f"{chi_text(each)}, p = {_chance(each.line.probability)}",
             step_text(each) or "none",
         )
-        for each in one.over if each.parameter in _LEADING
+        for each in one.over if each.parameter in LEADING
     )  # fmt: skip
     return Table(
         title="Slopes",
@@ -138,7 +138,7 @@ def internal_delays(one: OverSetting) -> Table:
 def points(one: CameraSeries) -> Table:
     """Every result: settings and leading parameters."""
     settings = [name for name in SETTINGS if any(name in each.settings for each in one.points)]
-    names = [name for name in _LEADING if any(name in each.parameters for each in one.points)]
+    names = [name for name in LEADING if any(name in each.parameters for each in one.points)]
     rows = tuple(
         (each.label.rsplit("/", 1)[-1], *(_setting(each, name) for name in settings), *(_value(each, name) for name in names))
         for each in one.points
@@ -198,7 +198,7 @@ def _own(one: OverSetting) -> np.ndarray:
 def doubts(series: tuple[CameraSeries, ...]) -> Iterator[str]:
     """What is not as it should be."""
     for one in series:
-        for each in (other for other in one.over if other.parameter in _LEADING):
+        for each in (other for other in one.over if other.parameter in LEADING):
             what = f"{one.camera.name}: {words(each.parameter)} over {SETTINGS[each.setting][0]}"
             if each.step is not None:
                 yield f"{what} has a step of {step_text(each)}"

@@ -1,0 +1,179 @@
+"""Tables of a campaign: the list of recordings that a person writes, and the lines that come out, as CSV and Parquet."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from irtiming.archive import layout
+from irtiming.archive.json_file import unwritable, write_atomically
+from irtiming.errors import ArchiveError
+from irtiming.records.campaign import CampaignLine, Listed
+from irtiming.records.setting_point import SETTINGS
+
+COLUMNS = ("file", "serial_number", "operator", "run")
+"""Of a list of recordings; only the first must be there."""
+
+_MOST_LINES = 100_000
+
+
+def read_list(path: str | Path) -> tuple[Listed, ...]:
+    """Recordings in a CSV, each beside what a person knows of it; files are named from the folder of the list.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be read, has a column that is not known, lacks ``file``, or names a file twice or none.
+    """
+    table = Path(path)
+    try:
+        lines = [line for line in table.read_text(encoding="utf-8-sig").splitlines() if not line.startswith("#")]
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        raise ArchiveError(
+            f"{path}: cannot be read ({reason}); give a CSV with the columns {', '.join(COLUMNS)}"
+        ) from error
+    rows = csv.DictReader(lines[: _MOST_LINES + 1])
+    names = [name.strip() for name in rows.fieldnames or ()]
+    strangers = [name for name in names if name not in COLUMNS]
+    if strangers or "file" not in names:
+        what = f"has the column '{strangers[0]}'" if strangers else "has no column 'file'"
+        raise ArchiveError(f"{what}; its columns must be among {', '.join(COLUMNS)}, with file", where=str(path))
+    rows.fieldnames = names
+    found = []
+    for number, row in enumerate(rows, 2):
+        if None in row or not (row["file"] or "").strip():
+            raise ArchiveError(f"line {number} has no file, or more cells than columns; correct it", where=str(path))
+        serial, operator, run = ((row.get(name) or "").strip() for name in COLUMNS[1:])
+        path_of_row = table.parent / row["file"].strip()
+        found.append(Listed(path=path_of_row, serial_number=serial, operator=operator, run=run))
+    return _each_once(found, where=str(path))
+
+
+def in_folder(folder: str | Path) -> tuple[Listed, ...]:
+    """Every recording below a folder, by name; those in one folder are of one run.
+
+    Raises
+    ------
+    ArchiveError
+        If there is none.
+    """
+    top = Path(folder)
+    found = [
+        Listed(path=path, run="" if path.parent == top else str(path.parent.relative_to(top)))
+        for path in sorted(top.rglob(f"*{layout.SUFFIX}"))
+    ]
+    return _each_once(found, where=str(folder))
+
+
+def _each_once(found: list[Listed], *, where: str) -> tuple[Listed, ...]:
+    if not found:
+        raise ArchiveError(
+            f"holds no recording (*{layout.SUFFIX}); name a folder that does, or a CSV of them", where=where
+        )
+    paths = [one.path.resolve() for one in found]
+    twice = next((path for path in paths if paths.count(path) > 1), None) if len(set(paths)) < len(paths) else None
+    if twice is not None:
+        raise ArchiveError(f"names {twice} twice; name each recording once", where=where)
+    return tuple(found)
+
+
+def rows_of(lines: Sequence[CampaignLine]) -> list[dict[str, Any]]:
+    """Lines as flat rows with one set of columns; None where a camera has no such thing. Floats are in SI units."""
+    names = list(dict.fromkeys(name for one in lines for name in one.values))
+    units = {name: next(one.values[name].unit for one in lines if name in one.values) for name in names}
+    return [_row(one, units) for one in lines]
+
+
+def _row(one: CampaignLine, units: Mapping[str, str]) -> dict[str, Any]:
+    key = one.camera
+    row: dict[str, Any] = {
+        "manufacturer": key.manufacturer or None, "model": key.model or None, "serial_number": key.serial_number,
+        "camera": key.camera_type, "readout_mode": key.readout_mode, "reference_event": key.event,
+    }  # fmt: skip
+    for setting, (_, unit) in SETTINGS.items():
+        row[f"{setting}_{unit.lower()}" if unit in ("s", "K") else setting] = one.settings.get(setting)
+    row |= {
+        "verdict": one.judgement, "first_measured": one.first_measured or None, "results": one.n_results,
+        "recordings": one.n_recordings,
+    }  # fmt: skip
+    for name, unit in units.items():
+        found, end = one.values.get(name), "_s" if unit == "s" else ""
+        row |= {
+            f"{name}{end}": None if found is None else found.value,
+            f"u_{name}{end}": None if found is None else found.standard_uncertainty,
+            f"U_{name}{end}": None if found is None else found.expanded_uncertainty,
+            f"lower_{name}{end}": None if found is None else found.lower,
+            f"upper_{name}{end}": None if found is None else found.upper,
+            f"verdict_{name}": None if found is None else found.judgement,
+            f"conformity_probability_{name}": None if found is None else found.probability,
+        }
+    return row | {"findings": " ".join(dict.fromkeys(one.findings)) or None, "simulated": one.simulated}
+
+
+def write_csv(rows: Sequence[Mapping[str, Any]], path: str | Path, *, head: Sequence[str] = ()) -> None:
+    """Write rows with their columns; numbers with all their digits, lines of ``head`` first, each after a ``#``.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written.
+    """
+    text = io.StringIO()
+    text.writelines(f"# {line}\n" for line in head)
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]) if rows else [], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in rows)
+    write_atomically(text.getvalue(), path)
+
+
+def require_parquet() -> Any:
+    """The library that writes Parquet.
+
+    Raises
+    ------
+    ArchiveError
+        If it is not installed.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ModuleNotFoundError as error:
+        raise ArchiveError("Parquet needs the library pyarrow: pip install 'irtiming[campaign]'") from error
+    return pyarrow, parquet
+
+
+def write_parquet(rows: Sequence[Mapping[str, Any]], path: str | Path, *, head: Sequence[str] = ()) -> None:
+    """The same as Parquet, whole or not at all; ``head`` stands in the metadata as ``irtiming``.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written, or pyarrow is not installed.
+    """
+    arrow, parquet = require_parquet()
+    target = Path(path)
+    part = target.with_name(f"{target.name}.part")
+    types = {name: _type(arrow, name, [row[name] for row in rows]) for name in (rows[0] if rows else {})}
+    schema = arrow.schema(list(types.items()), metadata={"irtiming": "\n".join(head)})
+    try:
+        parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows], schema=schema), part)
+        part.replace(target)
+    except OSError as error:
+        raise unwritable(target, error) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _type(arrow: Any, name: str, values: Sequence[Any]) -> Any:
+    """A column's type; one without any value is of numbers where its name says so."""
+    known = [value for value in values if value is not None]
+    if not known:
+        is_number = name.endswith(("_s", "_k", "_row", "rows")) or "probability" in name
+        return arrow.float64() if is_number else arrow.string()
+    if all(isinstance(value, bool) for value in known):
+        return arrow.bool_()
+    if all(isinstance(value, int) for value in known):
+        return arrow.int64()
+    return arrow.float64() if all(isinstance(value, int | float) for value in known) else arrow.string()

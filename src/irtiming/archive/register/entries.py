@@ -1,0 +1,170 @@
+"""Results written into the register, each once by its checksum, and points read back."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from math import inf, isfinite
+from typing import Any, final
+
+from irtiming.archive.nexus import program_version
+from irtiming.archive.register.tables import library, metadata, opened, unusable
+from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A result for the register: its point, the checksum of its file and of its rig.toml, who measured, which time."""
+
+    point: SettingPoint
+    sha256: str
+    rig_sha256: str = ""
+    operator: str = ""
+    run: str = ""
+
+
+def add(register: str, entries: Sequence[Entry], *, registered_at: str | None = None) -> int:
+    """Write entries that are not there yet, all or none; gives how many were new.
+
+    Parameters
+    ----------
+    register
+        As for `opened`.
+    entries
+        Results.
+    registered_at
+        ISO 8601; now, where none is given.
+
+    Raises
+    ------
+    ArchiveError
+        If the register cannot be used.
+    """
+    sql = library()
+    tables, engine = metadata().tables, opened(register)
+    when = registered_at or datetime.now(UTC).isoformat(timespec="seconds")
+    new = 0
+    try:
+        with engine.begin() as line:
+            for one in entries:
+                known = sql.select(tables["result"].c.id).where(tables["result"].c.sha256 == one.sha256)
+                if line.execute(known).first() is None:
+                    _insert(line, tables, one, when)
+                    new += 1
+    except sql.exc.SQLAlchemyError as error:
+        raise unusable(register, error) from error
+    finally:
+        engine.dispose()
+    return new
+
+
+def _insert(line: Any, tables: Mapping[str, Any], one: Entry, when: str) -> None:
+    point, camera = one.point, one.point.camera
+    made = line.execute(
+        tables["result"].insert().values(
+            sha256=one.sha256, serial_number=camera.serial_number, model=camera.model, manufacturer=camera.manufacturer,
+            camera=camera.camera_type, readout_mode=camera.readout_mode, reference_event=camera.event,
+            measured_at=point.start_time, registered_at=when, operator=one.operator, run=one.run,
+            program_version=program_version(), rig_sha256=one.rig_sha256, recordings=point.n_recordings,
+            simulated=point.simulated, file=point.label,
+        )
+    )  # fmt: skip
+    here = {"result_id": made.inserted_primary_key[0]}
+    rows: dict[str, list[dict[str, Any]]] = {
+        "setting": [
+            here | {"name": name, "number": None if isinstance(value, str) else float(value),
+                    "words": value if isinstance(value, str) else None}
+            for name, value in point.settings.items()
+        ],
+        "value": [
+            here | {"parameter": name, "value": p.value, "standard_uncertainty": p.standard_uncertainty,
+                    "expanded_uncertainty": p.expanded_uncertainty,
+                    "degrees_of_freedom": p.degrees_of_freedom if isfinite(p.degrees_of_freedom) else None, "unit": p.unit,
+                    "reference_event": p.event}
+            for name, p in point.parameters.items()
+        ],
+        "common_input": [
+            here | {"parameter": name, "source": source, "contribution": adds}
+            for name, p in point.parameters.items() for source, adds in p.common.items()
+        ],
+        "finding": [here | {"code": code} for code in point.findings],
+    }  # fmt: skip
+    for name, values in rows.items():
+        if values:
+            line.execute(tables[name].insert(), values)
+
+
+def cameras(register: str) -> list[tuple[str, str, int]]:
+    """Serial number, model and number of results of every camera, by serial number.
+
+    Raises
+    ------
+    ArchiveError
+        If there is no such register, or it cannot be used.
+    """
+    sql = library()
+    table, engine = metadata().tables["result"], opened(register, must_exist=True)
+    asked = sql.select(table.c.serial_number, table.c.model, sql.func.count()).group_by(
+        table.c.serial_number, table.c.model
+    )
+    try:
+        with engine.connect() as line:
+            return [(str(a), str(b), int(n)) for a, b, n in sorted(line.execute(asked).all())]
+    except sql.exc.SQLAlchemyError as error:
+        raise unusable(register, error) from error
+    finally:
+        engine.dispose()
+
+
+def of_camera(register: str, serial_number: str) -> tuple[SettingPoint, ...]:
+    """All results of a camera, the oldest first.
+
+    Raises
+    ------
+    ArchiveError
+        If there is no such register, or it cannot be used.
+    """
+    sql = library()
+    tables, engine = metadata().tables, opened(register, must_exist=True)
+    asked = sql.select(tables["result"]).where(tables["result"].c.serial_number == serial_number)
+    try:
+        with engine.connect() as line:
+            found = line.execute(asked).mappings().all()
+            rows = {
+                name: line.execute(
+                    sql.select(tables[name]).join(tables["result"]).where(tables["result"].c.serial_number == serial_number)
+                ).mappings().all()
+                for name in ("setting", "value", "common_input", "finding")
+            }  # fmt: skip
+    except sql.exc.SQLAlchemyError as error:
+        raise unusable(register, error) from error
+    finally:
+        engine.dispose()
+    points = [_point(one, {name: [row for row in each if row["result_id"] == one["id"]] for name, each in rows.items()})
+              for one in found]  # fmt: skip
+    return tuple(sorted(points, key=lambda one: (one.start_time, one.label)))
+
+
+def _point(one: Any, rows: Mapping[str, Sequence[Any]]) -> SettingPoint:
+    common: dict[str, dict[str, float]] = {}
+    for row in rows["common_input"]:
+        common.setdefault(row["parameter"], {})[row["source"]] = row["contribution"]
+    return SettingPoint(
+        label=one["file"],
+        camera=CameraKey(
+            manufacturer=one["manufacturer"], model=one["model"], serial_number=one["serial_number"],
+            camera_type=one["camera"], readout_mode=one["readout_mode"], event=one["reference_event"],
+        ),
+        settings={row["name"]: row["number"] if row["words"] is None else row["words"] for row in rows["setting"]},
+        parameters={
+            row["parameter"]: PointParameter(
+                value=row["value"], standard_uncertainty=row["standard_uncertainty"], unit=row["unit"],
+                expanded_uncertainty=row["expanded_uncertainty"],
+                degrees_of_freedom=inf if row["degrees_of_freedom"] is None else row["degrees_of_freedom"],
+                event=row["reference_event"], common=common.get(row["parameter"], {}),
+            )
+            for row in rows["value"]
+        },
+        start_time=one["measured_at"], n_recordings=one["recordings"],
+        findings=tuple(row["code"] for row in rows["finding"]), simulated=bool(one["simulated"]),
+    )  # fmt: skip

@@ -1,0 +1,94 @@
+"""The page of a campaign: how many cameras pass, control charts, findings, repeatability and reproducibility, every line."""
+
+from collections import Counter
+from datetime import datetime
+from math import sqrt
+from typing import Any
+
+from irtiming.records.campaign import WORST_FIRST, Campaign, GaugeStudy
+from irtiming.report.blocks import several
+from irtiming.report.page import Content, Verdict, render
+from irtiming.report.sections import campaign as sections
+from irtiming.report.sections.over_settings import words
+
+
+def page(campaign: Campaign, *, created: datetime | None = None) -> str:
+    """One HTML page without any link to the outside.
+
+    Parameters
+    ----------
+    campaign
+        With at least one line.
+    created
+        Date to print; now, where none is given.
+    """
+    told = (
+        sections.judged(campaign),
+        sections.control(campaign),
+        sections.pareto(campaign),
+        sections.repeatability(campaign),
+        sections.cameras(campaign),
+    )
+    return render(
+        Content(
+            heading="Timing of many cameras",
+            verdict=verdict(campaign),
+            warnings=tuple(doubts(campaign)),
+            sections=tuple(section for section in told if section is not None),
+        ),
+        created=created,
+    )
+
+
+def verdict(campaign: Campaign) -> Verdict:
+    """How many pass."""
+    cameras = {one.camera for one in campaign.lines}
+    counts = Counter(one.judgement for one in campaign.lines)
+    lines = several(len(campaign.lines), "line")
+    what = f"{several(len(campaign.points), 'result')} of {several(len(cameras), 'camera')}, {lines} of camera and setting."
+    number = f"{several(len(cameras), 'camera')} measured" if not campaign.rule else (
+        f"{counts['pass']} of {len(campaign.lines)} pass"
+    )  # fmt: skip
+    others = [f"{counts[word]} {word}" for word in WORST_FIRST if counts[word] and word not in ("pass", "no limits")]
+    remarks = [f"Decision rule: {campaign.rule}."] if campaign.rule else ["No limits were given: nothing was judged."]
+    remarks += [f"Others: {', '.join(others)}."] if others else []
+    remarks += [_gauge(one) for one in campaign.studies[:1]]
+    if any(one.simulated for one in campaign.lines):
+        remarks.append("SIMULATED: results of no real camera are among them.")
+    return Verdict(number=number, sentence=what, remarks=tuple(remarks))
+
+
+def _gauge(study: GaugeStudy) -> str:
+    who = "any operator" if study.n_operators > 1 else "one operator"
+    size = sections.size(sqrt(study.gauge), study.unit)
+    return (
+        f"{words(study.parameter).capitalize()}: one measurement by {who} repeats within {size} (standard deviation)."
+    )
+
+
+def doubts(campaign: Campaign) -> list[str]:
+    """What could not be analysed, in short; what is out of control."""
+    told = [f"{', '.join(one.files)}: {one.what.removeprefix(f'{one.files[0]}: ')}" for one in campaign.broken[:20]]
+    if len(campaign.broken) > 20:
+        told.append(f"and {len(campaign.broken) - 20} more, in campaign.json")
+    return [*told, *sections.out_of_control(campaign)]
+
+
+def study_as_json(one: GaugeStudy) -> dict[str, Any]:
+    """Variances as standard deviations, in the unit of the parameter."""
+    return {
+        "parameter": one.parameter,
+        "unit": one.unit,
+        "cameras": one.n_cameras,
+        "operators": one.n_operators,
+        "repeats": one.n_repeats,
+        "repeatability": sqrt(one.repeatability),
+        "reproducibility": None if one.n_operators == 1 else sqrt(one.reproducibility),
+        "between_operators": None if one.n_operators == 1 else sqrt(one.operators),
+        "interaction": None if one.n_operators == 1 else sqrt(one.interaction),
+        "interaction_chance": one.interaction_chance,
+        "gauge": sqrt(one.gauge),
+        "between_cameras": sqrt(one.cameras),
+        "total": sqrt(one.total),
+        "rms_own_standard_uncertainty": one.rms_u_own,
+    }

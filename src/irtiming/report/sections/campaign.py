@@ -1,0 +1,280 @@
+"""Sections of a campaign's page: what was judged, control charts, findings, repeatability, and every line."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import final
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+from irtiming.records.campaign import WORST_FIRST, Campaign, CampaignLine, CampaignPoint, GaugeStudy, JudgedValue
+from irtiming.records.setting_point import SETTINGS, SettingName
+from irtiming.report import sheet
+from irtiming.report.blocks import Panel, Section, Table, several
+from irtiming.report.rounding import significant, time_text, time_unit, uncertainty_text, value_text
+from irtiming.report.sections.over_settings import LEADING, setting_text, words
+
+_MOST_LINES, _MOST_BARS = 400, 15
+_FEWEST_POINTS = 4
+_OF_MOVING_RANGE = 1.128  # d2 of two values: mean moving range over standard deviation
+_SIGMAS = 3.0
+
+
+def size(value: float, unit: str) -> str:
+    """A standard deviation with its unit."""
+    return uncertainty_text(value) if unit == "s" else significant(value)
+
+
+def judged(campaign: Campaign) -> Section | None:
+    """Values held against limits, the worst first; None without limits."""
+    rows = [
+        (line, name, value) for line in campaign.lines for name, value in line.values.items() if value.probability is not None
+    ]  # fmt: skip
+    missing = [line for line in campaign.lines if line.judgement == "not measured"]
+    if not rows and not missing:
+        return None
+    rows.sort(key=lambda row: (WORST_FIRST.index(row[2].judgement), row[2].probability or 0.0, row[0].camera.name))
+    told = [_judged_row(*row) for row in rows[:_MOST_LINES]]
+    told += [(line.camera.name, _setting(line), "–", "–", "not measured", "–") for line in missing]
+    return Section(
+        title="Against the limits",
+        blocks=(
+            Table(
+                title=f"The worst first{f', {_MOST_LINES} of {len(rows)}' if len(rows) > _MOST_LINES else ''}",
+                columns=("camera", "setting", "value ± U", "limits", "verdict", "probability"),
+                align="llrrlr",
+                rows=tuple(told),
+                note=f"Decision rule: {campaign.rule}. Probability: that the measurand lies within the limits, from value and u.",
+            ),
+        ),
+    )
+
+
+def _judged_row(line: CampaignLine, name: str, value: JudgedValue) -> tuple[str, ...]:
+    what = f"{words(name)} = {value_text(value.value, value.expanded_uncertainty, unit=value.unit)}"
+    ends = [
+        "" if end is None else time_text(end) if value.unit == "s" else f"{end:g}" for end in (value.lower, value.upper)
+    ]
+    limits = (
+        f"≤ {ends[1]}" if value.lower is None else f"≥ {ends[0]}" if value.upper is None else f"{ends[0]} … {ends[1]}"
+    )
+    percent = 100 * (value.probability or 0.0)
+    chance = "> 99.9 %" if percent > 99.9 else "< 0.1 %" if percent < 0.1 else f"{percent:.1f} %"
+    return line.camera.name, _setting(line), what, limits, value.judgement, chance
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chart:
+    """Values in order of time with the centre and the limits of their moving range; shapes (n,)."""
+
+    parameter: str
+    unit: str
+    labels: tuple[str, ...]
+    values: Array
+    u: Array
+    centre: float
+    sigma: float
+
+    @property
+    def beyond(self) -> tuple[int, ...]:
+        """Those outside of three standard deviations."""
+        return tuple(np.flatnonzero(np.abs(self.values - self.centre) > _SIGMAS * self.sigma).tolist())
+
+
+def charts(campaign: Campaign) -> Iterator[Chart]:
+    """Of each leading parameter of the cameras and the setting with most results.
+
+    Notes
+    -----
+    Individuals and moving range (ISO 7870-2, 6.3): sigma is the mean of |x_i - x_(i-1)| over 1.128.
+    """
+    points = _most_alike(campaign.points)
+    for name in LEADING:
+        told = [one for one in points if name in one.point.parameters]
+        if len(told) < _FEWEST_POINTS:
+            continue
+        found = [one.point.parameters[name] for one in told]
+        values = np.array([one.value for one in found])
+        yield Chart(
+            parameter=name, unit=found[0].unit, labels=tuple(one.point.camera.serial_number for one in told), values=values,
+            u=np.array([one.standard_uncertainty for one in found]), centre=float(values.mean()),
+            sigma=float(np.mean(np.abs(np.diff(values)))) / _OF_MOVING_RANGE,
+        )  # fmt: skip
+
+
+def _most_alike(points: Sequence[CampaignPoint]) -> list[CampaignPoint]:
+    """Results of the kind of camera and the setting that most have, in order of time."""
+
+    def kind(one: CampaignPoint) -> str:
+        key, told = one.point.camera, one.point.settings
+        settings = [(name, f"{value:.3g}" if isinstance(value, float) else value)
+                    for name, value in sorted(told.items()) if name != "sensor_temperature"]  # fmt: skip
+        return f"{key.manufacturer} {key.model} {key.camera_type} {key.readout_mode} {key.event} {settings}"
+
+    most, _ = Counter(kind(one) for one in points).most_common(1)[0]
+    mine = [one for one in points if kind(one) == most]
+    return sorted(mine, key=lambda one: (one.point.start_time, one.point.label))
+
+
+def control(campaign: Campaign) -> Section | None:
+    """Control charts; None for fewer than four results of a kind."""
+    panels = tuple(_panel(chart, _limits(campaign, chart.parameter)) for chart in charts(campaign))
+    return Section(title="Control charts", blocks=panels) if panels else None
+
+
+def _limits(campaign: Campaign, name: str) -> tuple[float | None, float | None]:
+    """Where all cameras have the same."""
+    found = {(line.values[name].lower, line.values[name].upper) for line in campaign.lines if name in line.values}
+    return found.pop() if len(found) == 1 else (None, None)
+
+
+def _panel(chart: Chart, limits: tuple[float | None, float | None]) -> Panel:
+    scale, unit = time_unit(float(np.max(np.abs(chart.values)))) if chart.unit == "s" else (1.0, chart.unit)
+    place = np.arange(1, chart.values.size + 1)
+    with sheet.style():
+        figure = sheet.figure(height_in=2.7)
+        axes = figure.subplots()
+        for at, style in ((0.0, "-"), (-_SIGMAS, "--"), (_SIGMAS, "--")):
+            axes.axhline((chart.centre + at * chart.sigma) / scale, color=sheet.FAINT, linewidth=0.9, linestyle=style)
+        for limit in limits:
+            if limit is not None:
+                axes.axhline(limit / scale, color=sheet.RED, linewidth=1.1)
+        axes.errorbar(place, chart.values / scale, chart.u / scale, fmt="none", ecolor=sheet.GRID, elinewidth=1)
+        axes.plot(place, chart.values / scale, "-o", color=sheet.BLUE, markersize=3, linewidth=0.7)
+        beyond = list(chart.beyond)
+        axes.plot(place[beyond], chart.values[beyond] / scale, "o", color=sheet.RED, markersize=5)
+        axes.set_xlabel("result, in order of time")
+        axes.set_ylabel(f"{words(chart.parameter)} ({unit})")
+        drawn = sheet.svg(figure, title=f"Control chart of {words(chart.parameter)}")
+    red = " Red lines: limits." if any(one is not None for one in limits) else ""
+    return Panel(
+        title=f"{words(chart.parameter).capitalize()} of {several(chart.values.size, 'result')}",
+        caption=f"Individuals in order of time, with u. Grey: mean and ± 3 standard deviations by the mean moving range "
+        f"({size(chart.sigma, chart.unit)}), so cameras that differ from each other widen it. Red points lie outside.{red}",
+        svg=drawn,
+    )
+
+
+def out_of_control(campaign: Campaign) -> list[str]:
+    """Results outside of the limits of their control chart, in words."""
+    return [
+        f"control chart of {words(chart.parameter)}: {several(len(chart.beyond), 'result')} beyond three standard deviations "
+        f"({', '.join(chart.labels[k] for k in chart.beyond[:5])}{', …' if len(chart.beyond) > 5 else ''})"
+        for chart in charts(campaign)
+        if chart.beyond
+    ]
+
+
+def pareto(campaign: Campaign) -> Section | None:
+    """Findings by how many results have them, the most frequent first; None where there is none."""
+    counts = Counter(code for one in campaign.points for code in dict.fromkeys(one.point.findings))
+    if campaign.broken:
+        counts["not-analysed"] = len(campaign.broken)
+    if not counts:
+        return None
+    most = counts.most_common()
+    total = sum(counts.values())
+    running = np.cumsum([n for _, n in most])
+    rows = tuple((code, str(n), f"{100 * n / total:.0f} %", f"{100 * at / total:.0f} %")
+                 for (code, n), at in zip(most, running, strict=True))  # fmt: skip
+    with sheet.style():
+        shown = most[:_MOST_BARS]
+        figure = sheet.figure(height_in=0.9 + 0.24 * len(shown))
+        axes = figure.subplots()
+        axes.barh([code for code, _ in shown][::-1], [n for _, n in shown][::-1], color=sheet.BLUE, height=0.65)
+        axes.set_xlabel("results")
+        drawn = sheet.svg(figure, title="Findings by frequency")
+    table = Table(
+        title="Findings", columns=("code", "results", "share", "sum"), align="lrrr", rows=rows,
+        note="Each code stands once per result; docs/reference/findings.md says what each means.",
+    )  # fmt: skip
+    panel = Panel(title="Findings by frequency", caption="The most frequent first (Pareto).", svg=drawn)
+    return Section(title="Findings", blocks=(panel, table))
+
+
+def repeatability(campaign: Campaign) -> Section | None:
+    """Gauge repeatability and reproducibility; None where nothing was repeated."""
+    if not campaign.studies:
+        return None
+    rows = tuple(_study_row(one) for one in campaign.studies)
+    first = campaign.studies[0]
+    left = (
+        f" {campaign.left_out_of_study[0].upper()}{campaign.left_out_of_study[1:]}."
+        if campaign.left_out_of_study
+        else ""
+    )
+    design = f"{several(first.n_cameras, 'camera')} by {several(first.n_operators, 'operator')}, {first.n_repeats} times each"
+    return Section(
+        title="Repeatability and reproducibility",
+        blocks=(
+            Table(
+                title=design,
+                columns=("parameter", "repeatability", "reproducibility", "both", "between cameras", "share", "stated u, own"),
+                align="lrrrrrr",
+                rows=rows,
+                note="Standard deviations by analysis of variance (AIAG MSA; the interaction is pooled where p > 0.25). Both: of "
+                "one measurement of one camera. Share: both over the whole spread. Stated u, own: what the results say of "
+                f"their part that they do not have in common, rms; it should be about the repeatability.{left}",
+            ),
+        ),
+    )  # fmt: skip
+
+
+def _study_row(one: GaugeStudy) -> tuple[str, ...]:
+    across = "–" if one.n_operators == 1 else size(sqrt(one.reproducibility), one.unit)
+    share = f"{100 * sqrt(one.gauge / one.total):.0f} %" if one.total > 0 else "–"
+    return (
+        words(one.parameter), size(sqrt(one.repeatability), one.unit), across, size(sqrt(one.gauge), one.unit),
+        size(sqrt(one.cameras), one.unit), share, size(one.rms_u_own, one.unit),
+    )  # fmt: skip
+
+
+def cameras(campaign: Campaign) -> Section:
+    """Every line, up to some hundreds; all are in the table beside the page."""
+    names = [name for name in LEADING if any(name in line.values for line in campaign.lines)]
+    settings = [name for name in SETTINGS if _varies(campaign, name)]
+    shown = campaign.lines[:_MOST_LINES]
+    rows = tuple(
+        (
+            line.camera.name,
+            *(setting_text(name, line.settings[name]) if name in line.settings else "–" for name in settings),
+            *(_value(line, name) for name in names),
+            str(line.n_results),
+            line.judgement,
+        )
+        for line in shown
+    )
+    return Section(
+        title="Cameras",
+        blocks=(
+            Table(
+                title="One line for each camera and setting"
+                + (f", {len(shown)} of {len(campaign.lines)}" if len(shown) < len(campaign.lines) else ""),
+                columns=("camera", *(SETTINGS[name][0] for name in settings), *(f"{words(name)} ± u" for name in names),
+                         "results", "verdict"),
+                align="l" + "r" * (len(settings) + len(names) + 1) + "l",
+                rows=rows,
+                note="Several results of a camera at one setting are their weighted mean; errors of the rig that they have in "
+                "common do not become smaller by it, and u is widened where they scatter more than it says. All: table.csv.",
+            ),
+        ),
+    )  # fmt: skip
+
+
+def _value(line: CampaignLine, name: str) -> str:
+    found = line.values.get(name)
+    return "–" if found is None else value_text(found.value, found.standard_uncertainty, unit=found.unit)
+
+
+def _varies(campaign: Campaign, name: SettingName) -> bool:
+    return len({line.settings.get(name) for line in campaign.lines}) > 1
+
+
+def _setting(line: CampaignLine) -> str:
+    """Integration time and internal delay, as far as they are known."""
+    told = [setting_text(name, line.settings[name]) for name in ("integration_time", "internal_delay_set", "gain_setting")
+            if name in line.settings]  # fmt: skip
+    return ", ".join(told) or "–"
