@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 
 from irtiming.archive.recording_checks import check_recording
 from irtiming.errors import EstimationError, IrTimingError, computing
-from irtiming.estimate import diagnosis, profiles, timing, two_constants
+from irtiming.estimate import diagnosis, pixel_maps, profiles, timing, two_constants
 from irtiming.estimate.published import procedure
 from irtiming.estimate.timing import Timing
 from irtiming.plan import hindsight
@@ -26,9 +26,9 @@ from irtiming.reduce.wheel import pooled_slots
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with the recording's name, frames done and frames in all."""
 
-Extra: TypeAlias = Literal["published", "profiles", "prediction", "diagnosis"]
-"""What is made beside the estimate on request: the paper's procedure, profile likelihoods, what the recordings should tell, and
-what explains structured residuals."""
+Extra: TypeAlias = Literal["published", "profiles", "prediction", "diagnosis", "maps"]
+"""What is made beside the estimate on request: the paper's procedure, profile likelihoods, what the recordings should tell, what
+explains structured residuals, and maps of every pixel, for which `reduce` gathers more."""
 
 ALL_EXTRAS: tuple[Extra, ...] = ("published", "profiles", "prediction", "diagnosis")
 
@@ -62,13 +62,14 @@ def analyse(
     """
     reduced: list[ReducedRecording] = []
     for recording in recordings:
-        reduced.append(reduce(recording, rig, before=reduced, choices=choices, progress=progress))
+        one = reduce(recording, rig, before=reduced, choices=choices, progress=progress, maps="maps" in extras)
+        reduced.append(one)
     return estimate(reduced, rig, choices=choices, wheel_calibration=wheel_calibration, extras=extras)
 
 
 def reduce(
     recording: Recording, rig: Rig, *, before: Sequence[ReducedRecording] = (), choices: Choices | None = None,
-    progress: Progress | None = None,
+    progress: Progress | None = None, maps: bool = False,
 ) -> ReducedRecording:  # fmt: skip
     """One recording read through, all frames to sums; those ``before`` go with it, and give their opening. See `analyse`."""
     choices, total = choices or Choices(), recording.frames.shape[0]
@@ -87,6 +88,7 @@ def reduce(
             choices=choices,
             progress=done,
             before=before[0].opening if before else None,
+            maps=maps,
         )
 
 
@@ -116,6 +118,7 @@ def estimate(
         camera_type=kind.camera_type, readout_mode=kind.readout_mode, rig=rig, choices=choices, recordings=found.recordings,
         geometry=found.geometry, sectors=found.sectors, fits=found.fits, joint=found.found.joint_fit, best=found.found.result,
         wheel=wheel, two_constants=two_constants.of_result(found.found.result, choices=choices),
+        maps=pixel_maps.maps(found, used) if "maps" in extras else None,
     )  # fmt: skip
     return _with_extras(analysis, found, {*extras, choices.method})
 

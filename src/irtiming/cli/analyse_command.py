@@ -19,6 +19,12 @@ def analyse(
     rig: RigFile,
     json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the result as JSON.")] = None,
     report: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the report as one HTML page.")] = None,
+    maps: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.h5", help="Write maps of every pixel's timing as HDF5, and a picture of them as OUT.png."
+        ),
+    ] = None,
     method: Annotated[
         Method,
         typer.Option(

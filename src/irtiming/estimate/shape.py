@@ -41,14 +41,28 @@ def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: 
     rig
         Which way the wheel turns, and what is known of the lens.
     """
+    return seen(recordings, wheel, rig=rig)[0]
+
+
+def seen(
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig
+) -> tuple[tuple[ReducedRecording, ...], tuple[SectorFit | None, ...]]:
+    """The same, and the sector that each recording shows; None where it shows none.
+
+    Parameters
+    ----------
+    recordings, wheel, rig
+        As of `estimate`.
+    """
     groups = by_blackbody.groups(
         [one.blackbody_temperature_k for one in recordings],
         is_colder=[one.opening.blackbody_is_colder for one in recordings],
     )
-    found = list(recordings)
+    found, sectors = list(recordings), list[SectorFit | None]([None] * len(recordings))
     for members in groups:
         group = [recordings[k] for k in members]
         axle: AxleView | None = None
+        sector: SectorFit | None = None
         doubts: tuple[Finding, ...] = ()
         try:
             with one_thread():
@@ -59,7 +73,8 @@ def estimate(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: 
             doubts = (_no_sector(error),)
         for k in members:
             found[k] = replace(recordings[k], axle=axle, findings=recordings[k].findings + doubts)
-    return tuple(found)
+            sectors[k] = sector
+    return tuple(found), tuple(sectors)
 
 
 def _no_sector(error: EstimationError) -> Finding:

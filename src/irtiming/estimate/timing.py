@@ -74,12 +74,14 @@ class Combination:
 class Timing:
     """The combination, and what led to it: recordings (which now know the axle), geometry, sectors and fits.
 
-    ``exact`` are models of the recordings where the joint fit takes parabolas; the same where it takes none.
+    ``sectors`` are those of row sums, ``views`` the opening in any camera's images, None where there is none; ``exact`` are
+    models of the recordings where the joint fit takes parabolas; the same where it takes none.
     """
 
     recordings: tuple[ReducedRecording, ...]
     geometry: WheelGeometry
     sectors: tuple[SectorFit, ...]
+    views: tuple[SectorFit | None, ...]
     fits: Fits
     exact: tuple[LocalModel, ...]
     found: Combination
@@ -108,7 +110,7 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     stated_s = common_integration_time(recordings)
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
-    recordings = shape.estimate(recordings, bare, rig=rig)
+    recordings, views = shape.seen(recordings, bare, rig=rig)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
     with doubted(one.findings for one in recordings):  # what the image says
         fits = tuple(pixel_sums.fit(one, geometry.model) for one in recordings)
@@ -122,8 +124,9 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     ]
     combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
     found = _of_recordings(combined, recordings, rig, fits=fits)
+    models = found.joint.models
     return Timing(
-        recordings=tuple(recordings), geometry=geometry, sectors=(), fits=fits, exact=found.joint.models, found=found
+        recordings=recordings, geometry=geometry, sectors=(), views=views, fits=fits, exact=models, found=found
     )
 
 
@@ -242,16 +245,13 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )  # fmt: skip
     factor = _run_to_run(rows.fits)
     return Timing(
-        recordings=rows.recordings,
-        geometry=rows.geometry,
-        sectors=rows.sectors,
-        fits=rows.fits,
+        recordings=rows.recordings, geometry=rows.geometry, sectors=rows.sectors, views=rows.sectors, fits=rows.fits,
         exact=tuple(
             _exact(fit.holding(*row_sum.BLADES), model, names=names).widened(float(scale) * fit.widening)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
         found=_of_recordings(found, recordings, rig, fits=rows.fits),
-    )
+    )  # fmt: skip
 
 
 def of_row_fits(

@@ -20,7 +20,7 @@ from irtiming.twin.defects import Defects
 
 def analyse(
     recordings: str | Path | Recording | Iterable[str | Path | Recording], rig: str | Path | Rig, *,
-    choices: Choices | None = None, extras: Collection[Extra] = (), progress: Progress | None = None,
+    choices: Choices | None = None, extras: Collection[Extra] = (), progress: Progress | None = None, maps: bool = False,
 ) -> TimingResult:  # fmt: skip
     """Timing of a camera from its recordings.
 
@@ -33,9 +33,11 @@ def analyse(
     choices
         What to decide by hand; left out, everything is chosen automatically.
     extras
-        What to make beside the estimate: ``"published"``, ``"profiles"``, ``"prediction"``, ``"diagnosis"``.
+        What to make beside the estimate: ``"published"``, ``"profiles"``, ``"prediction"``, ``"diagnosis"``, ``"maps"``.
     progress
         Called with the recording's name, frames done and frames in all.
+    maps
+        Whether to make maps of every pixel, ``result.maps``; the same as ``"maps"`` among the extras.
 
     Raises
     ------
@@ -45,7 +47,8 @@ def analyse(
     several = [recordings] if isinstance(recordings, str | Path | Recording) else recordings
     measured = rig if isinstance(rig, Rig) else rig_file.read_rig(Path(rig))
     chosen = choices or Choices()
-    found = measurement.analyse(_opened(several, chosen), measured, choices=chosen, progress=progress, extras=extras)
+    asked: Collection[Extra] = {*extras, "maps"} if maps else extras
+    found = measurement.analyse(_opened(several, chosen), measured, choices=chosen, progress=progress, extras=asked)
     return TimingResult(result_file.checked_result(result.result(found)), analysis=found)
 
 

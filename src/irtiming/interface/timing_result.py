@@ -11,6 +11,7 @@ import numpy as np
 from irtiming.archive import result_file
 from irtiming.archive.result_model import Item, Measured, Parameter, Result
 from irtiming.errors import EstimationError
+from irtiming.interface.pixel_timing import PixelTiming
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array, read_only
 from irtiming.records.finding import Finding
@@ -93,6 +94,19 @@ class TimingResult(Mapping[str, Quantity]):
     def findings(self) -> tuple[Finding, ...]:
         """Everything that is odd or to be known, with code, severity and cure."""
         return tuple(Finding.read_back(one.model_dump()) for one in self.content.findings)
+
+    @cached_property
+    def maps(self) -> PixelTiming:
+        """Timing of every pixel.
+
+        Raises
+        ------
+        IrTimingError
+            If nobody asked for maps, or the result was read from a file.
+        """
+        if self.analysis is None or self.analysis.maps is None:
+            raise EstimationError("this result has no maps; analyse the recordings with maps=True")
+        return PixelTiming(self.analysis.maps, analysis=self.analysis)
 
     def to_gtc(self) -> dict[str, Any]:
         """Uncertain numbers of the GUM Tree Calculator, correlated as the parameters are.

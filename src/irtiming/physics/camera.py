@@ -26,12 +26,12 @@ class Response(Protocol):
     PARAMETER: str
     HARMONICS: int
 
-    def transfer(self, omega: float, parameter_s: float, /, *, n_harmonics: int) -> ComplexArray:
-        """Factors, shape (M + 1,)."""
+    def transfer(self, omega: float, parameter_s: float | Array, /, *, n_harmonics: int) -> ComplexArray:
+        """Factors, shape (M + 1,); of parameters of shape (p, 1), (p, M + 1)."""
         ...
 
-    def transfer_slope(self, omega: float, parameter_s: float, /, *, n_harmonics: int) -> ComplexArray:
-        """Their derivatives to the parameter, shape (M + 1,), per second."""
+    def transfer_slope(self, omega: float, parameter_s: float | Array, /, *, n_harmonics: int) -> ComplexArray:
+        """Their derivatives to the parameter, shape (M + 1,) or (p, M + 1), per second."""
         ...
 
 

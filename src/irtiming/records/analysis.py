@@ -9,6 +9,7 @@ from irtiming.records.diagnosis import Diagnosis
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit
 from irtiming.records.finding import Finding
 from irtiming.records.lag_estimate import PublishedLagFit
+from irtiming.records.pixel_maps import PixelMaps
 from irtiming.records.prediction import Prediction
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.reduced import ReducedRecording
@@ -63,7 +64,7 @@ class Analysis:
         The result by the project's method.
     wheel
         Slots that all recordings tell together.
-    published, profiles, prediction, two_constants, diagnosis
+    published, profiles, prediction, two_constants, diagnosis, maps
         Made on request; None or empty where nobody asked, or none could be made.
     """
 
@@ -85,6 +86,7 @@ class Analysis:
     prediction: Prediction | None = None
     two_constants: TwoConstantsResult | None = None
     diagnosis: Diagnosis | None = None
+    maps: PixelMaps | None = None
 
     @property
     def result(self) -> Result:
@@ -117,4 +119,5 @@ class Analysis:
             for text in (self.wheel.warnings if self.wheel else ())
         ]
         cause = self.diagnosis.findings if self.diagnosis else ()
-        return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two, *cause]))
+        mapped = self.maps.findings if self.maps else ()
+        return tuple(dict.fromkeys([*found, *wheel, *self.result.findings, *without, *two, *cause, *mapped]))

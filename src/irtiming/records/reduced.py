@@ -10,6 +10,7 @@ from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvents
+from irtiming.records.pixel_waves import PixelWaves
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.short_repr import short_repr
 from irtiming.records.wheel_track import WheelTrack
@@ -275,6 +276,8 @@ class ReducedRecording:
         Of every other camera.
     contrast
         How each pixel follows the wheel; None where it was not made.
+    waves
+        Sums that tell the timing of every pixel; None where nobody asked.
     pixel_maps
         What else is known of each pixel of the region of interest over the kept frames, by name: ``mean_dn``, corrected DN, with
         any drift; ``u_gain``, relative standard uncertainty of its gain from finitely many reference frames, 0 without
@@ -307,6 +310,7 @@ class ReducedRecording:
     pixels: PixelSums | None = None
     rows: RowSums | None = None
     contrast: ContrastImage | None = None
+    waves: PixelWaves | None = None
     pixel_maps: Mapping[str, Array] = field(default_factory=dict)
     references: str = ""
     axle: AxleView | None = None

@@ -10,6 +10,8 @@ from numba import njit, prange
 
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 
+_TILE = 512  # pixels
+
 
 @njit(parallel=True, cache=True)
 def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
@@ -143,3 +145,37 @@ def add_projection(frames: Pixels, cosine: Array, sine: Array, into: Array) -> N
                 into[0, row, column] += c * value
                 into[1, row, column] += s * value
                 into[2, row, column] += value
+
+
+@njit(cache=True)
+def gather(frames: Pixels, spans: Ticks, into: Pixels) -> None:
+    """Copy spans of pixels, shape (span, 3) with row, first and end column, side by side into ``into`` (frame, pixel)."""
+    for frame in range(frames.shape[0]):
+        place = 0
+        for span in range(spans.shape[0]):
+            row, first, end = spans[span]
+            values = frames[frame, row]
+            for column in range(first, end):
+                into[frame, place] = values[column]
+                place += 1
+
+
+@njit(cache=True, fastmath=True)
+def add_waves(values: Pixels, weights: np.ndarray, base: np.ndarray, into: np.ndarray) -> None:
+    """Add weights (wave, frame) times values (frame, pixel) less ``base`` (pixel,) to ``into`` (wave, pixel); all float32.
+
+    Some hundred pixels at a time become numbers with a point, which stay near the processor while every wave is done.
+    """
+    n_frames, n_pixels = values.shape
+    for first in range(0, n_pixels, _TILE):
+        end = min(first + _TILE, n_pixels)
+        tile = np.empty((n_frames, end - first), np.float32)
+        for frame in range(n_frames):
+            here, less, row = values[frame, first:end], base[first:end], tile[frame]
+            for pixel in range(end - first):
+                row[pixel] = np.float32(here[pixel]) - less[pixel]
+        part = np.dot(weights, tile)
+        for wave in range(weights.shape[0]):
+            total, more = into[wave, first:end], part[wave]
+            for pixel in range(end - first):
+                total[pixel] += more[pixel]

@@ -16,11 +16,12 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, PixelSums, ReducedRecording, ShutterEvent
 from irtiming.records.rig import Rig
 from irtiming.reduce import frame_pass, nonuniformity, remarks, steadiness
+from irtiming.reduce.accumulators import pixel_waves
 from irtiming.reduce.accumulators.counts import Counts
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
-from irtiming.reduce.frame_pass import Block
+from irtiming.reduce.frame_pass import Block, OfGoodFrames
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import contrast_image, in_plateau_frames, motion, steady_levels
 from irtiming.reduce.opening.in_plateau_frames import Sighting
@@ -36,13 +37,14 @@ _FEWEST_SETTLED, _MOST_SETTLED = 5, 60
 
 
 def reduce(
-    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None
-) -> ReducedRecording:
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None,
+    maps: bool,
+) -> ReducedRecording:  # fmt: skip
     """Pixel counts and pixel sums of every frame, and the contrast of each pixel.
 
     Parameters
     ----------
-    recording, rig, choices, progress, before
+    recording, rig, choices, progress, before, maps
         As of `recipes.reduce`.
 
     Raises
@@ -59,34 +61,32 @@ def reduce(
     thresholds = nonuniformity.raw_thresholds(sighting.histogram.threshold_dn, correct)[_box(found)]
     counts = Counts(thresholds, n_frames=n_frames)
     sums = PixelSum(found.weight[_box(found)], correct.within(found.roi), n_frames=n_frames)
-    limits, repeats = (
-        Limits(2**recording.bit_depth - 1, n_frames=n_frames),
-        Repeats(sighting.noise_dn, n_frames=n_frames),
-    )
+    limits = Limits(2**recording.bit_depth - 1, n_frames=n_frames)
+    repeats = Repeats(sighting.noise_dn, n_frames=n_frames)
     judge = _Alive(np.isfinite(angles.angle_rad), limits, repeats)
     while True:  # a second time only if frames were found bad, for those beside them to stand in for them
         known, n_known = np.where(judge.good, angles.angle_rad, np.nan), judge.good.sum()
         share = nominal_angles.share_of_turn(known, nominal_angles.samples_per_turn(recording))
         projection = contrast_image.projection(angles.angle_rad, found, share=share)
+        waves = pixel_waves.of(angles, found) if maps else None
+        good: list[OfGoodFrames] = [projection, waves] if waves else [projection]
         every = (counts, sums, limits, repeats)
-        stretches = frame_pass.run(
-            recording, found.roi, every=every, judge=judge, good=(projection,), progress=progress
-        )
+        stretches = frame_pass.run(recording, found.roi, every=every, judge=judge, good=good, progress=progress)
         if not judge.is_shut.any():
             judge.is_shut = _shut(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn)
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
+    no_drift_dn = np.zeros(int(kept.sum()))
     settled = _settled(recording, sighting, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
-    contrast = contrast_image.of(
-        projection, settled, correct=correct, drift_dn=np.zeros(int(kept.sum())), noise_dn=sighting.noise_dn
-    )
+    contrast = contrast_image.of(projection, settled, correct=correct, drift_dn=no_drift_dn, noise_dn=sighting.noise_dn)
     above = thresholds.size - counts.count if found.blackbody_is_colder else counts.count
     return angles.reduced(
         stretches.segment,
         opening=settled,
         pixels=PixelSums(pixel_sum=sums.total_dn[kept], pixel_count=above[kept].astype(float)),
         contrast=contrast,
+        waves=waves.found(correct=correct, drift_dn=no_drift_dn) if waves else None,
         pixel_maps={
             "mean_dn": contrast_image.mean_dn(projection, settled, correct=correct),
             "u_gain": nonuniformity.u_gain(recording, correct)[_box(settled)],

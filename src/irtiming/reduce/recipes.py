@@ -20,7 +20,7 @@ _MOVED_PX = 1.0
 
 def reduce(
     recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None] = lambda n: None,
-    before: Opening | None = None,
+    before: Opening | None = None, maps: bool = False,
 ) -> ReducedRecording:  # fmt: skip
     """Sums of every frame that shows the scene, the wheel's track, and the contrast of each pixel.
 
@@ -36,6 +36,8 @@ def reduce(
         Is given the number of frames done so far.
     before
         Opening of an earlier recording of the same camera, taken over where it is still in place.
+    maps
+        Whether to gather what maps of every pixel are made of.
 
     Raises
     ------
@@ -51,7 +53,7 @@ def reduce(
     is_instant = (recording.camera_type, recording.readout_mode) == ("photon", "snapshot")
     recipe = pixel_sums if is_instant else row_sums
     with suspicions.told(recording, rig, choices=choices):
-        reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before)
+        reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before, maps=maps)
         clipping.refuse(recording, reduced.opening.mask)
     if before is not None:
         _refuse_moved(recording, reduced.opening.mask, before.mask)

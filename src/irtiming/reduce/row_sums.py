@@ -14,7 +14,7 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording, RowSums, ShutterEvent
 from irtiming.records.rig import Rig
 from irtiming.reduce import drift, frame_pass, nonuniformity, remarks, shutter, steadiness
-from irtiming.reduce.accumulators import row_sums
+from irtiming.reduce.accumulators import pixel_waves, row_sums
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.quiet_level import QuietLevel
 from irtiming.reduce.accumulators.repeats import Repeats
@@ -57,13 +57,14 @@ class _Harvest:
 
 
 def reduce(
-    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None
-) -> ReducedRecording:
+    recording: Recording, rig: Rig, *, choices: Choices, progress: Callable[[int], None], before: Opening | None,
+    maps: bool,
+) -> ReducedRecording:  # fmt: skip
     """Row sums of every frame that shows the scene, and the contrast of each pixel.
 
     Parameters
     ----------
-    recording, rig, choices, progress, before
+    recording, rig, choices, progress, before, maps
         As of `recipes.reduce`.
 
     Raises
@@ -77,16 +78,16 @@ def reduce(
     found, n_frames = sighting.opening, recording.frames.shape[0]
     rows = row_sums.RowSums(found, correct, n_frames=n_frames)
     quiet = QuietLevel(sighting.quiet, correct, n_frames=n_frames)
-    limits, repeats = (
-        Limits(2**recording.bit_depth - 1, n_frames=n_frames),
-        Repeats(sighting.noise_dn, n_frames=n_frames),
-    )
+    limits = Limits(2**recording.bit_depth - 1, n_frames=n_frames)
+    repeats = Repeats(sighting.noise_dn, n_frames=n_frames)
     watch, expected = _watch(angles, sighting), _expected_dn(angles, sighting)
     judge = ShutterJudge(watch, expected, rows=rows, quiet=quiet, limits=limits, repeats=repeats)
     projection = contrast_image.projection(angles.angle_rad, found, trigger_ticks=angles.trigger_ticks)
+    waves = pixel_waves.of(angles, found) if maps else None
     stretches = frame_pass.run(
-        recording, found.roi, every=(rows, quiet, limits, repeats), judge=judge, good=(projection,), progress=progress
-    )
+        recording, found.roi, every=(rows, quiet, limits, repeats), judge=judge,
+        good=(projection, *([waves] if waves else [])), progress=progress,
+    )  # fmt: skip
     harvest = _Harvest(angles=angles, sighting=sighting, rows=rows, judge=judge, stretches=stretches)
     events = shutter.events(judge.event, judge.zone, levels=judge.levels)
     dropped = _dropped(recording, harvest, events)
@@ -98,6 +99,7 @@ def reduce(
         contrast=contrast_image.of(
             projection, found, correct=correct, drift_dn=sums.drift_dn, noise_dn=sighting.noise_dn
         ),
+        waves=waves.found(correct=correct, drift_dn=sums.drift_dn) if waves else None,
         pixel_maps={"mean_dn": contrast_image.mean_dn(projection, found, correct=correct)},
         shutter_events=events,
         findings=(

@@ -1,14 +1,16 @@
 """Quantities as other libraries have them, correlations kept: GUM Tree Calculator, uncertainties, pandas."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from math import isfinite
 from typing import Any
 
 import GTC
+import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
+from irtiming.records.reduced import Region
 from irtiming.report.quantity import Quantity
 
 _LEAST_CORRELATION = 1e-12
@@ -72,6 +74,24 @@ def data_frame(quantities: Sequence[Quantity]) -> Any:
         for one in quantities
     ]
     return _installed("pandas").DataFrame(rows).set_index("parameter")
+
+
+def pixel_frame(images: Mapping[str, Array], roi: Region) -> Any:
+    """One row for each pixel that has a value in the first image, with its place and all images as columns.
+
+    Parameters
+    ----------
+    images, roi
+        By name, shape (roi rows, roi columns), and where in the image they lie.
+
+    Raises
+    ------
+    EstimationError
+        If pandas is not installed.
+    """
+    at = np.nonzero(np.isfinite(next(iter(images.values()))))
+    places = {"row_px": at[0] + roi[0], "column_px": at[1] + roi[2]}
+    return _installed("pandas").DataFrame(places | {name: image[at] for name, image in images.items()})
 
 
 def _installed(name: str) -> Any:

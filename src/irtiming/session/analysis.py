@@ -7,15 +7,17 @@ from typing import Any, final
 
 from irtiming.archive import reader
 from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.map_file import write_maps
 from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
-from irtiming.measurement import ALL_EXTRAS, Progress
+from irtiming.errors import ArchiveError, EstimationError
+from irtiming.measurement import ALL_EXTRAS, Extra, Progress
 from irtiming.measurement import analyse as analyse_recordings
 from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
-from irtiming.report import certificate
+from irtiming.report import certificate, map_figure
 
 
 @final
@@ -29,6 +31,12 @@ class AnalysisOrder:
     wheel_calibration: Path | None = None
     result: Path | None = None
     report: Path | None = None
+    maps: Path | None = None
+
+    @property
+    def picture(self) -> Path | None:
+        """Of the maps: beside them, with the same name."""
+        return None if self.maps is None else self.maps.with_suffix(".png")
 
 
 def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analysis:
@@ -42,13 +50,30 @@ def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analys
     _require_places(order)
     rig = read_rig(order.rig)
     wheel = None if order.wheel_calibration is None else read_wheel_calibration(order.wheel_calibration)
-    extras = ALL_EXTRAS if order.result or order.report else ()
+    told = bool(order.result or order.report)
+    extras: tuple[Extra, ...] = (*(ALL_EXTRAS if told else ()), *(("maps",) if order.maps else ()))
     found = analyse_recordings(
         _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel, extras=extras
     )
-    if extras:
+    if told:
         write(found, result=order.result, report=order.report)
+    if order.maps is not None:
+        write_maps_of(found, order.maps)
     return found
+
+
+def write_maps_of(found: Analysis, path: Path) -> None:
+    """Write the maps of an analysis as HDF5, and a picture of them beside it.
+
+    Raises
+    ------
+    IrTimingError
+        If the analysis made none, or a file cannot be written.
+    """
+    if found.maps is None:
+        raise EstimationError("this analysis made no maps; ask for them when you analyse the recordings")
+    write_maps(found.maps, path, recordings=[one.file for one in found.recordings])
+    write_atomically(map_figure.png(found.maps), path.with_suffix(".png"))
 
 
 def write(found: Analysis, *, result: Path | None = None, report: Path | None = None) -> Mapping[str, Any]:
@@ -70,7 +95,11 @@ def write(found: Analysis, *, result: Path | None = None, report: Path | None = 
 def _require_places(order: AnalysisOrder) -> None:
     """No place where nothing may be written, before the long work."""
     taken = [*order.recordings, order.rig, *([order.wheel_calibration] if order.wheel_calibration else [])]
-    for place in (order.result, order.report):
+    if order.maps is not None and order.maps.suffix.lower() not in (".h5", ".hdf5", ".nxs"):
+        raise ArchiveError(
+            f"{order.maps}: maps are written as HDF5 with a picture, NAME.png, beside them; give a name that ends in .h5"
+        )
+    for place in (order.result, order.report, order.maps, order.picture):
         if place is not None:
             require_place(place, besides=taken)
             taken.append(place)

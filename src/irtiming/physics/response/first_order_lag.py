@@ -11,7 +11,7 @@ In the time domain this is the exponential that each passing edge leaves behind.
 
 import numpy as np
 
-from irtiming.records.arrays import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray
 
 PARAMETER = "time_constant"
 
@@ -19,12 +19,14 @@ HARMONICS = 64
 """Highest order that rolling rows need: at tau = 3 ms and 3 Hz what is beyond has a hundredth of the power of a row's noise."""
 
 
-def transfer(angular_frequency_rad_per_s: float, time_constant_s: float, *, n_harmonics: int) -> ComplexArray:
-    """What the lag leaves of each harmonic: 1 / (1 + i m omega tau), shape (M + 1,)."""
+def transfer(angular_frequency_rad_per_s: float, time_constant_s: float | Array, *, n_harmonics: int) -> ComplexArray:
+    """What the lag leaves of each harmonic: 1 / (1 + i m omega tau), shape (M + 1,); with tau of shape (p, 1), (p, M + 1)."""
     return np.asarray(1 / (1 + 1j * np.arange(n_harmonics + 1) * angular_frequency_rad_per_s * time_constant_s))
 
 
-def transfer_slope(angular_frequency_rad_per_s: float, time_constant_s: float, *, n_harmonics: int) -> ComplexArray:
-    """Derivative of `transfer` to tau: -i m omega times its square, shape (M + 1,), per second."""
+def transfer_slope(
+    angular_frequency_rad_per_s: float, time_constant_s: float | Array, *, n_harmonics: int
+) -> ComplexArray:
+    """Derivative of `transfer` to tau: -i m omega times its square, shape (M + 1,) or (p, M + 1), per second."""
     turning = 1j * np.arange(n_harmonics + 1) * angular_frequency_rad_per_s
     return np.asarray(-turning * transfer(angular_frequency_rad_per_s, time_constant_s, n_harmonics=n_harmonics) ** 2)

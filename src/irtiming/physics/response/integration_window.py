@@ -22,7 +22,7 @@ uncertainty of its own.
 
 import numpy as np
 
-from irtiming.records.arrays import ComplexArray
+from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.rig import Measured, WindowTail
 
 PARAMETER = "integration_time"
@@ -37,13 +37,17 @@ TAILS = tuple(_PARTS)
 _SMALL = 1e-3  # of x, below which the series is exact to rounding
 
 
-def transfer(angular_frequency_rad_per_s: float, integration_time_s: float, *, n_harmonics: int) -> ComplexArray:
-    """What the window leaves of each harmonic about its middle: sin(x) / x, shape (M + 1,)."""
+def transfer(
+    angular_frequency_rad_per_s: float, integration_time_s: float | Array, *, n_harmonics: int
+) -> ComplexArray:
+    """What the window leaves of each harmonic about its middle: sin(x) / x, shape (M + 1,); (p, M + 1) of T of (p, 1)."""
     half = np.arange(n_harmonics + 1) * angular_frequency_rad_per_s / 2
     return np.sinc(half * integration_time_s / np.pi).astype(complex)
 
 
-def transfer_slope(angular_frequency_rad_per_s: float, integration_time_s: float, *, n_harmonics: int) -> ComplexArray:
+def transfer_slope(
+    angular_frequency_rad_per_s: float, integration_time_s: float | Array, *, n_harmonics: int
+) -> ComplexArray:
     """Derivative of `transfer` to T: (cos x - sin(x) / x) / T, shape (M + 1,), per second; 0 for a window of no length."""
     half = np.arange(n_harmonics + 1) * angular_frequency_rad_per_s / 2
     x = half * integration_time_s

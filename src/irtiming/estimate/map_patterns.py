@@ -1,0 +1,178 @@
+"""What a map says of the readout: row delay, means over rows and columns, and parts of the image that are read later than others.
+
+What an error of the opening's shape in the image does to the delays looks much like a readout that is slow along some direction:
+the shape was fitted to the phases of the same frames. So each pattern is sought beside all numbers of the shape, which are free
+to move a hundred of their standard uncertainties; what they could explain is not called a pattern.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.stats import chi2
+
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
+from irtiming.physics import blurred_sector
+from irtiming.records.arrays import Array, Mask, Ticks
+from irtiming.records.pixel_maps import ReadoutPattern
+from irtiming.records.row_timing import SectorFit
+
+_FREE = 100.0  # standard uncertainties of the shape's numbers
+PATTERNS = ("odd columns", "odd rows", "right half", "lower half", "middle rows")
+"""Which pixels are asked whether they are read later than the others; of middle rows how far they stand above the chord."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MappedDelays:
+    """Delays of pixels and what is known of them.
+
+    Shapes (p,): places, delay and u by noise. ``shape_s`` (p, n) is the change of the delays by independent standard
+    uncertainties of the opening's shape; ``image_rows`` and ``image_columns`` are the size of the image.
+    """
+
+    row_px: Ticks
+    column_px: Ticks
+    delay_s: Array
+    u_s: Array
+    shape_s: Array
+    image_rows: int
+    image_columns: int
+
+    def without_line(self) -> Array:
+        """The change by the shape beyond a common delay and a row delay, shape (p, n)."""
+        line = np.stack([np.ones(self.row_px.size), self.row_px / self.image_rows], axis=1) / self.u_s[:, None]
+        told, *_ = np.linalg.lstsq(line, self.shape_s / self.u_s[:, None], rcond=None)
+        return np.asarray(self.shape_s - line @ told * self.u_s[:, None])
+
+
+def shape_effect_s(sector: SectorFit, *, row_px: Ticks, column_px: Ticks, omega: float) -> Array:
+    """Change of the pixels' delays by independent standard uncertainties of the shape's numbers, s, shape (p, n).
+
+    Parameters
+    ----------
+    sector
+        The opening in the image, with the covariance of its numbers.
+    row_px, column_px
+        Shape (p,).
+    omega
+        Angular frequency of the wheel, rad/s.
+    """
+    shape = sector.shape
+    numbers = {name: float(getattr(shape, name)) for name in SHAPE_NUMBERS}
+    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
+
+    def angle(name: str, side: float) -> Array:
+        other = shape_of(
+            numbers | {name: numbers[name] + side * step_of[name]}, shape.mirrored,
+            image=(shape.image_rows, shape.image_columns), lens_terms=shape.lens_terms,
+        )  # fmt: skip
+        place, _ = blurred_sector.pixel_places(other, roi=sector.roi)
+        return np.asarray(place[row_px - sector.roi[0], column_px - sector.roi[2]])
+
+    names = [name for name in sector.names if name in step_of]
+    at = [sector.names.index(name) for name in names]
+    slopes = np.array([(angle(name, 1.0) - angle(name, -1.0)) / (2 * step_of[name]) for name in names]).T
+    sizes, axes = np.linalg.eigh(sector.covariance[np.ix_(at, at)])
+    return np.asarray(slopes @ (axes * np.sqrt(np.maximum(sizes, 0.0))) / omega)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowClock:
+    """Delay over rows, as a straight line.
+
+    ``row_delay_s`` is its slope, ``left_s`` (p,) what is left of each pixel, ``scatter`` how much more that scatters than noise.
+    """
+
+    row_delay_s: float
+    u_row_delay_s: float
+    left_s: Array
+    scatter: float
+
+
+def row_clock(delays: MappedDelays) -> RowClock:
+    """Straight line over rows, beside errors of the shape as large as they may be.
+
+    Parameters
+    ----------
+    delays
+        Of pixels in two rows or more.
+    """
+    found, covariance, _ = _beside(delays, [delays.row_px.astype(float)], freedom=1.0)
+    _, _, left = _beside(delays, [delays.row_px.astype(float)], freedom=_FREE)
+    pulls = left / delays.u_s
+    scatter = float(max(1.0, 1.4826 * np.median(np.abs(pulls - np.median(pulls)))))
+    return RowClock(
+        row_delay_s=float(found[1]),
+        u_row_delay_s=float(np.sqrt(covariance[1, 1])),
+        left_s=left,
+        scatter=scatter,
+    )
+
+
+def patterns(delays: MappedDelays, clock: RowClock) -> tuple[ReadoutPattern, ...]:
+    """How much later each of PATTERNS is read, one after the other, beside a row delay and the shape.
+
+    Parameters
+    ----------
+    delays, clock
+        Of the same pixels.
+    """
+    found = []
+    for name in PATTERNS:
+        column = _pattern(name, delays)
+        if column is None:
+            continue
+        value, covariance, _ = _beside(delays, [delays.row_px.astype(float), column], freedom=_FREE)
+        u = float(np.sqrt(covariance[2, 2])) * clock.scatter
+        found.append(ReadoutPattern(name=name, later_s=float(value[2]), u_later_s=u))
+    return tuple(found)
+
+
+def chance_of_straight_rows(delays: MappedDelays, clock: RowClock) -> tuple[float, int, float]:
+    """Chance that rows of a straight clock scatter as these do; the row that strays most, and by how much, s.
+
+    Parameters
+    ----------
+    delays, clock
+        Of the same pixels.
+    """
+    rows, place = np.unique(delays.row_px, return_inverse=True)
+    weight = np.bincount(place, 1 / delays.u_s**2)
+    mean = np.bincount(place, clock.left_s / delays.u_s**2) / weight
+    pulls = mean * np.sqrt(weight) / clock.scatter
+    worst = int(np.argmax(np.abs(pulls)))
+    return float(chi2.sf(np.sum(pulls**2), max(rows.size - 2, 1))), int(rows[worst]), float(mean[worst])
+
+
+def _pattern(name: str, delays: MappedDelays) -> Array | None:
+    """1 where a pixel is of it, 0 elsewhere, (p,); None where the map holds one kind of pixel alone."""
+    row, column = delays.row_px, delays.column_px
+    if name == "middle rows":
+        place = 2 * (row - row.min()) / max(np.ptp(row), 1) - 1
+        return np.asarray(1 - place**2)
+    one: Mask = {
+        "odd columns": column % 2 == 1,
+        "odd rows": row % 2 == 1,
+        "right half": column >= delays.image_columns / 2,
+        "lower half": row >= delays.image_rows / 2,
+    }[name]
+    return one.astype(float) if 0.02 < one.mean() < 0.98 else None
+
+
+def _beside(delays: MappedDelays, columns: list[Array], *, freedom: float) -> tuple[Array, Array, Array]:
+    """Least squares in a constant, these columns and the shape, known to ``freedom`` times its u: numbers, covariance, rest."""
+    scale = np.array([1.0] + [1 / max(np.abs(one).max(), 1e-300) for one in columns] + [1.0] * delays.shape_s.shape[1])
+    design = np.column_stack([np.ones(delays.row_px.size), *columns, freedom * delays.shape_s]) * scale
+    unit = delays.u_s[:, None]
+    n_own = 1 + len(columns)
+    prior = np.diag([0.0] * n_own + [1.0] * delays.shape_s.shape[1])
+    size = float(np.median(delays.u_s))
+    design[:, :n_own] *= size
+    white = design / unit
+    normal = white.T @ white + prior
+    found = np.linalg.solve(normal, white.T @ (delays.delay_s / delays.u_s))
+    back = np.concatenate([scale[:n_own] * size, np.ones(delays.shape_s.shape[1])])
+    covariance = np.linalg.inv(normal) * np.outer(back, back)
+    return found * back, covariance, delays.delay_s - design @ found

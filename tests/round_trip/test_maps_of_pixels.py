@@ -1,0 +1,87 @@
+"""From a simulated camera with known truth to maps of every pixel: the twin and the estimator share no formula."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+
+from irtiming.interface import measuring
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed
+
+
+@pytest.fixture(scope="module")
+def mapped():
+    """A rolling microbolometer camera with dead pixels, 500 frames of which 12 are lost, and its true timing."""
+    scene = with_wheel_speed(microbolometer_scene(96, 128), 3.0, samples=500)
+    scene = replace(
+        scene,
+        optics=replace(scene.optics, wheel_centre_row_px=scene.optics.wheel_centre_row_px + 3),
+        faults=Faults(lost_frames=12),
+        detector=replace(scene.detector, dead_pixels=12),
+    )
+    drawn = twin.draw(scene, seed=21)
+    result = measuring.analyse(twin.simulate(drawn.scene, seed=21), drawn.measured, maps=True)
+    return result, drawn.scene.timing
+
+
+def test_pulls_of_all_pixels_against_the_truth_are_about_one(mapped):
+    """Oracle: the twin's truth, the same for every pixel but for its row; what all have in common is in no pixel's u."""
+    result, true = mapped
+    record = result.maps.record
+    rows = np.arange(*record.roi[:2])[:, None]
+    for image, u, truth in (
+        (record.delay_s, np.hypot(record.u_delay_s, record.u_shape_s), true.trigger_delay_s + rows * true.row_delay_s),
+        (record.time_constant_s, record.u_time_constant_s, true.time_constant_s),
+    ):
+        off = image - truth
+        seen = np.isfinite(off)
+        common = np.average(off[seen], weights=1 / u[seen] ** 2)
+        assert 0.9 < np.std((off - common)[seen] / u[seen]) < 1.1
+    assert record.n_pixels > 1000
+
+
+def test_the_row_delay_of_the_map_is_that_of_the_fit(mapped):
+    """Oracle: the fit of row sums, which asks no single pixel, within both uncertainties; and the truth."""
+    result, true = mapped
+    record, fitted = result.maps.record, result["row_delay"]
+    assert abs(record.row_delay_s - fitted.value) < 2 * np.hypot(fitted.u, record.u_row_delay_s)
+    assert abs(record.row_delay_s - true.row_delay_s) < 4 * record.u_row_delay_s
+
+
+def test_what_is_dead_and_unseen_is_told_and_nothing_else(mapped):
+    """Oracle: the rows and pixels themselves; the simulated readout has neither taps nor another clock."""
+    result, _ = mapped
+    record, opening = result.maps.record, result.analysis.recordings[0].opening
+    codes = {one.code for one in result.maps.findings}
+    assert "rows-unseen" in codes
+    assert not codes & {"taps-apart", "row-clock-not-even", "map-not-explained"}
+    assert ("pixels-dead" in codes) == bool((opening.bad & opening.mask).any())
+    seen = np.flatnonzero(np.isfinite(record.delay_s).any(axis=1)) + record.roi[0]
+    assert set(seen) | set(record.unseen_row_px) == set(range(96))
+
+
+def test_maps_go_into_a_file_and_a_table(mapped, tmp_path):
+    """Oracle: the maps in memory; NXdata names its signal and axes, and a picture stands beside the file."""
+    result, _ = mapped
+    maps = result.maps
+    with pytest.raises(ValueError, match="read-only"):
+        maps["delay_s"][0, 0] = 0.0
+    with pytest.raises(KeyError, match="is not among delay_s"):
+        maps["delay"]
+    assert len(repr(maps)) < 300
+    table = maps.to_pandas()
+    assert len(table) == maps.record.n_pixels
+    first = table.iloc[0]
+    place = int(first.row_px) - maps.record.roi[0], int(first.column_px) - maps.record.roi[2]
+    assert maps["delay_s"][place] == first.delay_s
+    maps.write(tmp_path / "maps.h5")
+    assert (tmp_path / "maps.png").read_bytes().startswith(b"\x89PNG")
+    with h5py.File(tmp_path / "maps.h5") as file:
+        data = file[f"{file.attrs['default']}/{file[file.attrs['default']].attrs['default']}"]
+        assert list(data.attrs["axes"]) == ["row", "column"]
+        np.testing.assert_array_equal(data[data.attrs["signal"]], maps["delay_s"])
+        np.testing.assert_array_equal(data[f"{data.attrs['signal']}_errors"], maps["u_delay_s"])
+        assert data["row"][0] == maps.record.roi[0]
+        assert data["delay"].attrs["units"] == "s"

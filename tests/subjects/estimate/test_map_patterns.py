@@ -1,0 +1,70 @@
+"""What maps say of the readout, from delays made by hand."""
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import map_patterns
+from irtiming.estimate.map_patterns import MappedDelays
+
+U_S, ROW_S = 2e-6, 30e-6
+
+
+def _delays(later):
+    """A disc of pixels of an image of 80 x 100, read row after row, and later by a function of row and column; with noise."""
+    row, column = np.indices((80, 100))
+    at = (row - 40) ** 2 + (column - 50) ** 2 < 900
+    row, column = row[at], column[at]
+    random = np.random.default_rng(5)
+    delay = 1e-3 + ROW_S * row + later(row, column) + random.normal(0, U_S, row.size)
+    shape = np.stack([np.cos(0.02 * row), (column - 50) / 100, row / 80], axis=1) * 0.3e-6  # of an axle that is off
+    return MappedDelays(
+        row_px=row, column_px=column, delay_s=delay, u_s=np.full(row.size, U_S), shape_s=shape, image_rows=80,
+        image_columns=100,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "later"),
+    [
+        ("odd columns", lambda row, column: 1e-6 * (column % 2)),
+        ("odd rows", lambda row, column: -1e-6 * (row % 2)),
+        ("right half", lambda row, column: 1e-6 * (column >= 50)),
+        ("lower half", lambda row, column: 2e-6 * (row >= 40)),
+        ("middle rows", lambda row, column: 20e-6 * (1 - ((row - 40) / 29) ** 2)),
+    ],
+)
+def test_each_pattern_is_found_with_its_size(name, later):
+    """Oracle: the delays that were put in; noise is known."""
+    delays = _delays(later)
+    found = {one.name: one for one in map_patterns.patterns(delays, map_patterns.row_clock(delays))}[name]
+    size = later(*np.indices((80, 100))).ravel()[np.abs(later(*np.indices((80, 100)))).argmax()]
+    size = size if name != "middle rows" else 20e-6
+    assert abs(found.pull) > 6
+    assert abs(found.later_s - size) < 4 * found.u_later_s
+
+
+def test_an_error_of_the_shape_is_no_pattern():
+    """Oracle: a column of the shape itself, fifty standard uncertainties of it; and a row clock that is straight."""
+    delays = _delays(lambda row, column: 15e-6 * (column - 50) / 100)
+    clock = map_patterns.row_clock(delays)
+    assert all(abs(one.pull) < 4 for one in map_patterns.patterns(delays, clock))
+    chance, _, _ = map_patterns.chance_of_straight_rows(delays, clock)
+    assert chance > 1e-4
+
+
+def test_rows_that_are_off_without_any_pattern_are_found():
+    """Oracle: ten rows that were put later."""
+    delays = _delays(lambda row, column: 3e-6 * ((row > 20) & (row < 31)))
+    chance, row, off_s = map_patterns.chance_of_straight_rows(delays, map_patterns.row_clock(delays))
+    assert chance < 1e-6
+    assert 20 < row < 31
+    assert off_s > 1e-6
+
+
+def test_the_row_delay_knows_what_the_shape_may_do():
+    """Oracle: the closed form of a straight line's u, plus that of the shape's own slope over rows."""
+    delays = _delays(lambda row, column: 0.0 * row)
+    clock = map_patterns.row_clock(delays)
+    noise = U_S / np.sqrt(np.sum((delays.row_px - delays.row_px.mean()) ** 2))
+    assert abs(clock.row_delay_s - ROW_S) < 4 * clock.u_row_delay_s
+    assert clock.u_row_delay_s > np.hypot(noise, 0.3e-6 / 80) * 0.99
