@@ -29,6 +29,7 @@ from irtiming.cli.doctor_command import doctor
 from irtiming.cli.explain_command import explain
 from irtiming.cli.export_vcd_command import export_vcd
 from irtiming.cli.gateware_command import app as gateware
+from irtiming.cli.history_command import history
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.info_command import info
 from irtiming.cli.interrupt import Interrupt
@@ -54,7 +55,7 @@ app = typer.Typer(
 )
 COMMANDS = (
     discover, doctor, camera, plan, rig, record, recover, simulate, verify, calibrate_wheel, clock, analyse, series, campaign,
-    explain, certificate, import_capture, export_vcd, info, convert, serve, demo,
+    history, explain, certificate, import_capture, export_vcd, info, convert, serve, demo,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

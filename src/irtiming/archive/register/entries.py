@@ -23,6 +23,16 @@ class Entry:
     run: str = ""
 
 
+@final
+@dataclass(frozen=True, kw_only=True)
+class KnownCamera:
+    """A camera in the register, and how many results it has of it."""
+
+    serial_number: str
+    model: str
+    n_results: int
+
+
 def add(register: str, entries: Sequence[Entry], *, registered_at: str | None = None) -> int:
     """Write entries that are not there yet, all or none; gives how many were new.
 
@@ -94,8 +104,8 @@ def _insert(line: Any, tables: Mapping[str, Any], one: Entry, when: str) -> None
             line.execute(tables[name].insert(), values)
 
 
-def cameras(register: str) -> list[tuple[str, str, int]]:
-    """Serial number, model and number of results of every camera, by serial number.
+def cameras(register: str) -> list[KnownCamera]:
+    """Every camera, by serial number.
 
     Raises
     ------
@@ -109,7 +119,10 @@ def cameras(register: str) -> list[tuple[str, str, int]]:
     )
     try:
         with engine.connect() as line:
-            return [(str(a), str(b), int(n)) for a, b, n in sorted(line.execute(asked).all())]
+            return [
+                KnownCamera(serial_number=serial, model=model, n_results=n)
+                for serial, model, n in sorted(map(tuple, line.execute(asked).all()))
+            ]
     except sql.exc.SQLAlchemyError as error:
         raise unusable(register, error) from error
     finally:

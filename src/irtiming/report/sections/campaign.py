@@ -142,7 +142,7 @@ def _panel(chart: Chart, limits: tuple[float | None, float | None]) -> Panel:
         for limit in limits:
             if limit is not None:
                 axes.axhline(limit / scale, color=sheet.RED, linewidth=1.1)
-        axes.errorbar(place, chart.values / scale, chart.u / scale, fmt="none", ecolor=sheet.GRID, elinewidth=1)
+        axes.errorbar(place, chart.values / scale, chart.u / scale, fmt="none", ecolor=sheet.FAINT, elinewidth=0.8)
         axes.plot(place, chart.values / scale, "-o", color=sheet.BLUE, markersize=3, linewidth=0.7)
         beyond = list(chart.beyond)
         axes.plot(place[beyond], chart.values[beyond] / scale, "o", color=sheet.RED, markersize=5)

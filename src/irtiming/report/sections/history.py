@@ -1,0 +1,60 @@
+"""History of a camera: its drift since the last calibration, and every result."""
+
+from collections.abc import Sequence
+
+from irtiming.records.drift import Drift
+from irtiming.records.setting_point import SETTINGS, SettingPoint
+from irtiming.report.blocks import Table, several
+from irtiming.report.rounding import value_text
+from irtiming.report.sections.over_settings import LEADING, setting_text, words
+
+
+def drift(drifts: Sequence[Drift]) -> Table:
+    """What has moved; leading parameters alone."""
+    rows = tuple(
+        (
+            words(one.parameter),
+            _settings(one.newest[0]),
+            f"{one.earlier[0].start_time[:10]} … {one.newest[0].start_time[:10]}",
+            value_text(one.value, one.standard_uncertainty, unit=one.unit),
+            value_text(one.change, one.u_change, unit=one.unit),
+            "moved" if one.has_moved else "within U",
+            "–" if one.rate_per_year is None or one.u_rate_per_year is None
+            else value_text(one.rate_per_year, one.u_rate_per_year, unit=one.unit),
+        )
+        for one in drifts if one.parameter in LEADING
+    )  # fmt: skip
+    return Table(
+        title="Drift since the last calibration",
+        columns=("parameter", "setting", "from … to", "now ± u", "change ± u", "verdict", "per year ± u"),
+        align="lllrrlr",
+        rows=rows,
+        note="Means of a day’s results. Errors of the rig that both days have in common are in u of the value and cancel in u of "
+        "the change. Moved: by more than U = 2 u of the change.",
+    )
+
+
+def results(points: Sequence[SettingPoint]) -> Table:
+    """Every result, the oldest first."""
+    names = [name for name in LEADING if any(name in one.parameters for one in points)]
+    rows = tuple(
+        (
+            one.start_time[:19].replace("T", " ") or "–",
+            _settings(one),
+            *(value_text(one.parameters[name].value, one.parameters[name].standard_uncertainty, unit=one.parameters[name].unit)
+              if name in one.parameters else "–" for name in names),
+            one.label.rsplit("/", 1)[-1],
+        )
+        for one in points
+    )  # fmt: skip
+    return Table(
+        title=f"{several(len(points), 'result')} of {points[0].camera.name}",
+        columns=("measured", "setting", *(f"{words(name)} ± u" for name in names), "result"),
+        align="ll" + "r" * len(names) + "l",
+        rows=rows,
+    )
+
+
+def _settings(one: SettingPoint) -> str:
+    told = (setting_text(name, one.settings[name]) for name in SETTINGS if name in one.settings and name != "rows")
+    return ", ".join(told) or "–"
