@@ -160,6 +160,7 @@ def _do_missing(
         if state.result(key) is None and state.refusal(key) is None
     }
     n_before = len(work.units) - len(missing)
+    progress("cameras and settings analysed", n_before, len(work.units))
     for done, (key, outcome) in enumerate(pool.each(analysed, missing), 1):
         if not isinstance(outcome, Failed):
             state.keep(key, outcome)

