@@ -1,9 +1,10 @@
 """Campaigns on one Dask worker and on two: wall time, processor time, and the same table when a worker is killed on the way.
 
 Cameras of the same rig, one recording each. In turn, round after round, all are measured anew with one worker and with two.
-Efficiency is T1 / (2 T2) by wall time of the units alone, from the first that is given out to the last that is done, so without the
-start of Python; by processor time it is that of all processes with one worker over that with two: what it costs that there are two,
-which a machine that others use does not change. With ``--kill`` one of two workers is killed (SIGKILL) when a third of the units is done.
+Efficiency is T1 / (2 T2) by wall time of the units alone, from the first that is given out to the last that is done, so without
+the start of Python. By processor time it is that of all processes with one worker over that with two: what it costs that there
+are two, which others on the machine hardly change. With ``--kill`` one of two workers is killed (SIGKILL) when a third of the
+units is done.
 
     python benchmarks/campaign_workers.py --cameras 16 --rounds 2 --kill
 """
@@ -120,9 +121,8 @@ def main() -> None:
         best = {n: min(each.units_s for each in all_of) for n, all_of in found.items()}
         used = {n: min(each.processor_s for each in all_of) for n, all_of in found.items()}
         tables = {each.table for all_of in found.values() for each in all_of}
-        print(
-            f"efficiency by wall time {best[1] / (2 * best[2]):.3f}, by processor time {used[1] / used[2]:.3f}; {len(tables)} table"
-        )
+        wall, processor = best[1] / (2 * best[2]), used[1] / used[2]
+        print(f"efficiency by wall time {wall:.3f}, by processor time {processor:.3f}; {len(tables)} table")
         if asked.kill:
             one = measure(folder, workers=2, kill=True)
             print(f"one of two killed: units {one.units_s:.1f} s; the same table: {one.table in tables}")
