@@ -5,9 +5,14 @@ import json
 import re
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
+from irtiming.archive import rig_writer, writer
+from irtiming.twin.rig import draw, simulate
+from irtiming.twin.scene import paper_scene, with_wheel_speed
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium")
@@ -144,3 +149,39 @@ def _certify(page, base):
 def _choose(page, label, option):
     page.get_by_role("combobox", name=label, exact=True).click()
     page.get_by_role("option", name=option).click()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+def test_a_campaign_in_a_browser(served):
+    """Oracle: the table on the disk: the camera, and the one file that is no recording; no word of another host."""
+    from playwright.sync_api import sync_playwright
+
+    lab, base = served.around / "lab", f"http://{served.host}"
+    _record_a_camera(lab / "cameras")
+    foreign = []
+    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
+        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
+        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
+        page.set_default_timeout(120_000)
+        page.goto(served.address)
+        page.goto(f"{base}/campaigns")
+        _choose(page, "Folder of recordings, or a CSV that lists them", "cameras")
+        _choose(page, "What was measured on the rig", "cameras/rig.toml")
+        page.get_by_role("button", name="Measure", exact=True).click()
+        page.wait_for_url(re.compile("result="), wait_until="commit")
+        page.frame_locator("iframe[title=campaign]").get_by_text("1 camera measured").wait_for()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert foreign == []
+    told = json.loads((lab / "campaigns" / "campaign" / "campaign.json").read_text())
+    assert [one["serial_number"] for one in told["lines"]] == ["A"]
+    assert [Path(one["files"][0]).name for one in told["broken"]] == ["junk.nxs"]
+
+
+def _record_a_camera(folder):
+    scene = with_wheel_speed(paper_scene(24, 32), 3.0, frame_hz=30.303, samples=200)
+    drawn = draw(replace(scene, radiance=replace(scene.radiance, reference_frames=20)), seed=5)
+    folder.mkdir()
+    rig_writer.write_rig(drawn.measured, folder / "rig.toml")
+    one = simulate(drawn.scene, seed=1, name="A")
+    writer.write(replace(one, camera=replace(one.camera, serial_number="A")), folder / "A.nxs")
+    (folder / "junk.nxs").write_text("junk")

@@ -18,8 +18,10 @@ from irtiming.web.work import LEAVE, News, Task, accompany, function_of, run
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-JobKind = Literal["rig", "recording", "analysis", "check", "conversion", "certificate", "application", "search"]
-ALONE: tuple[JobKind, ...] = ("rig", "recording", "analysis")
+JobKind = Literal[
+    "rig", "recording", "analysis", "check", "conversion", "certificate", "application", "search", "campaign"
+]
+ALONE: tuple[JobKind, ...] = ("rig", "recording", "analysis", "campaign")
 """Kinds of which there is one at a time: a rig has one master, and an analysis wants the whole computer."""
 
 _LINES, _KEPT = 300, 40

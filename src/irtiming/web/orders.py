@@ -63,6 +63,19 @@ class AnalyseOrder:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class CampaignOrder:
+    """Recordings of many cameras, in a folder or listed in a CSV; where all that is found goes, and the register of results."""
+
+    source: Path
+    rig: Path
+    out: Path
+    register: Path
+    limits: Path | None = None
+    workers: int = 1
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class CertifyOrder:
     """Results, certificate.toml, and the files to write."""
 

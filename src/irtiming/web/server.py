@@ -26,6 +26,7 @@ from irtiming.web.guard import Guard, Rules
 from irtiming.web.pages import (
     analyse_page,
     apply_page,
+    campaigns_page,
     certificate_page,
     library_page,
     plan_page,
@@ -123,7 +124,17 @@ def add_pages(desk: Desk, *, upload_bytes: int) -> None:
     pages_app.add_static_files("/look", Path(__file__).with_name("look"))
     logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is told to who asked
     pages_app.config.socket_io_js_transports = ["websocket"]
-    for page in (start_page, plan_page, rig_page, record_page, files, analyse_page, certificate_page, apply_page):
+    for page in (
+        start_page,
+        plan_page,
+        rig_page,
+        record_page,
+        files,
+        analyse_page,
+        campaigns_page,
+        certificate_page,
+        apply_page,
+    ):
         page.add(desk)
     library_page.add(desk, upload_bytes=upload_bytes)
 
