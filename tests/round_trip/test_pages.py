@@ -153,11 +153,11 @@ def _choose(page, label, option):
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 def test_a_campaign_in_a_browser(served):
-    """Oracle: the table on the disk: the camera, and the one file that is no recording; no word of another host."""
+    """Oracle: the twin's delay within three u, in the table; the one file that is no recording; no other host asked."""
     from playwright.sync_api import sync_playwright
 
     lab, base = served.around / "lab", f"http://{served.host}"
-    _record_a_camera(lab / "cameras")
+    true_s = _record_a_camera(lab / "cameras")
     foreign = []
     with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
         page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
@@ -174,6 +174,7 @@ def test_a_campaign_in_a_browser(served):
     assert foreign == []
     told = json.loads((lab / "campaigns" / "campaign" / "campaign.json").read_text())
     assert [one["serial_number"] for one in told["lines"]] == ["A"]
+    assert abs(told["lines"][0]["trigger_delay_s"] - true_s) < 3 * told["lines"][0]["u_trigger_delay_s"]
     assert [Path(one["files"][0]).name for one in told["broken"]] == ["junk.nxs"]
 
 
@@ -185,3 +186,4 @@ def _record_a_camera(folder):
     one = simulate(drawn.scene, seed=1, name="A")
     writer.write(replace(one, camera=replace(one.camera, serial_number="A")), folder / "A.nxs")
     (folder / "junk.nxs").write_text("junk")
+    return drawn.scene.timing.trigger_delay_s

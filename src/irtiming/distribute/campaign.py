@@ -20,6 +20,7 @@ from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.estimate.series import gauge
 from irtiming.estimate.series.points import point
 from irtiming.records.campaign import Broken, Campaign, CampaignPoint, Listed
+from irtiming.records.rig import Rig
 from irtiming.reduce.wheel import wheel_calibration
 
 WHEEL = "wheel.json"
@@ -143,12 +144,22 @@ def _wheel(order: CampaignOrder, seen: Sequence[Seen], *, rig_sha256: str) -> Pa
         return path
     by_speed = sorted(seen, key=lambda one: (one.wheel_hz, one.sha256))
     chosen = by_speed[:: max(1, -(-len(by_speed) // _MOST_FOR_WHEEL))]
-    try:
-        found = wheel_calibration.from_recordings((reader.read(one.listed.path) for one in chosen), read_rig(order.rig))
-    except IrTimingError:
-        return None  # each unit then learns the slots of its own recordings, and says so
+    rig = read_rig(order.rig)
+    sound = [one.listed.path for one in chosen if _tells_of_the_wheel(one.listed.path, rig)]
+    if not sound:
+        return None  # each unit then learns the slots from its own recordings, as an analysis by itself does
+    found = wheel_calibration.from_recordings((reader.read(path) for path in sound), rig)
     write_wheel_calibration(found, path)
     return path
+
+
+def _tells_of_the_wheel(path: Path, rig: Rig) -> bool:
+    """Whether the slots can be learned from a recording: one that has lost timestamps must not spoil the others."""
+    try:
+        wheel_calibration.from_recordings([reader.read(path)], rig)
+    except IrTimingError:
+        return False
+    return True
 
 
 def _do_missing(

@@ -130,7 +130,10 @@ def workers(*, scheduler: str | None = None, n_workers: int | None = None) -> It
             count = n_workers or len(os.sched_getaffinity(0))
             with (
                 LocalCluster(
-                    n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+                    n_workers=count,
+                    threads_per_worker=1,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
                 ) as cluster,
                 Client(cluster) as client,
             ):
