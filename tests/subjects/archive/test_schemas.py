@@ -11,7 +11,7 @@ import jschon
 import pytest
 
 ROOT = Path(__file__).parents[3]
-NAMES = ("certificate", "plan", "result", "rig", "wheel")
+NAMES = ("certificate", "limits", "plan", "result", "rig", "wheel")
 pytestmark = pytest.mark.filterwarnings("ignore:Please use rfc3986:DeprecationWarning")
 RIG = {
     "beams": {"half_separation_mm": 13.0, "height_difference_mm": 5.5, "whole_slots_between": 9},
