@@ -5,7 +5,7 @@ the shape was fitted to the phases of the same frames. So each pattern is sought
 to move a hundred of their standard uncertainties; what they could explain is not called a pattern.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -18,6 +18,7 @@ from irtiming.records.pixel_maps import ReadoutPattern
 from irtiming.records.row_timing import SectorFit
 
 _FREE = 100.0  # standard uncertainties of the shape's numbers
+_FAR, _FEW = 8.0, 0.01  # standard uncertainties, and share of the pixels that may be as far as that by themselves
 PATTERNS = ("odd columns", "odd rows", "right half", "lower half", "middle rows")
 """Which pixels are asked whether they are read later than the others; of middle rows how far they stand above the chord."""
 
@@ -39,11 +40,30 @@ class MappedDelays:
     image_rows: int
     image_columns: int
 
-    def without_line(self) -> Array:
-        """The change by the shape beyond a common delay and a row delay, shape (p, n)."""
-        line = np.stack([np.ones(self.row_px.size), self.row_px / self.image_rows], axis=1) / self.u_s[:, None]
-        told, *_ = np.linalg.lstsq(line, self.shape_s / self.u_s[:, None], rcond=None)
-        return np.asarray(self.shape_s - line @ told * self.u_s[:, None])
+    @property
+    def line(self) -> Array:
+        """A common delay and a row delay, shape (p, 2)."""
+        return np.stack([np.ones(self.row_px.size), self.row_px / self.image_rows], axis=1)
+
+    def some(self, these: Mask) -> "MappedDelays":
+        """Of some of the pixels, (p,)."""
+        return replace(
+            self, row_px=self.row_px[these], column_px=self.column_px[these], delay_s=self.delay_s[these],
+            u_s=self.u_s[these], shape_s=self.shape_s[these],
+        )  # fmt: skip
+
+
+def u_shape_s(sound: MappedDelays, every: MappedDelays) -> Array:
+    """What errors of the shape add to the delays of pixels beyond a common delay and a row delay, shape (p,), s.
+
+    Parameters
+    ----------
+    sound, every
+        Pixels that tell the common delay and the row delay, and those that are asked for.
+    """
+    unit = sound.u_s[:, None]
+    told, *_ = np.linalg.lstsq(sound.line / unit, sound.shape_s / unit, rcond=None)
+    return np.asarray(np.sqrt(np.sum((every.shape_s - every.line @ told) ** 2, axis=1)))
 
 
 def shape_effect_s(sector: SectorFit, *, row_px: Ticks, column_px: Ticks, omega: float) -> Array:
@@ -99,16 +119,28 @@ def row_clock(delays: MappedDelays) -> RowClock:
     delays
         Of pixels in two rows or more.
     """
-    found, covariance, _ = _beside(delays, [delays.row_px.astype(float)], freedom=1.0)
     _, _, left = _beside(delays, [delays.row_px.astype(float)], freedom=_FREE)
     pulls = left / delays.u_s
     scatter = float(max(1.0, 1.4826 * np.median(np.abs(pulls - np.median(pulls)))))
+    found, covariance, _ = _beside(delays, [delays.row_px.astype(float)], freedom=1.0)
     return RowClock(
         row_delay_s=float(found[1]),
         u_row_delay_s=float(np.sqrt(covariance[1, 1])),
         left_s=left,
         scatter=scatter,
     )
+
+
+def near(delays: MappedDelays, clock: RowClock) -> MappedDelays:
+    """The pixels without those that stray far by themselves; all of them where so many do that it is a part of the readout.
+
+    Parameters
+    ----------
+    delays, clock
+        Of the same pixels.
+    """
+    these = np.abs(clock.left_s) < _FAR * clock.scatter * delays.u_s
+    return delays.some(these) if these.mean() > 1 - _FEW else delays
 
 
 def patterns(delays: MappedDelays, clock: RowClock) -> tuple[ReadoutPattern, ...]:

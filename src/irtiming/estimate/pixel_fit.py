@@ -24,6 +24,11 @@ _HIGHEST = 1024  # order of which the leak knows
 _STEPS, _LEAKS = 4, 2
 _LEAST_SHARE = 0.5  # of a pixel in the light: with less of it, there is little but border
 _UNIT_S = 1e-6
+_UNLIKE, _NOISY, _MISFIT = (
+    3.0,
+    3.0,
+    5.0,
+)  # times the median: contrasts, noises and sums of squares beyond are no pixels' own
 
 
 @final
@@ -50,7 +55,7 @@ class PixelsOfRecording:
     ``delay_s`` is counted from the mean of the edges' delays that the fit of the recording found, ``response_s`` is the parameter
     itself; ``covariance`` (p, k, k) of contrast, delay and, where it is fitted, that parameter, DN and s, from ``noise_dn``.
     ``contrast_dn`` is what the pixel shows of the light; ``misfit`` (p,) the sum of squares of what is left of the harmonics,
-    over the noise.
+    over the noise. Pixels are not ``is_sound`` (p,) that hardly follow the wheel, or otherwise than its harmonics say, or blink.
     """
 
     row_px: Ticks
@@ -62,6 +67,7 @@ class PixelsOfRecording:
     covariance: Array
     noise_dn: Array
     misfit: Array
+    is_sound: Mask
     n_harmonics: int
     n_quiet: int
 
@@ -126,11 +132,21 @@ def _fit(
     covariance = np.linalg.inv(normal * np.outer(unit, unit)) * np.outer(unit, unit) * noise[:, None, None] ** 2
     covariance[:, 0, :] *= light.share[:, None]
     covariance[:, :, 0] *= light.share[:, None]
+    misfit = np.sum((left / noise) ** 2, axis=0)
     return PixelsOfRecording(
         row_px=waves.row_px, column_px=waves.column_px, is_border=~light.is_inside,
         contrast_dn=found.contrast_dn * light.share, delay_s=found.delay_s, response_s=found.response_s,
-        covariance=covariance, noise_dn=noise, misfit=np.sum((left / noise) ** 2, axis=0),
+        covariance=covariance, noise_dn=noise, misfit=misfit, is_sound=_sound(found, noise, misfit),
         n_harmonics=2 * waves.seen_orders.size, n_quiet=2 * waves.quiet_orders.size,
+    )  # fmt: skip
+
+
+def _sound(found: PixelNumbers, noise_dn: Array, misfit: Array) -> Mask:
+    """Pixels that follow the wheel as the others do, shape (p,)."""
+    relative = found.contrast_dn / np.median(found.contrast_dn)
+    return np.asarray(
+        (relative > 1 / _UNLIKE) & (relative < _UNLIKE) & (noise_dn < _NOISY * np.median(noise_dn))
+        & (misfit < _MISFIT * np.median(misfit)) & np.isfinite(found.delay_s)
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from irtiming.estimate.pixel_fit import PixelsOfRecording, Reference
 from irtiming.estimate.timing import Timing
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADE
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
 from irtiming.records.frame_events import DELAYS
 from irtiming.records.pixel_maps import LineMeans, PixelMaps
@@ -130,13 +130,15 @@ class _First:
 class _Together:
     """Pixels as all recordings tell them, on the whole image, shape (row, column), nan where there is none.
 
-    ``covariance`` (row, column, k, k) is of delay and time constant; ``expected_s`` what the fit says.
+    ``covariance`` (row, column, k, k) is of delay and time constant; ``expected_s`` what the fit says. Pixels are ``is_sound``
+    that are so in all recordings.
     """
 
     delay_s: Array
     lag_s: Array | None
     covariance: Array
     expected_s: Array
+    is_sound: Mask
     fitted_row_delay_s: float
     u_common_s: float
     u_common_lag_s: float | None
@@ -147,13 +149,14 @@ def _together(
 ) -> _Together:
     """Each recording's deviations from its own fit, weighted by what it tells, on top of the result of all."""
     n = parts[0].covariance.shape[1] - 1
-    information, told = np.zeros((*shape, n, n)), np.zeros((*shape, n))
+    information, told, sound = np.zeros((*shape, n, n)), np.zeros((*shape, n)), np.ones(shape, bool)
     middle = float(np.average(parts[0].row_px, weights=1 / parts[0].covariance[:, 1, 1]))
     for part, reference in zip(parts, references, strict=True):
         less = [part.delay_s - middle * reference.row_delay_s, part.response_s - reference.response_s][:n]
         own = np.linalg.inv(part.covariance[:, 1:, 1:])
         at = part.row_px, part.column_px
         information[at] += own
+        sound[at] &= part.is_sound
         told[at] += np.einsum("pkl,lp->pk", own, np.array(less))
     seen = information[..., 0, 0] > 0
     covariance = np.full(information.shape, np.nan)
@@ -168,6 +171,7 @@ def _together(
         lag_s=values[..., 1] + constant if n > 1 else None,
         covariance=covariance,
         expected_s=np.where(seen, level + (rows - middle) * row_delay, np.nan),
+        is_sound=sound & seen,
         fitted_row_delay_s=row_delay,
         u_common_s=u_level,
         u_common_lag_s=u_constant if n > 1 else None,
@@ -195,14 +199,16 @@ def _constant(fitted: Estimate, references: Sequence[Reference]) -> tuple[float,
 
 def _maps(found: _Together, parts: Sequence[PixelsOfRecording], *, first: _First, estimate: Estimate) -> PixelMaps:
     """All that there is, in images of the region of interest."""
-    at, box = np.nonzero(np.isfinite(found.delay_s)), first.box
+    seen, sound, box = np.isfinite(found.delay_s), np.nonzero(found.is_sound), first.box
     u_s, lag = np.sqrt(found.covariance[..., 0, 0]), _Lag.of(found)
-    delays = _delays(found, first, at=at)
+    delays = _delays(found, first, at=sound)
     clock = map_patterns.row_clock(delays)
     strays = map_findings.deviating(
-        delays, clock, lag_pulls=None if lag is None else lag.pulls[at], noise_dn=first.noise_dn[at]
+        delays, clock, lag_pulls=None if lag is None else lag.pulls[sound], noise_dn=first.noise_dn[sound]
     )
-    u_shape_s = np.sqrt(np.sum(delays.without_line() ** 2, axis=1))
+    delays = map_patterns.near(delays, clock)
+    at, clock = (delays.row_px, delays.column_px), map_patterns.row_clock(delays)
+    u_shape_s = map_patterns.u_shape_s(delays, _delays(found, first, at=np.nonzero(seen)))
     means = [_line_means(line, delays, expected_s=found.expected_s[at], lag=lag) for line in at]
     part, recording = first.part, first.recording
     made = PixelMaps(
@@ -213,13 +219,14 @@ def _maps(found: _Together, parts: Sequence[PixelsOfRecording], *, first: _First
         time_constant_s=None if lag is None else lag.value_s[box], u_time_constant_s=None if lag is None else lag.u_s[box],
         correlation=None if lag is None else (found.covariance[..., 0, 1] / (u_s * lag.u_s))[box],
         noise_dn=first.image(part.noise_dn), noise_degrees_of_freedom=part.n_quiet,
-        u_shape_s=first.at(at, u_shape_s), u_common_delay_s=found.u_common_s,
+        u_shape_s=first.at(np.nonzero(seen), u_shape_s), u_common_delay_s=found.u_common_s,
         u_common_time_constant_s=found.u_common_lag_s,
         is_border=first.image(part.is_border.astype(float)) == 1,
         is_dead=(recording.opening.bad & recording.opening.mask)[box],
-        is_deviating=first.at(at, strays.astype(float)) == 1, rows=means[0], columns=means[1],
+        is_deviating=(seen & ~found.is_sound)[box] | (first.at(sound, strays.astype(float)) == 1),
+        rows=means[0], columns=means[1],
         row_delay_s=clock.row_delay_s, u_row_delay_s=clock.u_row_delay_s, fitted_row_delay_s=found.fitted_row_delay_s,
-        unseen_row_px=np.setdiff1d(np.arange(found.delay_s.shape[0]), at[0]),
+        unseen_row_px=np.flatnonzero(~seen.any(axis=1)),
         patterns=map_patterns.patterns(delays, clock),
         reduced_chi_square=_reduced_chi_square(parts), n_recordings=len(parts),
     )  # fmt: skip
@@ -266,9 +273,9 @@ class _Lag:
 
 
 def _reduced_chi_square(parts: Sequence[PixelsOfRecording]) -> float:
-    """Of all harmonics about what the pixels' numbers say; a noise of so few degrees of freedom is too small in the mean."""
-    squares = sum(float(np.sum(part.misfit)) * (part.n_quiet - 2) / part.n_quiet for part in parts)
-    freedom = sum((part.n_harmonics - part.covariance.shape[1]) * part.row_px.size for part in parts)
+    """Of sound pixels about what their numbers say; a noise by few degrees of freedom is too small in the mean."""
+    squares = sum(float(np.sum(part.misfit[part.is_sound])) * (part.n_quiet - 2) / part.n_quiet for part in parts)
+    freedom = sum((part.n_harmonics - part.covariance.shape[1]) * int(part.is_sound.sum()) for part in parts)
     return squares / freedom
 
 

@@ -15,6 +15,7 @@ from irtiming.twin.noise import FixedPattern, Values, corrected_pattern, digitis
 from irtiming.twin.scene import CameraTiming, Detector, Scene, Timing
 from irtiming.twin.shutter import Shutter, covers
 from irtiming.twin.sway import swayed
+from irtiming.twin.tapped_view import tapped
 from irtiming.twin.upkeep import ShutterEvent
 from irtiming.twin.views import View, settled_dn, settling_s, view_of_wheel
 
@@ -125,7 +126,7 @@ def wheel_shots(scene: Scene, motion: Motion, *, kept: Ticks, seed: int) -> Whee
     set_s = round(trigger.trigger_delay_time_set_s * trigger.clock_frequency_hz) / clock_hz + trigger.late_trigger_s
     triggered_s = begun_s(trigger, scene.free, number=np.arange(-before, trigger.n_triggers)) + set_s
     jitter = generator(seed, "exposure").standard_normal(triggered_s.size)
-    view = view_of_wheel(scene, motion)
+    view = tapped(view_of_wheel(scene, motion), scene.taps, columns=scene.detector.columns)
     epoch, level_dn = upkeep_at(scene, triggered_s)
     sway, wheel_dn = swayed(scene.sway, triggered_s, seed=seed), settled_dn(scene, scene.radiance.wheel_k)
     contrast_dn = abs(settled_dn(scene, scene.radiance.blackbody_k) - wheel_dn)
@@ -157,7 +158,10 @@ def exposures_before(timing: Timing) -> int:
 
 def rows_at_s(scene: Scene) -> Array:
     """How much later than row 0 the turn of each row comes, shape (row,), s; a snapshot has one moment for all."""
-    return np.arange(scene.detector.rows, dtype=np.float64) * (scene.timing.row_delay_s or 0.0)
+    rows = scene.detector.rows
+    if scene.timing.row_delay_s is None:
+        return np.zeros(rows)
+    return np.arange(rows, dtype=np.float64) * scene.timing.row_delay_s + scene.taps.rows_later_s(rows)
 
 
 def busy_s(scene: Scene) -> float:

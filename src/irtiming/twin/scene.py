@@ -17,6 +17,7 @@ from irtiming.twin.beams import Beams
 from irtiming.twin.free_running import FreeRunning
 from irtiming.twin.in_camera import InCamera
 from irtiming.twin.optics import Optics
+from irtiming.twin.taps import Taps
 from irtiming.twin.upkeep import Drift, SelfCorrection, Sway
 
 _SHORTEST_LAG_S = 1e-6
@@ -334,6 +335,7 @@ class Scene:
     drift: Drift = field(default_factory=Drift)
     sway: Sway = field(default_factory=Sway)
     in_camera: InCamera = field(default_factory=InCamera)
+    taps: Taps = field(default_factory=Taps)
     free: FreeRunning | None = None
 
 
