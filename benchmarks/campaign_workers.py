@@ -89,14 +89,9 @@ def _processor_s() -> float:
 
 
 def _youngest_worker() -> int:
-    """Process of the child that was started last."""
-    children = [int(n) for n in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()]
-    return max(children or _all_children())
-
-
-def _all_children() -> list[int]:
-    """Children of any thread."""
-    return [int(n) for path in Path("/proc/self/task").glob("*/children") for n in path.read_text().split()]
+    """Process of the worker that was started last; Python's own helpers are no workers."""
+    children = [int(n) for path in Path("/proc/self/task").glob("*/children") for n in path.read_text().split()]
+    return max(n for n in children if b"spawn_main" in Path(f"/proc/{n}/cmdline").read_bytes())
 
 
 def main() -> None:
