@@ -17,9 +17,9 @@ from irtiming.estimate import (
     shape,
     wheel_geometry,
 )
-from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import RowLight
 from irtiming.estimate.sector_search import Slopes
+from irtiming.inference.one_thread import one_thread
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera

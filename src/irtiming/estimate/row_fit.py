@@ -8,11 +8,11 @@ import numpy as np
 
 from irtiming.estimate import frame_steps, harmonic_data, row_sway, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
-from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
 from irtiming.estimate.row_residuals import robust_covariance, widened_in_time
 from irtiming.estimate.row_timing import Solution
 from irtiming.inference.correlated_noise import ljung_box_p_value
+from irtiming.inference.one_thread import one_thread
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera

@@ -10,8 +10,8 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
-from irtiming.estimate.one_thread import one_thread
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
+from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS

@@ -4,6 +4,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.inference.one_thread import one_thread
 from irtiming.physics import wheel_waves
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.pixel_waves import PixelWaves
@@ -113,7 +114,8 @@ class WavesOfPixels:
         held = self._held[: index.size]
         if self._base is None:  # sums of small numbers stay exact
             self._base = held[0].astype(np.float32)
-        kernels.add_waves(held, np.ascontiguousarray(self._waves[:, index]), self._base, self._sums)
+        with one_thread():
+            kernels.add_waves(held, np.ascontiguousarray(self._waves[:, index]), self._base, self._sums)
         self._of_held = []
 
 

@@ -2,6 +2,7 @@
 
 from contextlib import AbstractContextManager
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 from threadpoolctl import ThreadpoolController
@@ -15,5 +16,6 @@ def one_thread() -> AbstractContextManager[Any]:
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Looking for the libraries takes milliseconds."""
+    """Looking for the libraries takes milliseconds; those that compiled loops call, which are SciPy's, must be there by then."""
+    import_module("scipy.linalg.cython_blas")
     return ThreadpoolController()
