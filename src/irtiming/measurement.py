@@ -1,19 +1,18 @@
 """The story on one screen: recordings in, analysis out. Needs no rig, so it can be repeated years later."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import Literal, TypeAlias
 
 from irtiming.archive.recording_checks import check_recording
-from irtiming.errors import EstimationError, IrTimingError, computing
+from irtiming.errors import EstimationError, computing
 from irtiming.estimate import diagnosis, pixel_maps, profiles, timing, two_constants
 from irtiming.estimate.published import procedure
 from irtiming.estimate.timing import Timing
 from irtiming.plan import hindsight
 from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Choices
-from irtiming.records.finding import doubted
+from irtiming.records.finding import doubted, noted
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
@@ -81,7 +80,7 @@ def reduce(
         if progress is not None:
             progress(recording.name, n_frames, total)
 
-    with _noted(recording), computing(recording.name):
+    with noted(f"while reducing {recording.source or recording.name}", recording.findings), computing(recording.name):
         return recipes.reduce(
             recording,
             placing.rig_for(rig, [recording.events]),
@@ -143,14 +142,3 @@ def _average(runs: Sequence[ReducedRecording], choices: Choices) -> procedure.Av
     if runs[0].rows is not None:
         return row_averages.average(list(runs))
     return average_runs.average(list(runs), plateau_margin=choices.plateau_margin)
-
-
-@contextmanager
-def _noted(recording: Recording) -> Iterator[None]:
-    """An error on the way says at which recording."""
-    try:
-        yield
-    except IrTimingError as error:
-        remarks = [one.sentence() for one in recording.findings]
-        error.add_note("; ".join([f"while reducing {recording.source or recording.name}", *remarks]))
-        raise

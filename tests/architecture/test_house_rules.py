@@ -78,6 +78,7 @@ COMMANDS = (
     "series",
 )
 LONGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_POSITIONAL = 450, 60, 6, 2
+ONE_SCREEN = 150
 
 
 def _folder(path: Path) -> str:
@@ -96,6 +97,11 @@ def _imported(path: Path) -> set[str]:
 
 def _name(path: Path) -> str:
     return str(path.relative_to(ROOT))
+
+
+def test_the_story_is_one_screen():
+    """Oracle: the lines of measurement.py."""
+    assert len((ROOT / "src" / "irtiming" / "measurement.py").read_text().splitlines()) <= ONE_SCREEN
 
 
 def test_each_library_has_one_home():

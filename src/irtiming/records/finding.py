@@ -74,3 +74,19 @@ def doubted(findings: Iterable[Sequence[Finding]]) -> Iterator[None]:
     except IrTimingError as error:
         perhaps_therefore(error, [one for group in findings for one in group])
         raise
+
+
+@contextmanager
+def noted(stage: str, findings: Sequence[Finding]) -> Iterator[None]:
+    """An error within says at which stage it came, such as "while reducing run1.nxs", and what was found before.
+
+    Raises
+    ------
+    IrTimingError
+        The error.
+    """
+    try:
+        yield
+    except IrTimingError as error:
+        error.add_note("; ".join([stage, *(one.sentence() for one in findings)]))
+        raise
