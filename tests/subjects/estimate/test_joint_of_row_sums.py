@@ -64,6 +64,7 @@ def timed(three, geometry):
         recordings=tuple(recordings),
         geometry=geometry,
         sectors=tuple(sectors),
+        views=tuple(sectors),
         fits=tuple(fits),
         exact=exact,
         found=found,

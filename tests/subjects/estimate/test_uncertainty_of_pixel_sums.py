@@ -108,7 +108,10 @@ def _combined(made, geometry, *, noise=None):
     models = tuple(timing._model(one, fit, geometry) for one, fit in zip(made, fits, strict=True))
     own = pixel_numbers.opening_and_window(made, fits, geometry=geometry)
     found = timing.of_pixel_fits(fits, geometry, models=models, own=own, stated_s=WINDOW)
-    return Timing(recordings=tuple(made), geometry=geometry, sectors=(), fits=fits, exact=models, found=found)
+    views = (None,) * len(made)
+    return Timing(
+        recordings=tuple(made), geometry=geometry, sectors=(), views=views, fits=fits, exact=models, found=found
+    )
 
 
 @pytest.fixture(scope="module")
