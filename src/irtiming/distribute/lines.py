@@ -5,6 +5,7 @@ they lie further apart than their own parts allow, u is widened by the ratio of 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -113,8 +114,4 @@ def _held(found: JudgedValue, limits: LimitsFile, *, name: str, serial: str) -> 
         found.value, u=found.standard_uncertainty, expanded=found.expanded_uncertainty, degrees_of_freedom=float("inf"),
         limits=(lower, upper), rule=limits.decision.rule,
     )  # fmt: skip
-    return JudgedValue(
-        value=found.value, standard_uncertainty=found.standard_uncertainty, expanded_uncertainty=found.expanded_uncertainty,
-        unit=found.unit, birge=found.birge, lower=lower, upper=upper, judgement=_WORDS[said.outcome],
-        probability=said.probability,
-    )  # fmt: skip
+    return replace(found, lower=lower, upper=upper, judgement=_WORDS[said.outcome], probability=said.probability)

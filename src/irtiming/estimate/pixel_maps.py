@@ -201,14 +201,15 @@ def _maps(found: _Together, parts: Sequence[PixelsOfRecording], *, first: _First
     """All that there is, in images of the region of interest."""
     seen, sound, box = np.isfinite(found.delay_s), np.nonzero(found.is_sound), first.box
     u_s, lag = np.sqrt(found.covariance[..., 0, 0]), _Lag.of(found)
-    delays = _delays(found, first, at=sound)
+    every = _delays(found, first, at=np.nonzero(seen))
+    delays = every.some(found.is_sound[seen])
     clock = map_patterns.row_clock(delays)
     strays = map_findings.deviating(
         delays, clock, lag_pulls=None if lag is None else lag.pulls[sound], noise_dn=first.noise_dn[sound]
     )
     delays = map_patterns.near(delays, clock)
     at, clock = (delays.row_px, delays.column_px), map_patterns.row_clock(delays)
-    u_shape_s = map_patterns.u_shape_s(delays, _delays(found, first, at=np.nonzero(seen)))
+    u_shape_s = map_patterns.u_shape_s(delays, every)
     means = [_line_means(line, delays, expected_s=found.expected_s[at], lag=lag) for line in at]
     part, recording = first.part, first.recording
     made = PixelMaps(

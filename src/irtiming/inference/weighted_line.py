@@ -6,6 +6,7 @@ V has what the values have in common too. With V from the budgets, the covarianc
 :math:`(X^T V^{-1} X)^{-1}`; nothing is scaled by chi-squared here.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -90,13 +91,7 @@ def step(x: Array, y: Array, *, covariance: Array) -> Step | None:
         return None
     gain, best = max(found, key=lambda each: each[0])
     chance = min(1.0, len(found) * float(chi2.sf(max(gain, 0.0), 1)))
-    return Step(
-        after=best.after,
-        before=best.before,
-        size=best.size,
-        standard_uncertainty=best.standard_uncertainty,
-        chance=chance,
-    )
+    return replace(best, chance=chance)
 
 
 def line_weights(x: Array, y: Array, *, covariance: Array, at: float) -> tuple[Array, float]:

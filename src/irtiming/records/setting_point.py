@@ -21,6 +21,15 @@ SETTINGS: Mapping[SettingName, tuple[str, str]] = {
 }
 """Settings on which a timing may depend: what to call each, and its unit; none for words."""
 
+_SAME = 1e-3  # relative
+
+
+def is_same_setting(one: float | str | None, other: float | str | None) -> bool:
+    """Whether two values of a setting are one: words that are equal, numbers that are nearly so, or both not known."""
+    if isinstance(one, float | int) and isinstance(other, float | int):
+        return abs(one - other) <= _SAME * max(abs(one), abs(other))
+    return one == other
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,6 @@ from typing import final
 from irtiming.archive import layout, reader
 from irtiming.archive.json_file import require_place, write_atomically, write_json
 from irtiming.archive.result_file import checked_result, read_result
-from irtiming.archive.result_model import Result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.distribute.campaign import together
@@ -87,13 +86,8 @@ def _analysed(files: Sequence[Path], order: SeriesOrder, *, progress: Progress |
             progress=progress,
             wheel_calibration=wheel,
         )
-        found.append(points.point(result_of(report_result.result(analysis)), label=", ".join(map(str, group))))
+        found.append(points.point(checked_result(report_result.result(analysis)), label=", ".join(map(str, group))))
     return found
-
-
-def result_of(told: dict[str, object]) -> Result:
-    """A result in memory as its file would give it back."""
-    return checked_result(told)
 
 
 def alike(files: Sequence[Path]) -> list[tuple[Path, ...]]:

@@ -56,6 +56,15 @@ def findings_html(findings: Sequence[Mapping[str, Any]]) -> str:
     return "".join(shown[:-n_ok]) + f"<details><summary>{n_ok} are ok</summary>{folded}</details>"
 
 
+def links_html(links: Mapping[str, str]) -> str:
+    """Addresses of this server by their titles, one below the other."""
+    rows = "".join(
+        f'<li><a href="{escape(address)}"><span><b>{escape(title)}</b></span></a></li>'
+        for address, title in links.items()
+    )
+    return f'<ul class="files">{rows}</ul>'
+
+
 def facts_html(facts: Mapping[str, Any]) -> str:
     """Names and values; what is None is left out."""
     rows = (

@@ -11,10 +11,9 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.inference import common_inputs, weighted_line
-from irtiming.records.setting_point import SETTINGS, CameraKey, SettingName, SettingPoint
+from irtiming.records.setting_point import SETTINGS, CameraKey, SettingName, SettingPoint, is_same_setting
 from irtiming.records.setting_series import CameraSeries, OverSetting
 
-_SAME = 1e-3
 _CLEAR_STEP = 0.01
 
 
@@ -61,7 +60,7 @@ def _alike_besides(points: list[SettingPoint], setting: SettingName) -> list[lis
             mine = next((group for group in groups if agree(group[0], one, besides=setting)), None)
             groups.append([one]) if mine is None else mine.append(one)
     varying = [sorted(group, key=lambda one: _x(one, setting)) for group in groups]
-    return [group for group in varying if not _is_same(_x(group[0], setting), _x(group[-1], setting))]
+    return [group for group in varying if not is_same_setting(_x(group[0], setting), _x(group[-1], setting))]
 
 
 def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None = None) -> bool:
@@ -75,13 +74,7 @@ def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None
         What may differ.
     """
     names = (set(one.settings) | set(other.settings)) - {besides, "sensor_temperature"}
-    return all(_is_same(one.settings.get(name), other.settings.get(name)) for name in names)
-
-
-def _is_same(one: float | str | None, other: float | str | None) -> bool:
-    if isinstance(one, float | int) and isinstance(other, float | int):
-        return abs(one - other) <= _SAME * max(abs(one), abs(other))
-    return one == other
+    return all(is_same_setting(one.settings.get(name), other.settings.get(name)) for name in names)
 
 
 def _x(one: SettingPoint, setting: SettingName) -> float:
@@ -91,7 +84,7 @@ def _x(one: SettingPoint, setting: SettingName) -> float:
 def _over(group: list[SettingPoint], setting: SettingName, *, name: str) -> list[OverSetting]:
     """One parameter, where at least two different settings have it."""
     points = [one for one in group if name in one.parameters]
-    if len(points) < 2 or _is_same(_x(points[0], setting), _x(points[-1], setting)):
+    if len(points) < 2 or is_same_setting(_x(points[0], setting), _x(points[-1], setting)):
         return []
     told = [one.parameters[name] for one in points]
     x, y = np.array([_x(one, setting) for one in points]), np.array([one.value for one in told])

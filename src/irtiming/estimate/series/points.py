@@ -10,9 +10,8 @@ from irtiming.archive.result_model import Contribution, Result
 from irtiming.errors import EstimationError
 from irtiming.records.recording import USUAL_READOUT
 from irtiming.records.rig_inputs import CLOCK, OF_THE_RIG, RIG_KEYS
-from irtiming.records.setting_point import CameraKey, PointParameter, SettingName, SettingPoint
+from irtiming.records.setting_point import CameraKey, PointParameter, SettingName, SettingPoint, is_same_setting
 
-_SAME = 1e-3  # relative, within which two recordings of a result have one setting
 _NORMAL_K = 2.0
 
 
@@ -74,7 +73,7 @@ def _settings(result: Result, label: str) -> dict[SettingName, float | str]:
         known = [value for value in values if value is not None]
         if not known:
             continue
-        if any(not _is_same(value, known[0]) for value in known):
+        if any(not is_same_setting(value, known[0]) for value in known):
             if name == "frame_period":
                 continue  # one result may hold several frame rates, whose delays its analysis found to agree
             raise EstimationError(
@@ -86,12 +85,6 @@ def _settings(result: Result, label: str) -> dict[SettingName, float | str]:
     if temperatures:
         found["sensor_temperature"] = sum(temperatures) / len(temperatures)
     return found
-
-
-def _is_same(one: float | str, other: float | str) -> bool:
-    if isinstance(one, str) or isinstance(other, str):
-        return one == other
-    return abs(one - other) <= _SAME * max(abs(one), abs(other))
 
 
 def _parameter(result: Result, name: str) -> PointParameter:

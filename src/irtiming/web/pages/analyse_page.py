@@ -8,9 +8,8 @@ from urllib.parse import quote
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
-from irtiming.web import files, frame, show
+from irtiming.web import files, frame, one_job, show
 from irtiming.web.desk import Desk
-from irtiming.web.jobs import Job
 from irtiming.web.orders import AnalyseOrder
 
 RESULTS = "results"
@@ -46,7 +45,6 @@ def _form(desk: Desk) -> None:
         rig = ui.select(rigs, value=rigs[0] if rigs else None, label="What was measured on the rig")
         method = ui.select(_METHODS, value="pixel-sum", label="Method")
         name = ui.input("Name of the result", value=newest[0].parent.name if newest else "result")
-    said = show.html()
 
     def start() -> None:
         try:
@@ -63,35 +61,10 @@ def _form(desk: Desk) -> None:
         except IrTimingError as error:
             show.complain(error)
 
-    with ui.element("div").classes("actions"):
-        begin = ui.button("Analyse", on_click=start).props("unelevated color=primary")
-        stop = ui.button("Break it off", on_click=lambda: _break_off(desk)).props("outline color=negative")
-    was_on = [desk.jobs.running("analysis") is not None]
-
-    def refresh() -> None:
-        job = desk.jobs.latest("analysis")
-        is_on = job is not None and not job.is_over
-        begin.set_enabled(not is_on)
-        stop.set_visibility(is_on)
-        show.put(said, "" if job is None else _state(job))
-        if was_on[0] and not is_on and job is not None and job.ending is not None and job.ending.is_good:
-            ui.navigate.to(f"/analyse?result={quote(desk.folder.name_of(Path(job.ending.answer['result'])))}")
-        was_on[0] = is_on
-
-    refresh()
-    ui.timer(0.4, refresh)
-
-
-def _break_off(desk: Desk) -> None:
-    if job := desk.jobs.running("analysis"):
-        job.break_off()
-
-
-def _state(job: Job) -> str:
-    if job.ending is None:
-        text = "goes on; closing this page stops nothing"
-        return show.finding_html("info", text, title=f"{job.title}:") + show.steps_html(job)
-    return "" if job.ending.is_good else show.finding_html("error", job.ending.text)
+    one_job.controls(
+        desk, "analysis", label="Analyse", start=start, goes_on="goes on; closing this page stops nothing",
+        address=lambda answer: f"/analyse?result={quote(desk.folder.name_of(Path(answer['result'])))}",
+    )  # fmt: skip
 
 
 def _results(desk: Desk) -> None:
@@ -100,11 +73,8 @@ def _results(desk: Desk) -> None:
     if not found:
         ui.label("None yet.").classes("note")
         return
-    rows = "".join(
-        f'<li><a href="/analyse?result={quote(name)}"><span><b>{escape(Path(name).stem)}</b></span></a></li>'
-        for name in map(desk.folder.name_of, found[:50])
-    )
-    show.html(f'<ul class="files">{rows}</ul>')
+    names = map(desk.folder.name_of, found[:50])
+    show.html(show.links_html({f"/analyse?result={quote(name)}": Path(name).stem for name in names}))
 
 
 def _result(desk: Desk, name: str) -> None:

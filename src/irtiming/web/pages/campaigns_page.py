@@ -7,9 +7,8 @@ from urllib.parse import quote
 from nicegui import ui
 
 from irtiming.errors import IrTimingError
-from irtiming.web import files, frame, show
+from irtiming.web import files, frame, one_job, show
 from irtiming.web.desk import Desk
-from irtiming.web.jobs import Job
 from irtiming.web.orders import CampaignOrder
 
 CAMPAIGNS, PAGE, REGISTER = "campaigns", "campaign.html", "register.sqlite"
@@ -47,7 +46,6 @@ def _form(desk: Desk) -> None:
         )
         workers = ui.number("Processes", value=1, min=1, max=64, precision=0)
         name = ui.input("Name of the campaign; the same name goes on", value="campaign")
-    said = show.html()
 
     def start() -> None:
         try:
@@ -64,35 +62,11 @@ def _form(desk: Desk) -> None:
         except IrTimingError as error:
             show.complain(error)
 
-    with ui.element("div").classes("actions"):
-        begin = ui.button("Measure", on_click=start).props("unelevated color=primary")
-        stop = ui.button("Break it off", on_click=lambda: _break_off(desk)).props("outline color=negative")
-    was_on = [desk.jobs.running("campaign") is not None]
-
-    def refresh() -> None:
-        job = desk.jobs.latest("campaign")
-        is_on = job is not None and not job.is_over
-        begin.set_enabled(not is_on)
-        stop.set_visibility(is_on)
-        show.put(said, "" if job is None else _state(job))
-        if was_on[0] and not is_on and job is not None and job.ending is not None and job.ending.is_good:
-            ui.navigate.to(f"/campaigns?result={quote(desk.folder.name_of(Path(job.ending.answer['page'])))}")
-        was_on[0] = is_on
-
-    refresh()
-    ui.timer(0.4, refresh)
-
-
-def _break_off(desk: Desk) -> None:
-    if job := desk.jobs.running("campaign"):
-        job.break_off()
-
-
-def _state(job: Job) -> str:
-    if job.ending is None:
-        text = "goes on; closing this page stops nothing, and what is done stays done"
-        return show.finding_html("info", text, title=f"{job.title}:") + show.steps_html(job)
-    return "" if job.ending.is_good else show.finding_html("error", job.ending.text)
+    one_job.controls(
+        desk, "campaign", label="Measure", start=start,
+        goes_on="goes on; closing this page stops nothing, and what is done stays done",
+        address=lambda answer: f"/campaigns?result={quote(desk.folder.name_of(Path(answer['page'])))}",
+    )  # fmt: skip
 
 
 def _results(desk: Desk) -> None:
@@ -100,11 +74,8 @@ def _results(desk: Desk) -> None:
     if not found:
         ui.label("None yet.").classes("note")
         return
-    rows = "".join(
-        f'<li><a href="/campaigns?result={quote(name)}"><span><b>{escape(Path(name).parent.name)}</b></span></a></li>'
-        for name in map(desk.folder.name_of, found[:50])
-    )
-    show.html(f'<ul class="files">{rows}</ul>')
+    names = map(desk.folder.name_of, found[:50])
+    show.html(show.links_html({f"/campaigns?result={quote(name)}": Path(name).parent.name for name in names}))
 
 
 def _result(desk: Desk, name: str) -> None:
