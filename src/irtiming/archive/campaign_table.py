@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from irtiming.archive import layout
-from irtiming.archive.json_file import unwritable, write_atomically
+from irtiming.archive.json_file import write_atomically
+from irtiming.archive.parquet import require_parquet
+from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 from irtiming.records.campaign import CampaignLine, Listed
 from irtiming.records.setting_point import SETTINGS
@@ -128,22 +130,6 @@ def write_csv(rows: Sequence[Mapping[str, Any]], path: str | Path, *, head: Sequ
     write_atomically(text.getvalue(), path)
 
 
-def require_parquet() -> Any:
-    """The library that writes Parquet.
-
-    Raises
-    ------
-    ArchiveError
-        If it is not installed.
-    """
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ModuleNotFoundError as error:
-        raise ArchiveError("Parquet needs the library pyarrow: pip install 'irtiming[campaign]'") from error
-    return pyarrow, parquet
-
-
 def write_parquet(rows: Sequence[Mapping[str, Any]], path: str | Path, *, head: Sequence[str] = ()) -> None:
     """The same as Parquet, whole or not at all; ``head`` stands in the metadata as ``irtiming``.
 
@@ -153,17 +139,10 @@ def write_parquet(rows: Sequence[Mapping[str, Any]], path: str | Path, *, head: 
         If the file cannot be written, or pyarrow is not installed.
     """
     arrow, parquet = require_parquet()
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
     types = {name: _type(arrow, name, [row[name] for row in rows]) for name in (rows[0] if rows else {})}
     schema = arrow.schema(list(types.items()), metadata={"irtiming": "\n".join(head)})
-    try:
+    with whole_file(path) as part:
         parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows], schema=schema), part)
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _type(arrow: Any, name: str, values: Sequence[Any]) -> Any:

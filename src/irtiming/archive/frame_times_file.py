@@ -1,6 +1,5 @@
 """Times of frames and rows written: as CSV, as Parquet, or into a copy of the recording as NeXus fields."""
 
-import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,10 +8,9 @@ from typing import IO, Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
-from irtiming.archive.hdf5_output import writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import ENTRY
+from irtiming.archive.parquet import require_parquet
+from irtiming.archive.whole_file import whole_file, whole_hdf5
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, Ticks
 
@@ -50,16 +48,8 @@ def write_csv(times: TimesToWrite, path: str | Path) -> None:
     ArchiveError
         If it cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
-    try:
-        with part.open("w", encoding="utf-8", newline="\n") as file:
-            _write_lines(times, file)
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+        _write_lines(times, file)
 
 
 def write_parquet(times: TimesToWrite, path: str | Path) -> None:
@@ -70,29 +60,17 @@ def write_parquet(times: TimesToWrite, path: str | Path) -> None:
     ArchiveError
         If it cannot be written, or its library is missing.
     """
-    try:
-        import pyarrow as arrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise ArchiveError(f"{path}: Parquet needs the library pyarrow: pip install 'irtiming[parquet]'") from error
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
+    arrow, parquet = require_parquet()
     fields = [arrow.field("frame", arrow.int64()), arrow.field("row", arrow.int32())]
     for name in times.offset_s:
         fields += [arrow.field(f"{name}_ns", arrow.int64())]
         fields += [arrow.field(f"{kind}_{name}{unit}", arrow.float64()) for kind, unit in (("u", "_s"), ("r", ""))]
     schema = arrow.schema(fields, metadata={"irtiming": "\n".join(times.head)})
     together = max(1, _ROWS_TOGETHER // times.rows.size)
-    try:
-        with parquet.ParquetWriter(part, schema) as writer:
-            for first in range(0, times.frames.size, together):
-                table = list(_columns(times, slice(first, first + together)))
-                writer.write_table(arrow.table(table, schema=schema))
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_file(path) as part, parquet.ParquetWriter(part, schema) as writer:
+        for first in range(0, times.frames.size, together):
+            table = list(_columns(times, slice(first, first + together)))
+            writer.write_table(arrow.table(table, schema=schema))
 
 
 def _columns(times: TimesToWrite, at: slice) -> Iterator[NDArray[Any]]:
@@ -156,27 +134,16 @@ def write_into_copy(times: TimesToWrite, recording: str | Path, *, path: str | P
     ArchiveError
         If it cannot be written, or already holds times.
     """
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
-    try:
-        shutil.copyfile(recording, part)
-        with writing(part, "r+") as (file, _):
-            if FRAME_TIMES in file:
-                raise ArchiveError(f"{recording}: already holds {FRAME_TIMES}; give the recording as it was made")
-            group = file.create_group(FRAME_TIMES)
-            group.attrs["NX_class"] = "NXcollection"
-            group.attrs["description"] = "\n".join(times.head)
-            for name, values in _fields(times):
-                field = group.create_dataset(name, data=values)
-                if name.endswith(("time", "errors", "origin")):
-                    field.attrs["units"] = "s"
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    except H5_ERRORS as error:
-        raise ArchiveError(f"{target}: cannot be written ({reason_of(error)}); is the disk full?") from error
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_hdf5(path, copy_of=recording) as file:
+        if FRAME_TIMES in file:
+            raise ArchiveError(f"{recording}: already holds {FRAME_TIMES}; give the recording as it was made")
+        group = file.create_group(FRAME_TIMES)
+        group.attrs["NX_class"] = "NXcollection"
+        group.attrs["description"] = "\n".join(times.head)
+        for name, values in _fields(times):
+            field = group.create_dataset(name, data=values)
+            if name.endswith(("time", "errors", "origin")):
+                field.attrs["units"] = "s"
 
 
 def _fields(times: TimesToWrite) -> Iterator[tuple[str, object]]:

@@ -6,11 +6,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
-from irtiming.archive.hdf5_output import writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import ENTRY
-from irtiming.errors import ArchiveError
+from irtiming.archive.whole_file import whole_hdf5
 from irtiming.records.arrays import Array
 from irtiming.records.pixel_maps import LineMeans, PixelMaps
 
@@ -46,18 +43,8 @@ def write_maps(maps: PixelMaps, path: str | Path, *, recordings: Sequence[str] =
     ArchiveError
         If it cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
-    try:
-        with writing(part) as (file, _):
-            _fill(file, maps, recordings)
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    except H5_ERRORS as error:
-        raise ArchiveError(f"{target}: cannot be written ({reason_of(error)}); is the disk full?") from error
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_hdf5(path) as file:
+        _fill(file, maps, recordings)
 
 
 def _fill(file: h5py.File, maps: PixelMaps, recordings: Sequence[str]) -> None:

@@ -1,18 +1,15 @@
 """Non-uniformity references by themselves: frames of the bare blackbody, before they join the recordings that they serve."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
-from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
-from irtiming.archive.hdf5_output import writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import create_stack, set_temperature
 from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.reader import nonuniformity_of, read
+from irtiming.archive.whole_file import whole_file, whole_hdf5
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.recording import NonuniformityReference
@@ -31,21 +28,15 @@ def write_reference(reference: NonuniformityReference, path: str | Path) -> None
     target = Path(path)
     if target.exists():
         raise ArchiveError(f"{target}: exists already; move it away to record the references again")
-    part = target.with_name(f"{target.name}{layout.PART}")
     low, high = _raw(reference, target)
-    try:
-        with part.open("wb") as file:
-            np.savez(
-                file,
-                low=low,
-                high=high,
-                low_temperature_k=np.float64(reference.low_temperature_k or np.nan),
-                high_temperature_k=np.float64(reference.high_temperature_k or np.nan),
-            )
-        part.replace(target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise unwritable(target, error) from error
+    with whole_file(target) as part, part.open("wb") as file:
+        np.savez(
+            file,
+            low=low,
+            high=high,
+            low_temperature_k=np.float64(reference.low_temperature_k or np.nan),
+            high_temperature_k=np.float64(reference.high_temperature_k or np.nan),
+        )
 
 
 def read_reference(path: str | Path) -> NonuniformityReference:
@@ -83,26 +74,18 @@ def add_reference(reference: NonuniformityReference, path: str | Path) -> None:
         If the recording cannot be read or written, or has references already.
     """
     target = Path(path)
-    copy = target.with_name(f"{target.name}.adding")
     low, high = _raw(reference, target)
-    try:
-        shutil.copyfile(target, copy)
-        with writing(copy, "r+") as (file, _):
-            if layout.REFERENCE in file:
-                raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
-            for field, frames, temperature_k in (
-                (layout.REFERENCE_LOW, low, reference.low_temperature_k),
-                (layout.REFERENCE_HIGH, high, reference.high_temperature_k),
-            ):
-                dataset = create_stack(file, field, size=(frames.shape[1], frames.shape[2]))
-                dataset.resize(len(frames), axis=0)
-                dataset[:] = frames
-                set_temperature(file, field, temperature_k=temperature_k)
-        copy.replace(target)
-    except H5_ERRORS as error:
-        raise ArchiveError(f"{target}: references cannot be added ({reason_of(error)}); is the disk full?") from error
-    finally:
-        copy.unlink(missing_ok=True)
+    with whole_hdf5(target, copy_of=target) as file:
+        if layout.REFERENCE in file:
+            raise ArchiveError(f"{target}: has non-uniformity references already; nothing was added")
+        for field, frames, temperature_k in (
+            (layout.REFERENCE_LOW, low, reference.low_temperature_k),
+            (layout.REFERENCE_HIGH, high, reference.high_temperature_k),
+        ):
+            dataset = create_stack(file, field, size=(frames.shape[1], frames.shape[2]))
+            dataset.resize(len(frames), axis=0)
+            dataset[:] = frames
+            set_temperature(file, field, temperature_k=temperature_k)
 
 
 def _raw(reference: NonuniformityReference, path: Path) -> tuple[Pixels, Pixels]:

@@ -10,13 +10,11 @@ import numpy as np
 from irtiming.archive import layout
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, refuse
-from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
-from irtiming.archive.hdf5_output import writing
-from irtiming.archive.json_file import unwritable
+from irtiming.archive.hdf5_file import opened
 from irtiming.archive.layout import Field
 from irtiming.archive.nexus import group, set_units
 from irtiming.archive.reader import check_version
-from irtiming.errors import ArchiveError
+from irtiming.archive.whole_file import whole_hdf5
 from irtiming.records.arrays import Ticks
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
@@ -63,8 +61,6 @@ def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRu
     ArchiveError
         If the file cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(f"{target.name}.part")
     clock = timestamps.clock_frequency_hz
     values: dict[Field, Any] = {
         layout.CLOCK_FREQUENCY: float(clock),
@@ -83,21 +79,13 @@ def write_timestamps(timestamps: Timestamps, path: str | Path, *, run: PlannedRu
         "camera_input": timestamps.camera_input_ticks,
         layout.SPARE.name: timestamps.spare_ticks,
     }
-    try:
-        with writing(part) as (file, _):
-            for field, value in values.items():
-                set_units(group(file, field.group).create_dataset(field.name, data=value), field.unit)
-            for name, ticks in beside.items():
-                if ticks.size:
-                    set_units(group(file, layout.TRIGGER_GENERATOR).create_dataset(name, data=ticks), "ticks")
-            file[layout.ENTRY].attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
-        part.replace(target)
-    except OSError as error:
-        raise unwritable(target, error) from error
-    except H5_ERRORS as error:
-        raise ArchiveError(f"{target}: cannot be written ({reason_of(error)}); is the disk full?") from error
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_hdf5(path) as file:
+        for field, value in values.items():
+            set_units(group(file, field.group).create_dataset(field.name, data=value), field.unit)
+        for name, ticks in beside.items():
+            if ticks.size:
+                set_units(group(file, layout.TRIGGER_GENERATOR).create_dataset(name, data=ticks), "ticks")
+        file[layout.ENTRY].attrs[layout.VERSION_ATTRIBUTE] = layout.VERSION
 
 
 def read_timestamps(path: str | Path) -> TimedRun:

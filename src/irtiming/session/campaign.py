@@ -10,6 +10,7 @@ from irtiming.archive.checksum import sha256_of
 from irtiming.archive.json_file import require_place, write_atomically, write_json
 from irtiming.archive.limits_file import LimitsFile, read_limits
 from irtiming.archive.nexus import program_version
+from irtiming.archive.parquet import require_parquet
 from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry
 from irtiming.distribute.campaign import CampaignOrder, Measured, Progress, measure
@@ -59,7 +60,7 @@ def run(order: Order, *, progress: Progress = lambda name, done, total: None) ->
     IrTimingError
         If a file cannot be read or written, something is not installed, or nothing at all could be analysed.
     """
-    campaign_table.require_parquet()
+    require_parquet()
     if order.register != NO_REGISTER:
         tables.opened(order.register).dispose()  # before the long work
     if order.json is not None:

@@ -10,7 +10,7 @@ from pprint import pformat
 from typing import Any
 
 from irtiming.archive.checksum import sha256_of
-from irtiming.archive.json_file import unwritable
+from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 from irtiming.report.calibration.content import MeasuredItem, Sheet
 
@@ -83,16 +83,10 @@ def write(
     parts["repeat.py"] = _REPEAT.format(analyses=pformat(analyses, width=110, sort_dicts=False)).encode()
     parts["requirements.txt"] = _requirements(sheet).encode()
     described = _described(sheet, parts)
-    part = path.with_name(f"{path.name}.part")
-    try:
-        with zipfile.ZipFile(part, "w", zipfile.ZIP_STORED, allowZip64=True) as crate:
-            crate.writestr("ro-crate-metadata.json", json.dumps(described, indent=1, ensure_ascii=False))
-            for name, content in parts.items():
-                crate.write(content, name) if isinstance(content, Path) else crate.writestr(name, content)
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise unwritable(path, error) from error
+    with whole_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED, allowZip64=True) as crate:
+        crate.writestr("ro-crate-metadata.json", json.dumps(described, indent=1, ensure_ascii=False))
+        for name, content in parts.items():
+            crate.write(content, name) if isinstance(content, Path) else crate.writestr(name, content)
 
 
 def _refuse_foreign_slots(one: MeasuredItem) -> None:

@@ -15,8 +15,9 @@ from irtiming.archive.frames.readers.numpy_array import SIDECAR
 from irtiming.archive.frames.readers.tiff import described
 from irtiming.archive.frames.source import FrameFacts, FrameSource, FrameValues
 from irtiming.archive.hdf5_file import reason_of
-from irtiming.archive.json_file import unwritable, write_atomically
+from irtiming.archive.json_file import write_atomically
 from irtiming.archive.nexus import bring_to_disk
+from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -52,17 +53,12 @@ def write_frames(source: FrameSource, out: Path, *, progress: Progress | None = 
         raise ArchiveError(f"ends in no format that is written; end it in {', '.join(_WRITERS)}", where=str(out))
     if out.exists():
         raise ArchiveError("exists already; choose another name", where=str(out))
-    part = out.with_name(f"{out.name}{layout.PART}")
-    try:
-        lost = write(source.facts, _counted(source, progress), part)
+    with whole_file(out) as part:
+        try:
+            lost = write(source.facts, _counted(source, progress), part)
+        except RuntimeError as error:  # of HDF5, on a disk that is full
+            raise ArchiveError(f"cannot be written ({reason_of(error)}); is the disk full?", where=str(out)) from error
         bring_to_disk(part)
-        part.replace(out)
-    except OSError as error:
-        raise unwritable(out, error) from error
-    except RuntimeError as error:  # of HDF5, on a disk that is full
-        raise ArchiveError(f"cannot be written ({reason_of(error)}); is the disk full?", where=str(out)) from error
-    finally:
-        part.unlink(missing_ok=True)
     return lost
 
 
