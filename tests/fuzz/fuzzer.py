@@ -45,22 +45,22 @@ def input_of(target: str, number: int, seed: int) -> bytes:
     return rng.choice(TARGETS[target].changes)(rng, rng.choice(seeds), seeds)
 
 
-def fuzz(*, seconds: float, seed: int, most_each: int = 2**62) -> Report:
-    """Try inputs for so long, as many of each target, at most ``most_each``."""
+def fuzz(*, seconds: float, seed: int, most_each: int = 2**62, only: str = "") -> Report:
+    """Try inputs for so long, as many of each target whose name begins with ``only``, at most ``most_each``."""
     report, end_s = Report(), time.monotonic() + seconds
     first = 0
     while time.monotonic() < end_s:
-        last = _one_process(report, first=first, seed=seed, end_s=end_s, most_each=most_each)
+        last = _one_process(report, first=first, seed=seed, end_s=end_s, most_each=most_each, only=only)
         if last is None:
             break
         first = last + 1
     return report
 
 
-def _one_process(report: Report, *, first: int, seed: int, end_s: float, most_each: int) -> int | None:
+def _one_process(report: Report, *, first: int, seed: int, end_s: float, most_each: int, only: str) -> int | None:
     """Until it ends (None) or dies; then the count at which it did."""
     left_s = max(1.0, end_s - time.monotonic())
-    command = [sys.executable, __file__, str(first), str(seed), str(left_s), str(most_each)]
+    command = [sys.executable, __file__, str(first), str(seed), str(left_s), str(most_each), only]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=_pass_on, args=(process.stdout, lines), daemon=True).start()
@@ -98,13 +98,14 @@ def _pass_on(stream: Any, lines: "queue.Queue[str | None]") -> None:
     lines.put(None)
 
 
-def _order() -> Iterator[tuple[int, str, int]]:
+def _order(only: str) -> Iterator[tuple[int, str, int]]:
     """Count, target, and number of its input: one of each target by turns."""
     from targets import TARGETS
 
     count, number = 0, 0
-    while True:
-        for target in TARGETS:
+    chosen = [target for target in TARGETS if target.startswith(only)]
+    while chosen:
+        for target in chosen:
             yield count, target, number
             count += 1
         number += 1
@@ -133,7 +134,7 @@ def _tell(**what: object) -> None:
     print(json.dumps(what), flush=True)
 
 
-def _main(first: int, seed: int, seconds: float, most_each: int) -> None:
+def _main(first: int, seed: int, seconds: float, most_each: int, only: str) -> None:
     from targets import TARGETS
 
     from irtiming.archive import hdf5_probe
@@ -143,7 +144,7 @@ def _main(first: int, seed: int, seconds: float, most_each: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (2**33, 2**33))
     signal.signal(signal.SIGALRM, _too_long)
     end_s = time.monotonic() + seconds
-    for count, target, number in _order():
+    for count, target, number in _order(only):
         if time.monotonic() > end_s or number >= most_each:
             return
         if count < first:
@@ -173,4 +174,4 @@ def _where() -> str:
 
 
 if __name__ == "__main__":
-    _main(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4]))
+    _main(int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4]), sys.argv[5])
