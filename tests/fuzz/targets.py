@@ -474,5 +474,6 @@ TARGETS |= {
 FOUND: dict[str, list[bytes]] = {
     "rig.toml": [b"a = " + b"9" * 5000, b"a = " + b"[" * 5000],
     "result.json": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000],
+    "frames .pgm": [b"P5" + b"\n# " * 100 + b"?"],
 }
 """Inputs that did harm once."""

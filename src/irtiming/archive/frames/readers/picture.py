@@ -13,7 +13,8 @@ from irtiming.archive.frames.source import FrameFacts, FrameReader, Frames, Fram
 from irtiming.archive.frames.strided import strided
 
 _PNG = b"\x89PNG\r\n\x1a\n"
-_PGM = re.compile(rb"P5(?:\s+#[^\n]*)*\s+(\d{1,9})(?:\s+#[^\n]*)*\s+(\d{1,9})(?:\s+#[^\n]*)*\s+(\d{1,9})\s")
+_GAP = rb"(?:\s++#[^\n]*+)*+\s++"  # white space and comments; possessive, for else a line of comments takes for ever to refuse
+_PGM = re.compile(rb"P5" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,9})" + _GAP + rb"(\d{1,9})\s")
 _GREY = 0
 
 
