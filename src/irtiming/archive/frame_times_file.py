@@ -8,9 +8,10 @@ from typing import IO, Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from irtiming.archive.hdf5_output import whole_hdf5
 from irtiming.archive.layout import ENTRY
 from irtiming.archive.parquet import require_parquet
-from irtiming.archive.whole_file import whole_file, whole_hdf5
+from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, Ticks
 

@@ -6,6 +6,7 @@ Ctrl-C waits for the same reason: an exception in the middle of a write would be
 """
 
 import os
+import shutil
 import signal
 import threading
 from collections.abc import Iterator
@@ -16,6 +17,9 @@ from typing import Literal, Self, final
 import h5py
 
 from irtiming.archive import layout
+from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.whole_file import whole_file
+from irtiming.errors import ArchiveError
 
 
 @final
@@ -156,3 +160,24 @@ def _claim(descriptor: int) -> None:
         from fcntl import LOCK_EX, LOCK_NB, flock
 
         flock(descriptor, LOCK_EX | LOCK_NB)
+
+
+@contextmanager
+def whole_hdf5(path: str | Path, *, copy_of: str | Path | None = None) -> Iterator[h5py.File]:
+    """A file that is written whole or not at all; it begins empty or as a copy of another, which may be ``path`` itself.
+
+    Raises
+    ------
+    ArchiveError
+        If the file cannot be written.
+    """
+    with whole_file(path) as part:
+        if copy_of is not None:
+            shutil.copyfile(copy_of, part)
+        try:
+            with writing(part, "w" if copy_of is None else "r+") as (file, _):
+                yield file
+        except OSError:
+            raise
+        except H5_ERRORS as error:
+            raise ArchiveError(f"{path}: cannot be written ({reason_of(error)}); is the disk full?") from error

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from irtiming.archive.whole_file import unwritable, whole_file
 from irtiming.errors import ArchiveError
 
 STANDARD_OUTPUT = Path("-")
@@ -66,18 +67,14 @@ def write_atomically(content: str | bytes, path: str | Path) -> None:
     """
     target, stored = Path(path), content.encode() if isinstance(content, str) else content
     if target == STANDARD_OUTPUT:
-        return _print(stored)
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")
-    if target.is_dir():
+        _print(stored)
+    elif target.is_dir():
         raise ArchiveError(f"{target}: is a folder; name a file to write")
-    if target.exists() and not target.is_file():
-        return _write_into(stored, target)
-    try:
-        part.write_bytes(stored)
-        part.replace(target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise unwritable(target, error) from error
+    elif target.exists() and not target.is_file():
+        _write_into(stored, target)
+    else:
+        with whole_file(target) as part:
+            part.write_bytes(stored)
 
 
 def _print(content: bytes) -> None:
@@ -138,10 +135,3 @@ def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> No
         )
     if not target.parent.is_dir() or not os.access(target.parent, os.W_OK):
         raise unwritable(target, PermissionError("no permission"))
-
-
-def unwritable(path: Path, error: OSError) -> ArchiveError:
-    """Error for a file that could not be written, with the reason and the cure."""
-    if not path.parent.is_dir():
-        return ArchiveError(f"{path}: cannot be written: there is no folder {path.parent}; make it first")
-    return ArchiveError(f"{path}: cannot be written ({error.strerror or error}); choose another place")

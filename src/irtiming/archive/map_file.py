@@ -6,8 +6,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from irtiming.archive.hdf5_output import whole_hdf5
 from irtiming.archive.layout import ENTRY
-from irtiming.archive.whole_file import whole_hdf5
 from irtiming.records.arrays import Array
 from irtiming.records.pixel_maps import LineMeans, PixelMaps
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from irtiming.archive import layout
 from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.archive.hdf5_output import whole_hdf5
 from irtiming.archive.nexus import create_stack, set_temperature
 from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.reader import nonuniformity_of, read
-from irtiming.archive.whole_file import whole_file, whole_hdf5
+from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.recording import NonuniformityReference

@@ -13,8 +13,8 @@ from irtiming.archive import layout
 from irtiming.archive.frames.source import FrameValues
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import Output, writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.nexus import bring_to_disk, group, program_version
+from irtiming.archive.whole_file import unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks, read_only
 

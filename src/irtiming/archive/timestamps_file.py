@@ -11,10 +11,10 @@ from irtiming.archive import layout
 from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, refuse
 from irtiming.archive.hdf5_file import opened
+from irtiming.archive.hdf5_output import whole_hdf5
 from irtiming.archive.layout import Field
 from irtiming.archive.nexus import group, set_units
 from irtiming.archive.reader import check_version
-from irtiming.archive.whole_file import whole_hdf5
 from irtiming.records.arrays import Ticks
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun

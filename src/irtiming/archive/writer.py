@@ -13,7 +13,6 @@ from irtiming.archive.fields import read_field
 from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.hdf5_output import Output, writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.nexus import (
     bring_to_disk,
@@ -23,6 +22,7 @@ from irtiming.archive.nexus import (
     set_temperature,
     set_units,
 )
+from irtiming.archive.whole_file import unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.camera_frame import CameraIdentity

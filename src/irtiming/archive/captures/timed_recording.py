@@ -17,10 +17,10 @@ from irtiming.archive.finding import Complaint, archive_error
 from irtiming.archive.frames.opening import reader_of, readers
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import writing
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.reader import check_version
 from irtiming.archive.tick_checks import check_ticks
+from irtiming.archive.whole_file import unwritable, whole_file
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
@@ -85,14 +85,9 @@ def write_timed(
         findings = _oddities(_contents(recording), called=target)
         write(recording, target)
         return findings
-    part = target.with_name(f"{target.name}.part")
-    try:
+    with whole_file(target) as part:
         _replace_ticks(source, part, ticks, is_delayed=is_delayed)
-        findings = _oddities(_read_back(part, called=target), called=target)
-        part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)
-    return findings
+        return _oddities(_read_back(part, called=target), called=target)
 
 
 def _replace_ticks(source: Path, part: Path, ticks: CapturedTicks, *, is_delayed: bool) -> None:

@@ -7,7 +7,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from irtiming.archive import layout
 from irtiming.archive.frames.bounds import refusing
 from irtiming.archive.frames.facts_model import as_told
 from irtiming.archive.frames.nexus_stack import write_nexus
@@ -17,7 +16,7 @@ from irtiming.archive.frames.source import FrameFacts, FrameSource, FrameValues
 from irtiming.archive.hdf5_file import reason_of
 from irtiming.archive.json_file import write_atomically
 from irtiming.archive.nexus import bring_to_disk
-from irtiming.archive.whole_file import whole_file
+from irtiming.archive.whole_file import final_name, whole_file
 from irtiming.errors import ArchiveError
 
 Progress: TypeAlias = Callable[[int, int], None]
@@ -69,13 +68,8 @@ def _counted(source: FrameSource, progress: Progress | None) -> Iterator[FrameVa
             progress(first + len(block), source.facts.frames)
 
 
-def _name(part: Path) -> str:
-    """What the file will be called."""
-    return str(part).removesuffix(layout.PART)
-
-
 def _write_npy(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
-    beside = Path(_name(part) + SIDECAR)
+    beside = Path(f"{final_name(part)}{SIDECAR}")
     if beside.exists():
         raise ArchiveError("exists already, and is where the facts would go; choose another name", where=str(beside))
     kind = np.lib.format.dtype_to_descr(np.dtype(facts.dtype))
@@ -89,7 +83,7 @@ def _write_npy(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> 
 
 
 def _write_tiff(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
-    with refusing(Path(_name(part)), "TIFF"):
+    with refusing(final_name(part), "TIFF"):
         import tifffile
     with tifffile.TiffWriter(part, bigtiff=True) as writer:
         writer.write(
@@ -100,15 +94,18 @@ def _write_tiff(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) ->
 
 
 def _write_hcc(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
-    with refusing(Path(_name(part)), "Telops HCC"):
+    with refusing(final_name(part), "Telops HCC"):
         from fasthcc import HCCWriter
     if facts.dtype not in ("uint8", "uint16"):
         raise ArchiveError(
-            f"HCC holds counts of 16 bits, these are {facts.dtype}; choose .tif, .npy or .nxs", where=_name(part)
+            f"HCC holds counts of 16 bits, these are {facts.dtype}; choose .tif, .npy or .nxs",
+            where=str(final_name(part)),
         )
     if not _LEAST_HCC_COLUMNS <= facts.columns <= _MOST_HCC_COLUMNS:
         bounds = f"{_LEAST_HCC_COLUMNS} to {_MOST_HCC_COLUMNS}"
-        raise ArchiveError(f"HCC holds rows of {bounds} pixels, these have {facts.columns}", where=_name(part))
+        raise ArchiveError(
+            f"HCC holds rows of {bounds} pixels, these have {facts.columns}", where=str(final_name(part))
+        )
     is_dated = facts.times_s is not None and facts.time_scale == "UTC"
     with HCCWriter(
         part, facts.columns, facts.rows, calibration_mode=0, exposure_time=(facts.integration_time_s or 0.0) * 1e6,

@@ -12,12 +12,12 @@ from irtiming.archive import frame_status, layout
 from irtiming.archive.finding import Complaint
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
 from irtiming.archive.hdf5_output import abandon
-from irtiming.archive.json_file import unwritable
 from irtiming.archive.layout import Field
 from irtiming.archive.live import growing_file
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
 from irtiming.archive.live.head import ExchangedClock, RecordingHead
 from irtiming.archive.live.unfinished import claimed, part_of
+from irtiming.archive.whole_file import unwritable
 from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.records.arrays import Pixels, Ticks
 from irtiming.records.camera_frame import CameraFrame
