@@ -112,8 +112,9 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
     seen_bisector = np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad
     bisector = float(np.angle(np.exp(1j * seen_bisector)))
     row0, row1, column0, column1 = sector.roi
-    light, even = (
-        np.where(summed[row0:row1, column0:column1], one, 0.0) for one in (sector.contrast, sector.model_contrast)
+    light, even = (  # of the opening alone: what plate and field add has angles of its own
+        np.where(summed[row0:row1, column0:column1], one, 0.0)
+        for one in (sector.contrast - sector.ring, sector.model_contrast)
     )
 
     def seen(numbers: dict[str, float]) -> Array:

@@ -99,8 +99,8 @@ class AxleView:
 
     ``row_px``, ``column_px`` locate the axle, found from when each pixel is covered. ``bisector_rad`` is the direction of
     the bisector of the mask's two radial edges, ``mean_angle_rad`` the mean polar angle, about the axle, of the light
-    that comes through: they differ, with the standard uncertainty ``u_off_axle_rad``, when the mask's own centre lies beside the
-    axle. Polar angles in the image.
+    that comes through it, without what the mask plate around it adds: they differ, with the standard uncertainty
+    ``u_off_axle_rad``, when the mask's own centre lies beside the axle. Polar angles in the image.
     ``edge_miss_px`` is by how much the mask's radial edges, that of the smaller polar angle first, miss the axle: at the radius r
     an edge stands ``edge_miss_px`` / r beyond its direction. None where it was not looked at. ``distortion`` is that of the
     lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane. ``blur_px`` is the blur's standard

@@ -1,0 +1,69 @@
+"""Where the summed light of the opening lies in the image, beside a mask plate that shows too."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import shape
+from irtiming.estimate.row_light import SHAPE_NUMBERS
+from irtiming.physics import blurred_sector
+from irtiming.records.row_timing import SectorShape
+
+SHAPE = SectorShape(
+    axle_row_px=31.2, axle_column_px=38.6, offset_row_px=0.0, offset_column_px=0.0, inner_radius_px=8.0,
+    outer_radius_px=20.5, bisector_rad=float(np.radians(-91)), opening_angle_rad=1.309, blur_px=0.7,
+    image_rows=60, image_columns=80,
+)  # fmt: skip
+ROI = (4, 34, 15, 65)
+PLATE = 0.05
+BEYOND_RAD = (0.35, 0.70)
+"""By how much the summed region reaches beyond the opening: as far as blur carries light at one end, twice that at the other."""
+
+
+def _seen(*, plate, mirrored):
+    """Sector that shows its light and a plate all around it, in a lopsided region of summed pixels."""
+    drawn = replace(SHAPE, mirrored=mirrored)
+    points = blurred_sector.light_points(drawn)
+    light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=0.7, roi=ROI).real
+    angle, radius = blurred_sector.pixel_places(drawn, roi=ROI)
+    half = drawn.opening_angle_rad / 2
+    region = (angle > -half - BEYOND_RAD[0]) & (angle < half + BEYOND_RAD[1]) & (radius > 4) & (radius < 24)
+    summed = np.zeros((60, 80), bool)
+    summed[ROI[0] : ROI[1], ROI[2] : ROI[3]] = region
+    ring = np.where((radius > 7) & (radius < 21.5) & region, plate, 0.0)
+    n = len(SHAPE_NUMBERS)
+    sector = SimpleNamespace(
+        shape=drawn, names=SHAPE_NUMBERS, covariance=np.zeros((n, n)), contrast=(1 - plate) * light + ring,
+        model_contrast=light, ring=ring, ring_angle_rad=angle, roi=ROI, u=lambda name: 0.0,
+    )  # fmt: skip
+    return sector, summed, angle
+
+
+def _turn(view, mirrored):
+    return (view.mean_angle_rad - view.bisector_rad) * (-1 if mirrored else 1)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("plate", [0.0, PLATE])
+def test_plate_turns_no_light(plate, mirrored):
+    """Oracle: symmetry; the opening about the axle has its light about the bisector, whatever shows beside one of its ends."""
+    sector, summed, _ = _seen(plate=plate, mirrored=mirrored)
+    assert abs(_turn(shape.view(sector, summed), mirrored)) < 2e-4
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_light_and_plate_make_up_the_sum(mirrored):
+    """Oracle: pixels added up one by one; the first moments of the opening's light and of the plate's are those of their sum."""
+    sector, summed, angle = _seen(plate=PLATE, mirrored=mirrored)
+    view, sense = shape.view(sector, summed), -1 if mirrored else 1
+    beside = sector.ring.sum()
+    opening = np.where(summed[ROI[0] : ROI[1], ROI[2] : ROI[3]], sector.contrast, 0.0)
+    middles = np.convolve(view.plate_ends_rad, [0.5, 0.5], "valid")
+    turn = sense * (view.mean_angle_rad - view.bisector_rad)
+    plate_turn = turn - float(np.array(view.plate_share) @ middles)  # wheel coordinates grow against polar angles
+    found = (opening.sum() - beside) * turn + beside * plate_turn
+    assert beside / opening.sum() > 0.03
+    assert found == pytest.approx(float(np.sum(opening * angle)), rel=0.02)
+    assert found > 0.003 * opening.sum()
