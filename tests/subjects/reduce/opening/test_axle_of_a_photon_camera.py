@@ -132,7 +132,8 @@ def test_uneven_light_does_not_turn_the_mask(reduced, paper_camera):
     assert uneven.bisector_rad == pytest.approx(even.bisector_rad, abs=2e-3)
     assert uneven.mean_angle_rad == pytest.approx(even.mean_angle_rad, abs=2e-3)
     beside, of_spot = (
-        float(np.array(one.plate_share) @ np.convolve(one.plate_ends_rad, [0.5, 0.5], "valid")) for one in (even, uneven)
+        float(np.array(one.plate_share) @ np.convolve(one.plate_ends_rad, [0.5, 0.5], "valid"))
+        for one in (even, uneven)
     )
     assert of_spot < -0.2 < beside
 
