@@ -16,6 +16,7 @@ from irtiming.records.finding import doubted, noted
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
+from irtiming.records.series_order import in_order
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import recipes
 from irtiming.reduce.events import placing
@@ -41,8 +42,7 @@ def analyse(
     Parameters
     ----------
     recordings
-        One per run; of any nominal delays and wheel speeds, all of one camera on one rig. Taken one after the other, so a
-        generator keeps only one open.
+        One per run; of any nominal delays and wheel speeds, all of one camera on one rig, in any order.
     rig
         As measured by its owner.
     choices
@@ -60,7 +60,7 @@ def analyse(
         If a recording cannot be reduced or the data do not determine the timing; a note names the stage.
     """
     reduced: list[ReducedRecording] = []
-    for recording in recordings:
+    for recording in in_order(recordings):
         one = reduce(recording, rig, before=reduced, choices=choices, progress=progress, maps="maps" in extras)
         reduced.append(one)
     return estimate(reduced, rig, choices=choices, wheel_calibration=wheel_calibration, extras=extras)
@@ -105,9 +105,7 @@ def estimate(
     if not recordings:
         raise EstimationError("no recording given; name at least one recording file")
     choices = choices or Choices()
-    ordered = sorted(
-        recordings, key=lambda r: (r.rotation_speed_hz, r.trigger_delay_time_set_s, r.blackbody_temperature_k or 0.0)
-    )
+    ordered = in_order(recordings)
     with doubted(one.findings for one in ordered), computing(", ".join(one.name for one in ordered)):
         tracks, wheel = pooled_slots.pool(ordered, before=wheel_calibration)
         used = placing.rig_for(rig, [one.events for one in ordered])
