@@ -45,6 +45,10 @@ def text(said: str, event: FrameEvent) -> str:
         (r"at the trigger\b", "at the event"),
         (r"\bthat were triggered earlier", "whose event came earlier"),
         (r"latency of the trigger path", way),
+        (
+            r"(and trigger path|latency of trigger path): by what edges are late the delay is too long",
+            r"\1: by what the wheel's edges are late the delay is too long, by what the event's are too short",
+        ),
         (r"\btrigger path\b", short),
         (r"\btrigger_delay(?!_time)", name),
         (r"\btrigger delay(?!s? set)", name.replace("_", " ")),
