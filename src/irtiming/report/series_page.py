@@ -44,9 +44,9 @@ def verdict(series: tuple[CameraSeries, ...]) -> Verdict:
     )
     if not over:
         return Verdict(
-            number="no setting differs",
+            number="no settings to compare",
             sentence=f"{several(results, 'result')} of {several(len(series), 'camera')}: no two of one camera differ in one "
-            "setting alone.",
+            "setting alone that both of them state.",
             remarks=simulated,
         )
     first = over[0]
