@@ -140,6 +140,11 @@ class CameraTiming:
             end = Moment(name="end", factors=start.factors, constant_s=window_s)
         return start, middle, end, self._of_frames_before(middle, frame_period_s)
 
+    @property
+    def frame_before(self) -> str | None:
+        """Name of the share of the frame before that the result has, if any."""
+        return next((name for name in _SHARES if name in self.estimate), None)
+
     def offset_s(self, moment: Moment, row_px: Array) -> Array:
         """How much after the event the moment is, of each row, s; both shape (row,)."""
         at = moment.constant_s + sum(factor * self.estimate.value(name) for name, factor in moment.factors.items())

@@ -287,6 +287,8 @@ def _common(given: HandOver, event: Number, where: str) -> Iterator[str]:
         yield "SIMULATED: the result is not of a real camera"
     yield f"camera: {_plain(given.camera) or 'model not said'}, serial number {_plain(given.serial_number) or 'not said'}"
     kind = "reading minus time constant" if given.validity is not None else "middle of integration"
+    if given.frames_back is not None:
+        kind += f", less {1e6 * given.frames_back.value_s:.1f} us, u = {_u(given.frames_back)}, for the share of the frame before"
     yield f"event: effective moment ({kind}) of {where}, {1e3 * event.value_s:+.4f} ms after the stamp, u = {_u(event)} (k = 1)"
     if given.event != "trigger":
         yield f"stamp: {NOUNS[given.event]}, from which the camera was measured running free; another stamp needs its latency"

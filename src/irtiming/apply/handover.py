@@ -49,7 +49,9 @@ class HandOver:
 
     ``first_row`` and ``middle_row`` are the effective moments of image row 0 and of the middle of the image after the stamp.
     ``exposure_start`` is the start of integration of row 0, None where pixels lag. ``readout`` is from the reading of
-    row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera.
+    row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera. ``frames_back`` is by how much
+    earlier the share of the frame before makes the effective moment, None where the result has no such share or no one frame
+    period, without which it cannot be told; then ``not_in_uncertainty`` names it.
     """
 
     event: FrameEvent
@@ -62,6 +64,7 @@ class HandOver:
     rows: int | None
     columns: int | None
     validity: Validity | None
+    frames_back: Number | None
     camera: str
     serial_number: str
     frame_period_s: float | None
@@ -118,12 +121,32 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         rows=told.rows,
         columns=told.columns,
         validity=_validity(tau_s) if tau_s else None,
+        frames_back=_frames_back(camera),
         camera=told.model,
         serial_number=told.serial_number,
         frame_period_s=told.frame_period_s,
-        not_in_uncertainty=camera.not_in_uncertainty,
+        not_in_uncertainty=(*camera.not_in_uncertainty, *_untold(camera)),
         simulated=camera.simulated,
     )
+
+
+def _frames_back(camera: CameraTiming) -> Number | None:
+    """By how much the share of the frame before makes the effective moment earlier."""
+    period_s = camera.conditions.frame_period_s
+    if camera.frame_before is None or period_s is None:
+        return None
+    at, row = {one.name: one for one in camera.moments(period_s)}, np.zeros(1)
+    without = {one.name: one for one in camera.moments(None)}["effective"]
+    back_s = camera.offset_s(without, row) - camera.offset_s(at["effective"], row)
+    u_s = abs(at["effective"].factors[camera.frame_before]) * camera.estimate.u(camera.frame_before)
+    return Number(value_s=float(back_s[0]), u_s=u_s)
+
+
+def _untold(camera: CameraTiming) -> tuple[str, ...]:
+    """What the effective moment leaves out, for want of a frame period."""
+    if camera.frame_before is None or camera.conditions.frame_period_s is not None:
+        return ()
+    return (f"{camera.frame_before.replace('_', ' ')} (the recordings' frame periods differ)",)
 
 
 def _validity(time_constant_s: float) -> Validity:

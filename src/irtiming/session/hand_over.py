@@ -75,6 +75,9 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
             f"It is a mean over {time_text(given.integration_s)}: an edge that moves by 1 px in a millisecond is smeared over "
             f"{significant(1e3 * given.integration_s)} px."
         )
+    if given.frames_back is not None:
+        back = time_text(given.frames_back.value_s, given.frames_back.u_s)
+        yield f"That counts the share of the frame before that each frame holds: it takes the moment back by {back}."
     if given.is_rolling and given.rows is not None:
         yield from _lean(given, given.rows)
     share = given.frame_period_s

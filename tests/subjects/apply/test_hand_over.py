@@ -106,6 +106,36 @@ def test_metashape_gets_lines_that_python_takes(result, model):
     assert [one.rolling_shutter for one in sensors] == [model, model]
 
 
+REMEMBERING = made_up_result("photon", "snapshot", COOLED | {"pixel_memory": (2e-3, 5e-4)})
+"""Holds 0.2 % of the frame before, which was 33 ms earlier: 66 us, u = 16.5 us."""
+
+
+def test_a_share_of_the_frame_before_is_named_wherever_the_effective_moment_stands():
+    """Oracle: by hand, 0.2 % of 33 ms; the middle of integration is 525 us after the edge, the effective moment 459 us."""
+    given = _given(REMEMBERING)
+    assert given.middle_row.value_s == pytest.approx(5.25e-4 - 6.6e-5, abs=1e-12)
+    assert given.middle_row.u_s == pytest.approx(np.hypot(3e-7, 1.65e-5), rel=1e-9)
+    assert (given.frames_back.value_s, given.frames_back.u_s) == pytest.approx((6.6e-5, 1.65e-5), rel=1e-9)
+    assert "middle of integration, less 66.0 us, u = 16.5 us, for the share of" in export.text_for("kalibr", given)
+
+
+def test_a_filter_s_share_counts_every_frame_before():
+    """Oracle: a geometric series by hand; 4 % of the frame before, and of the one before that ..., are k / (1 - k) frames."""
+    given = _given(made_up_result("microbolometer", "rolling", BOLOMETER | {"recursive_filter": (0.04, 1e-4)}))
+    assert given.frames_back.value_s == pytest.approx(0.04 / 0.96 * 0.033, rel=1e-9)
+    assert given.frames_back.u_s == pytest.approx(1e-4 / 0.96**2 * 0.033, rel=1e-9)
+
+
+def test_without_one_frame_period_the_share_is_named_as_left_out(tmp_path):
+    """Oracle: by hand; recordings at 33 and 34 ms have no one frame before: 525 us stay, and the words say what is not held."""
+    one, other = REMEMBERING.inputs[0], REMEMBERING.inputs[0].model_copy(update={"frame_period": 0.034})
+    path = tmp_path / "two.json"
+    write_result(REMEMBERING.model_copy(update={"inputs": [one, other]}).model_dump(mode="json"), path)
+    said = " ".join(hand_over.explain(path))
+    assert "525.0" in said
+    assert "pixel memory (the recordings' frame periods differ)" in said
+
+
 def test_a_latency_of_the_stamps_is_taken_off():
     """Oracle: by hand; stamps 2 ms after the trigger edge, 30 us sure."""
     given = _given(ROLLING, stamp_latency_s=2e-3, stamp_latency_u_s=3e-5)
