@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from irtiming.apply.camera_timing import CameraTiming, Conditions
 from irtiming.apply.conditions import require
@@ -141,7 +141,7 @@ def _on_lines(
 def _birge(chi_squared: float, freedom: int, *, name: str, axis: Axis, where: str) -> float:
     if freedom < 1:
         return 1.0
-    chance = float(chi2.sf(chi_squared, freedom))
+    chance = float(chdtrc(freedom, chi_squared))
     if chance < _REFUSED:
         raise ConditionError(
             f"{name} is no straight line over the {axis}: chi-squared is {chi_squared:.3g} for {freedom} degrees of freedom; "

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.physics import blurred_sector
@@ -175,7 +175,7 @@ def chance_of_straight_rows(delays: MappedDelays, clock: RowClock) -> tuple[floa
     mean = np.bincount(place, clock.left_s / delays.u_s**2) / weight
     pulls = mean * np.sqrt(weight) / clock.scatter
     worst = int(np.argmax(np.abs(pulls)))
-    return float(chi2.sf(np.sum(pulls**2), max(rows.size - 2, 1))), int(rows[worst]), float(mean[worst])
+    return float(chdtrc(max(rows.size - 2, 1), np.sum(pulls**2))), int(rows[worst]), float(mean[worst])
 
 
 def _pattern(name: str, delays: MappedDelays) -> Array | None:

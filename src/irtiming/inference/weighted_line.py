@@ -10,7 +10,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from irtiming.records.arrays import Array
 from irtiming.records.setting_series import LineFit, Step
@@ -44,7 +44,7 @@ def fit(design: Array, y: Array, *, covariance: Array) -> LineFit:
         residuals=rest,
         chi_squared=chi_squared,
         degrees_of_freedom=freedom,
-        probability=float(chi2.sf(chi_squared, freedom)) if freedom > 0 else 1.0,
+        probability=float(chdtrc(freedom, chi_squared)) if freedom > 0 else 1.0,
     )
 
 
@@ -90,7 +90,7 @@ def step(x: Array, y: Array, *, covariance: Array) -> Step | None:
     if not found:
         return None
     gain, best = max(found, key=lambda each: each[0])
-    chance = min(1.0, len(found) * float(chi2.sf(max(gain, 0.0), 1)))
+    chance = min(1.0, len(found) * float(chdtrc(1, max(gain, 0.0))))
     return replace(best, chance=chance)
 
 

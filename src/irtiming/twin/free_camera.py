@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import gamma
+from scipy.special import gammainc
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.frame_events import FrameEvent
@@ -53,11 +53,14 @@ def delay_s(free: FreeRunning, *, exposed_after_s: float) -> float:
 
 def usual_latency_s(free: FreeRunning) -> float:
     """Median of the time from a frame's begin to its arrival, s: of the mixture of usual ways and hiccups."""
-    usual, hiccups_s = gamma(free.arrival_shape, scale=free.arrival_scale_s), np.linspace(0.0, free.hiccup_s, 2001)
+    hiccups_s = np.linspace(0.0, free.hiccup_s, 2001)
+
+    def share_before(late_s: Any) -> Any:
+        return gammainc(free.arrival_shape, np.maximum(late_s, 0.0) / free.arrival_scale_s)
 
     def beyond_half(late_s: float) -> float:
-        with_hiccup = float(np.mean(usual.cdf(late_s - hiccups_s)))
-        return (1 - free.hiccup_share) * float(usual.cdf(late_s)) + free.hiccup_share * with_hiccup - 0.5
+        with_hiccup = float(np.mean(share_before(late_s - hiccups_s)))
+        return (1 - free.hiccup_share) * float(share_before(late_s)) + free.hiccup_share * with_hiccup - 0.5
 
     return free.arrival_shortest_s + float(brentq(beyond_half, 0.0, 1.0, xtol=1e-10))
 

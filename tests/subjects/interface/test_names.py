@@ -47,3 +47,12 @@ def test_a_recording_shows_itself_in_one_line(hand_made) -> None:
     assert "frames=<20×4×6>" in repr(found)
     assert len(repr(found)) < 400
     assert "array(" not in repr(found)
+
+
+def test_an_analysis_starts_without_the_distributions_of_scipy() -> None:
+    """Oracle: the modules of a fresh interpreter; scipy.stats takes as long as all else that an analysis imports."""
+    code = "import irtiming.measurement, irtiming.cli.main, sys; print([name in sys.modules for name in sys.argv[1:]])"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "scipy.special", "scipy.stats"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[True, False]\n"

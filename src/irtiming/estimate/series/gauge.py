@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from irtiming.estimate.series.over_settings import agree
 from irtiming.records.arrays import Array
@@ -45,7 +45,7 @@ def study(values: Array, *, parameter: str = "", unit: str = "", rms_u_own: floa
         operators, cameras = 0.0, (ms_c - ms_e) / n_r
     else:
         ms_o, ms_co = ss_o / df_o, ss_co / df_co
-        chance = float(f_distribution.sf(ms_co / ms_e, df_co, df_e)) if ms_e > 0 else 0.0
+        chance = float(fdtrc(df_co, df_e, ms_co / ms_e)) if ms_e > 0 else 0.0
         if chance > _POOLED:
             ms_e = (ss_co + ss_e) / (df_co + df_e)
             ms_co = ms_e

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Literal, final
 
-from scipy.stats import t
+from scipy.special import stdtr
 
 from irtiming.archive.certificate_file import Rule
 
@@ -49,6 +49,6 @@ def judged(
         outcome = "conditionalFail" if guard > 0 and -room <= guard else "fail"
     freedom = degrees_of_freedom if isfinite(degrees_of_freedom) else 1e9
     inside = (
-        float(t.cdf((high - value) / u, freedom) - t.cdf((low - value) / u, freedom)) if u > 0 else float(room >= 0)
+        float(stdtr(freedom, (high - value) / u) - stdtr(freedom, (low - value) / u)) if u > 0 else float(room >= 0)
     )
     return Conformity(outcome=outcome, probability=inside)
