@@ -1,6 +1,5 @@
 """Findings: each kind has one code, written once, and the page of the codes is current."""
 
-import json
 import re
 import runpy
 import subprocess
@@ -8,6 +7,8 @@ import sys
 from collections import Counter
 from functools import cache
 from pathlib import Path
+
+from irtiming.report.catalogue import entries
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = ROOT / "scripts" / "findings-reference"
@@ -47,7 +48,7 @@ def test_every_finding_that_a_result_can_have_is_told_in_german():
     page = (ROOT / "docs" / "reference" / "findings.md").read_text()
     rows = re.findall(r"^\| `([a-z0-9-]+)` \| ([a-z ]+) \|", page, flags=re.MULTILINE)
     told = {code for code, severity in rows if severity not in ("error", "ok")}
-    german = json.loads((ROOT / "src" / "irtiming" / "report" / "calibration" / "findings-de.json").read_text())
+    german = {code: one.translations[0] for (context, code), one in entries("de").items() if context == "finding"}
     assert len(told) > 80
     assert sorted(told - set(german)) == []
     assert sorted(set(german) - told) == []

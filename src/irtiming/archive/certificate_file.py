@@ -9,9 +9,9 @@ from pydantic import AfterValidator, Field, model_validator
 from irtiming.archive.typed_file import Number, OneOrSeveral, Part, Temperature, Uncertainty, read_toml
 from irtiming.archive.typed_misfit import FileKind
 from irtiming.errors import UnitError, one_line
+from irtiming.records.choices import Language
 from irtiming.units import seconds
 
-Language = Literal["en", "de"]
 Rule = Literal["simple acceptance", "guard band"]
 """How a result at a limit is judged: as if it were exact, or with the expanded uncertainty as a guard band (ILAC-G8)."""
 

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from irtiming.archive.certificate_file import Language
 from irtiming.cli.options import in_options
 from irtiming.errors import UnitError
+from irtiming.records.choices import Language
 
 
 @in_options

@@ -15,6 +15,9 @@ The first, which nobody need say, is the best for every kind of camera; row sums
 _PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
 """Choices that mean something for the pixel sums of a snapshot photon camera only."""
 
+Language = Literal["en", "de"]
+"""In which reports and certificates are written."""
+
 ReferenceEdge = Literal["automatic", "first", "second"]
 """Which of the two alternating application edges is edge 0: the one before the longer interval, or as told."""
 

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive.certificate_check import CheckedCertificate, check_certificate
-from irtiming.archive.certificate_file import CertificateFile, Language, read_certificate_file
+from irtiming.archive.certificate_file import CertificateFile, read_certificate_file
 from irtiming.archive.json_file import require_place, write_atomically
 from irtiming.archive.result_file import read_result
 from irtiming.errors import ArchiveError
+from irtiming.records.choices import Language
 from irtiming.report.calibration import dcc, page, pdf
 from irtiming.report.calibration.content import ResultFile, Sheet, collect
 from irtiming.session import crate

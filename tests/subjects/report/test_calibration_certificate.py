@@ -1,6 +1,5 @@
 """Certificates: what stands on the page is what the result says, in every language, and where ISO/IEC 17025 wants it."""
 
-import json
 import re
 from dataclasses import replace
 from datetime import date
@@ -20,10 +19,12 @@ from irtiming.report.calibration.content import collect
 from irtiming.report.calibration.decision import judged
 from irtiming.report.calibration.numbers import small, stated
 from irtiming.report.calibration.rows import VERDICTS
-from irtiming.report.calibration.words import catalogue, translated
+from irtiming.report.catalogue import entries
+from irtiming.report.language import translated
 from irtiming.report.meanings import meaning
 
 REFERENCE = EXAMPLE.parents[1] / "docs" / "reference" / "certificate.md"
+GERMAN = {english for _, english in entries("de")}
 ONE = CameraIdentity(vendor="Maker", model="A320", serial_number="0815", firmware="2.1", address="")
 
 
@@ -121,7 +122,7 @@ def test_everything_that_is_said_has_its_german() -> None:
     texts = set(re.findall(r't\("([^"]+)"\)', template)) | set(re.findall(r'fact\("([^"]+)"', template))
     texts |= {*conditions.PLACES.values(), *conditions.RULES.values(), *conditions.METHODS.values(), *VERDICTS.values()}
     texts |= {*conditions.KINDS.values(), conditions.TRACEABILITY, conditions.NOT_TRACEABLE}
-    assert sorted(texts - set(catalogue("de"))) == []
+    assert sorted(texts - GERMAN) == []
     assert len(texts) > 80
 
 
@@ -129,8 +130,8 @@ def test_events_of_every_camera_have_their_german(any_camera: Analysis) -> None:
     """Oracle: the meanings that results print, and the labels of the conditions."""
     for row in sheet(any_camera).results[0].measurands:
         for text in (row.event, row.sign, *(line.source for line in row.budget), row.name.replace("_", " ")):
-            assert text is None or text in catalogue("de"), text
-    assert meaning("trigger_delay", any_camera).event in catalogue("de")
+            assert text is None or text in GERMAN, text
+    assert meaning("trigger_delay", any_camera).event in GERMAN
     told = sheet(any_camera)
     for label, _ in conditions.of(told, told.results[0]):
         assert translated(label, "de") != label
@@ -233,11 +234,3 @@ def test_two_cameras_on_one_certificate(analysis: Analysis, rolling: Analysis) -
     ]
     with pytest.raises(ArchiveError, match=r"a.json names no serial number, and the results are of several cameras"):
         collect([result_file(analysis, "a.json"), result_file(rolling, "b.json")], form())
-
-
-def test_the_catalogue_is_sound() -> None:
-    """Oracle: the file; no text twice, none empty, and no translation of what is printed as it is."""
-    path = Path(package.__file__).parent / "words-de.json"
-    pairs = json.loads(path.read_text(), object_pairs_hook=list)
-    assert len(pairs) == len({english for english, _ in pairs})
-    assert all(english.strip() and german.strip() for english, german in pairs)

@@ -6,8 +6,8 @@ from typing import Any
 from irtiming.archive.certificate_file import Rule
 from irtiming.archive.result_model import Input
 from irtiming.report.calibration.content import MeasuredItem, Sheet
-from irtiming.report.calibration.numbers import localised, plain, with_unit
-from irtiming.report.calibration.words import translated
+from irtiming.report.calibration.numbers import plain, with_unit
+from irtiming.report.language import localised, translated
 from irtiming.units import ZERO_CELSIUS_K
 
 PLACES = {

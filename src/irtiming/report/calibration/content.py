@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from datetime import date, datetime
 from typing import final
 
-from irtiming.archive.certificate_file import CertificateFile, Item, Language
+from irtiming.archive.certificate_file import CertificateFile, Item
 from irtiming.archive.result_model import Input, Result
 from irtiming.errors import ArchiveError
+from irtiming.records.choices import Language
 from irtiming.report.calibration import measurands
 from irtiming.report.calibration.measurands import Measurand
 

@@ -12,7 +12,7 @@ from irtiming.report.calibration import conditions, rows
 from irtiming.report.calibration.content import CalibratedItem, MeasuredItem, Sheet
 from irtiming.report.calibration.dcc_numbers import UNITS, printable, real
 from irtiming.report.calibration.measurands import BudgetLine, Measurand
-from irtiming.report.calibration.words import translated
+from irtiming.report.language import translated
 from irtiming.report.sections.inputs import versions
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"

@@ -2,17 +2,13 @@
 
 from math import isfinite
 
-from irtiming.archive.certificate_file import Language
+from irtiming.records.choices import Language
+from irtiming.report.language import localised
 from irtiming.report.rounding import fixed, places, significant, time_unit
 
 _UNITS = {"1": "1", "": "", "K": "K", "rad": "rad", "m": "m", "px": "px", "Hz": "Hz"}
 _LEAST_NAMED_S = 1e-11
 _NARROW = "\N{NARROW NO-BREAK SPACE}"
-
-
-def localised(text: str, language: Language) -> str:
-    """A number as text with the decimal mark of the language."""
-    return text.replace(".", ",") if language == "de" else text
 
 
 def with_unit(number: str, unit: str) -> str:

@@ -8,11 +8,11 @@ from typing import Any, final
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from irtiming.archive.certificate_file import Language
 from irtiming.errors import ArchiveError
+from irtiming.records.choices import Language
 from irtiming.report.calibration import conditions, rows
 from irtiming.report.calibration.content import NAMED, MeasuredItem, Sheet
-from irtiming.report.calibration.words import day, finding_titles, translated
+from irtiming.report.language import day, finding_title, translated
 from irtiming.report.sections.inputs import versions
 
 _KINDS = {".png": "image/png", ".svg": "image/svg+xml", ".jpg": "image/jpeg"}
@@ -84,7 +84,7 @@ def _texts(sheet: Sheet, text: Text) -> dict[str, Any]:
         "doubts": [
             {"title": title, "text": what}
             for title, what in dict.fromkeys(
-                (finding_titles(sheet.language).get(found.code, ""), found.what)
+                (finding_title(found.code, sheet.language), found.what)
                 for each in sheet.results
                 for found in each.result.findings
                 if found.severity in ("warning", "doubt")
@@ -110,7 +110,7 @@ def _result(sheet: Sheet, one: MeasuredItem) -> dict[str, Any]:
         "correlation": rows.correlation(one, sheet.language),
         "findings": [
             {"severity": found.severity, "code": found.code, "text": _finding_text(found),
-             "title": finding_titles(sheet.language).get(found.code, "")}
+             "title": finding_title(found.code, sheet.language)}
             for found in one.result.findings
         ],
         "rig": rows.rig(one.result, sheet.language),

@@ -2,13 +2,13 @@
 
 from typing import Any
 
-from irtiming.archive.certificate_file import Language
 from irtiming.archive.result_model import Result
+from irtiming.records.choices import Language
 from irtiming.report.budget import freedom_text
 from irtiming.report.calibration.content import MeasuredItem, Sheet
 from irtiming.report.calibration.measurands import BudgetLine, Measurand
-from irtiming.report.calibration.numbers import localised, plain, small, stated, with_unit
-from irtiming.report.calibration.words import translated
+from irtiming.report.calibration.numbers import plain, small, stated, with_unit
+from irtiming.report.language import localised, translated
 from irtiming.report.rounding import significant
 
 VERDICTS = {
