@@ -8,7 +8,7 @@ import typer
 
 from irtiming.cli.options import Edge, RigFile, filled, in_options
 from irtiming.errors import UnitError
-from irtiming.records.choices import Choices, Method
+from irtiming.records.choices import Choices, Language, Method
 
 _SLOPE_LIMITS = "0.05,0.95"
 
@@ -19,6 +19,7 @@ def analyse(
     rig: RigFile,
     json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the result as JSON.")] = None,
     report: Annotated[Path | None, typer.Option(metavar="OUT", help="Write the report as one HTML page.")] = None,
+    language: Annotated[Language, typer.Option(help="Of the report.")] = "en",
     maps: Annotated[
         Path | None,
         typer.Option(

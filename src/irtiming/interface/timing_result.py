@@ -14,6 +14,7 @@ from irtiming.errors import EstimationError
 from irtiming.interface.pixel_timing import PixelTiming
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array, read_only
+from irtiming.records.choices import Language
 from irtiming.records.finding import Finding
 from irtiming.report.quantity import Quantity
 
@@ -172,8 +173,8 @@ class TimingResult(Mapping[str, Quantity]):
         """
         result_file.write_result(self.content.model_dump(exclude={"format", "version"}), path)
 
-    def write_report(self, path: str | Path) -> None:
-        """Write the report as one HTML page.
+    def write_report(self, path: str | Path, *, language: Language = "en") -> None:
+        """Write the report as one HTML page, in English or German ("de").
 
         Raises
         ------
@@ -187,7 +188,7 @@ class TimingResult(Mapping[str, Quantity]):
             raise EstimationError(
                 "a result that was read from a file has no curves for a report; analyse the recordings"
             )
-        write(self.analysis, report=Path(path))
+        write(self.analysis, report=Path(path), language=language)
 
     def __repr__(self) -> str:
         """In one line."""

@@ -9,6 +9,7 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import sheet
+from irtiming.report.language import t
 
 
 def draw(axes: Axes, analysis: Analysis, *, marked: dict[int, str]) -> None:
@@ -42,10 +43,16 @@ def draw(axes: Axes, analysis: Analysis, *, marked: dict[int, str]) -> None:
             axes.plot(column, row, line, color=sheet.RED if rolling else "#ffd23f", linewidth=1.2)
     axes.set_xlim(column0 - 0.5, column1 - 0.5)
     axes.set_ylim(row1 - 0.5, row0 - 0.5)
-    axes.set_xlabel("column (px)")
-    axes.set_ylabel("row (px)")
+    axes.set_xlabel(t("column (px)"))
+    axes.set_ylabel(t("row (px)"))
     axes.grid(visible=False)
-    axes.set_title(f"(b) frame {recording.frame_index[place]}, wheel at {np.degrees(angle):.1f}°")
+    axes.set_title(
+        t(
+            "(b) frame {frame}, wheel at {angle:.1f}°",
+            frame=recording.frame_index[place],
+            angle=np.degrees(angle),
+        )
+    )
 
 
 def edges(analysis: Analysis, fit: RowTimingFit, *, wheel_angle_rad: float, rolling: bool) -> list[tuple[Array, Array]]:

@@ -6,6 +6,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
+from irtiming.report.language import t
 from irtiming.report.rounding import significant
 
 MS, US = 1e-3, 1e-6
@@ -60,12 +61,9 @@ def micro(value_s: float) -> str:
     return "–" if not np.isfinite(value_s) or value_s <= 0 else significant(value_s / US)
 
 
-def several(number: int, thing: str) -> str:
-    """Number and noun, the noun in the plural where it belongs: ``"1 recording"``, ``"2 recordings"``."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-
 def common(items: Iterable[_T], text: Callable[[_T], str]) -> str:
     """What the items have in common, or the first, the last and how many differ."""
     texts = list(dict.fromkeys(text(item) for item in items))
-    return texts[0] if len(texts) == 1 else f"{texts[0]} … {texts[-1]} ({len(texts)} different)"
+    if len(texts) == 1:
+        return texts[0]
+    return t("{first} … {last} ({n} different)", first=texts[0], last=texts[-1], n=len(texts))

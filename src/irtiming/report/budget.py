@@ -9,6 +9,7 @@ import GTC
 
 from irtiming.errors import UnitError
 from irtiming.records.result import Contribution, Result
+from irtiming.report.language import decimal, t, with_unit
 from irtiming.report.rounding import significant, uncertainty_text
 
 COVERAGE_PERCENT = 95.45
@@ -142,14 +143,14 @@ def _line(part: Contribution, u: float) -> Line:
 def expanded_text(u: float, degrees_of_freedom: float, *, unit: str = "s") -> tuple[str, str]:
     """Expanded uncertainty, of a time or of a share, and its k as text: ``("60 µs", "2.00")``."""
     k = coverage_factor(degrees_of_freedom)
-    return uncertainty_text(k * u) if unit == "s" else f"{significant(100 * k * u)} %", f"{k:.2f}"
+    return uncertainty_text(k * u) if unit == "s" else with_unit(significant(100 * k * u), "%"), decimal(f"{k:.2f}")
 
 
 def freedom_text(degrees_of_freedom: float) -> str:
     """Degrees of freedom as text: ``"3"``, ``"12.4"``, ``"∞"``."""
     if _is_infinite(degrees_of_freedom):
         return "∞"
-    return f"{degrees_of_freedom:.0f}" if degrees_of_freedom >= 100 else f"{degrees_of_freedom:.3g}"
+    return f"{degrees_of_freedom:.0f}" if degrees_of_freedom >= 100 else decimal(f"{degrees_of_freedom:.3g}")
 
 
 def freedom_number(degrees_of_freedom: float) -> float | None:
@@ -173,4 +174,4 @@ def expanded_numbers(u: float, degrees_of_freedom: float) -> dict[str, float | N
 
 def share_text(share: float) -> str:
     """Share of a variance as text."""
-    return "0" if share <= 0 else f"{share:.0%}" if share >= 0.005 else "< 1%"
+    return "0" if share <= 0 else t("{share:.0%}", share=share) if share >= 0.005 else t("< 1%")

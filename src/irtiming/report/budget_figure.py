@@ -6,6 +6,7 @@ from typing import TypeAlias
 from matplotlib.axes import Axes
 
 from irtiming.report import sheet
+from irtiming.report.language import t
 from irtiming.report.quantity import Quantity
 from irtiming.report.rounding import time_unit
 
@@ -33,8 +34,8 @@ def draw(name: str, quantity: Quantity, *, parts: Mapping[str, float], axes: Axe
         factor, unit = time_unit(quantity.u) if quantity.unit == "s" else (1.0, quantity.unit)
         shown = sorted((part for part in parts.items() if part[1] > 0), key=lambda part: part[1])[-_MOST:]
         axes.barh([source for source, _ in shown], [u / factor for _, u in shown], color=sheet.BLUE)
-        axes.axvline(quantity.u / factor, color=sheet.RED, linewidth=1.2, label="all together")
-        axes.set_xlabel(f"standard uncertainty ({unit})")
+        axes.axvline(quantity.u / factor, color=sheet.RED, linewidth=1.2, label=t("all together"))
+        axes.set_xlabel(t("standard uncertainty ({unit})", unit=unit))
         axes.set_title(f"{name.replace('_', ' ')}: {quantity}")
         axes.grid(visible=False, axis="y")
         axes.legend(loc="lower right")

@@ -6,8 +6,8 @@ from math import sqrt
 from typing import Any
 
 from irtiming.records.campaign import WORST_FIRST, Campaign, GaugeStudy
-from irtiming.report.blocks import several
-from irtiming.report.page import Content, Verdict, render
+from irtiming.report.language import several
+from irtiming.report.page import Content, Verdict, Warned, render
 from irtiming.report.sections import campaign as sections
 from irtiming.report.sections.over_settings import words
 
@@ -33,7 +33,7 @@ def page(campaign: Campaign, *, created: datetime | None = None) -> str:
         Content(
             heading="Timing of many cameras",
             verdict=verdict(campaign),
-            warnings=tuple(doubts(campaign)),
+            warnings=tuple(Warned(text=one) for one in doubts(campaign)),
             sections=tuple(section for section in told if section is not None),
         ),
         created=created,

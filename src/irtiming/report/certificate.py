@@ -3,9 +3,12 @@
 from datetime import datetime
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.choices import Language
+from irtiming.records.finding import Finding
 from irtiming.report import event_words, result
 from irtiming.report.blocks import Section
-from irtiming.report.page import Certificate, Content, render
+from irtiming.report.language import finding_title, language, t, writing_in
+from irtiming.report.page import Certificate, Content, Warned, render
 from irtiming.report.sections import (
     diagnosis,
     events,
@@ -25,7 +28,7 @@ from irtiming.report.sections import (
 from irtiming.report.verdict import verdict
 
 
-def report(analysis: Analysis, *, created: datetime | None = None) -> Certificate:
+def report(analysis: Analysis, *, created: datetime | None = None, written_in: Language = "en") -> Certificate:
     """Page and result of one analysis.
 
     Parameters
@@ -34,19 +37,28 @@ def report(analysis: Analysis, *, created: datetime | None = None) -> Certificat
         The report computes nothing that is not in it but means of runs, sums over rows and rounded text.
     created
         Date to print; now, where none is given.
+    written_in
+        Language of the page; the result is the same in all.
     """
-    return Certificate(page=page(analysis, created=created), result=result.result(analysis))
+    with writing_in(written_in):
+        made = page(analysis, created=created)
+    return Certificate(page=made, result=result.result(analysis))
 
 
 def page(analysis: Analysis, *, created: datetime | None = None) -> str:
     """One HTML page without any link to the outside: verdict and warnings first, then tables and figures."""
     content = Content(
-        heading=f"Timing of a {analysis.readout_mode} {analysis.camera_type} camera",
+        heading=t(f"Timing of a {analysis.readout_mode} {analysis.camera_type} camera"),
         verdict=verdict(analysis),
-        warnings=result.warnings(analysis),
+        warnings=tuple(_warned(one, analysis) for one in result.doubts(analysis)),
         sections=sections(analysis),
     )
     return event_words.text(render(content, created=created), event_words.event_of(analysis))
+
+
+def _warned(one: Finding, analysis: Analysis) -> Warned:
+    text = event_words.text(one.sentence(), event_words.event_of(analysis), said_in="en")
+    return Warned(text=text, title=finding_title(one.code, language()))
 
 
 def sections(analysis: Analysis) -> tuple[Section, ...]:

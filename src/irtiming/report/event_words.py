@@ -8,13 +8,26 @@ import re
 from typing import Any
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.choices import Language
 from irtiming.records.frame_events import DELAYS, NOUNS, FrameEvent
+from irtiming.report.language import language
 
 _WAYS = {
     "strobe": ("latency of the camera input", "camera input"),
     "stamp": ("relation of the stamps' clock to the counter", "stamps' clock"),
     "arrival": ("relation of the computer's clock to the counter", "computer's clock"),
 }
+_GERMAN = {
+    "strobe": ("der Flanke des Strobe-Signals", "Strobe-Verzögerung", "Latenz des Kameraeingangs", "Kameraeingang"),
+    "stamp": (
+        "dem Zeitstempel des Bildes (Median)", "Zeitstempelverzögerung", "Bezug der Uhr der Zeitstempel zum Zähler",
+        "Uhr der Zeitstempel",
+    ),
+    "arrival": (
+        "der Ankunft des Bildes (Median)", "Zeitstempelverzögerung", "Bezug der Uhr des Rechners zum Zähler",
+        "Uhr des Rechners",
+    ),
+}  # fmt: skip
 _AS_THEY_ARE = ("file", "sha256", "recording")
 
 
@@ -24,7 +37,7 @@ def event_of(analysis: Analysis) -> FrameEvent:
     return "trigger" if events is None else events.kind
 
 
-def text(said: str, event: FrameEvent) -> str:
+def text(said: str, event: FrameEvent, *, said_in: Language | None = None) -> str:
     """The same text with the event's own words.
 
     Parameters
@@ -33,12 +46,21 @@ def text(said: str, event: FrameEvent) -> str:
         Plain text or HTML, which speaks of triggers.
     event
         What the delays count from.
+    said_in
+        Language of the text; that in which is written here, where none is given.
     """
     if event == "trigger":
         return said
+    for pattern, words in _german(event) if (said_in or language()) == "de" else _english(event):
+        said = re.sub(pattern, words, said)
+    return said
+
+
+def _english(event: FrameEvent) -> tuple[tuple[str, str], ...]:
+    """What is said of a trigger, and what of the event."""
     name = DELAYS[event]
     way, short = _WAYS[event]
-    for pattern, words in (
+    return (
         (r"the trigger edge that the\s+camera accepts|the trigger edge", NOUNS[event]),
         (r" The delay set in the trigger generator is taken off\.", ""),
         (r"their triggers are skipped", "their places are left out"),
@@ -53,9 +75,22 @@ def text(said: str, event: FrameEvent) -> str:
         (r"\btrigger_delay(?!_time)", name),
         (r"\btrigger delay(?!s? set)", name.replace("_", " ")),
         (r"\bTrigger delay(?!s? set)", name.replace("_", " ").capitalize()),
-    ):
-        said = re.sub(pattern, words, said)
-    return said
+    )
+
+
+def _german(event: FrameEvent) -> tuple[tuple[str, str], ...]:
+    """The same in German, where the trigger edge always stands in the dative."""
+    noun, name, way, short = _GERMAN[event]
+    return (
+        (r"der Triggerflanke(, die die\s+Kamera annimmt)?", noun),
+        (r" Die im Triggergenerator eingestellte Verzögerung ist abgezogen\.", ""),
+        (r"ihre Trigger sind übersprungen", "ihre Plätze sind ausgelassen"),
+        (r"beim Trigger\b", "beim Ereignis"),
+        (r"\bdie früher ausgelöst wurden", "deren Ereignis früher kam"),
+        (r"Latenz des Triggerwegs", way),
+        (r"\bTriggerweg\b", short),
+        (r"\bTriggerverzögerung\b", name),
+    )
 
 
 def data(said: Any, event: FrameEvent) -> Any:

@@ -3,6 +3,7 @@
 Everything is written in English unless it is written within `writing_in`.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -74,8 +75,8 @@ def day(when: date, to: Language) -> str:
 
 
 def localised(text: str, to: Language) -> str:
-    """A number as text with the decimal mark of a language."""
-    return text.replace(".", ",") if to == "de" else text
+    """A number as text with the decimal mark of a language, and in German a space before %."""
+    return re.sub(r"(?<=\d)%", f"{_NARROW}%", text.replace(".", ",")) if to == "de" else text
 
 
 def decimal(text: str) -> str:

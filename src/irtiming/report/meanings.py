@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import final
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.choices import Method
 from irtiming.records.result import Bound, Result
+from irtiming.report.language import decimal, language, t, with_unit
 from irtiming.report.rounding import time_unit
 
 SIGN = "positive: after the trigger edge that the camera accepts"
@@ -90,6 +92,11 @@ def headline(analysis: Analysis, result: Result) -> tuple[str, ...]:
 
 def event(name: str, analysis: Analysis) -> str:
     """In few words; the name itself where nothing more is known of it."""
+    return t(event_in_english(name, analysis))
+
+
+def event_in_english(name: str, analysis: Analysis) -> str:
+    """The same as the catalogue of translations knows it."""
     rolling = analysis.readout_mode == "rolling"
     text = _EVENTS[analysis.camera_type].get(name, name)
     return text.format(row=" of image row 0" if rolling else "", image="image row 0" if rolling else "the image")
@@ -98,16 +105,17 @@ def event(name: str, analysis: Analysis) -> str:
 def meaning(name: str, analysis: Analysis) -> Meaning:
     """Event and sign of a parameter."""
     is_of_a_row = analysis.readout_mode == "rolling" and name == "trigger_delay"
+    sign = _SIGNS.get(name, SIGN)
     return Meaning(
-        event=event(name, analysis) + (_OF_ROWS[analysis.camera_type] if is_of_a_row else ""),
-        sign=_SIGNS.get(name, SIGN),
+        event=t(event_in_english(name, analysis) + (_OF_ROWS[analysis.camera_type] if is_of_a_row else "")),
+        sign=None if sign is None else t(sign),
     )
 
 
 def relative_event(analysis: Analysis) -> str:
     """What relative delays count from and to."""
-    first = event("trigger_delay", analysis).removeprefix("start of ")
-    return f"{first}, counted from that of the smallest set delay"
+    first = event_in_english("trigger_delay", analysis).removeprefix("start of ")
+    return t(f"{first}, counted from that of the smallest set delay")
 
 
 def unit_of(name: str, result: Result) -> str:
@@ -117,7 +125,17 @@ def unit_of(name: str, result: Result) -> str:
 
 def words(name: str) -> str:
     """A parameter's name as people write it."""
-    return name.replace("_", " ")
+    return t(name.replace("_", " "))
+
+
+def label(name: str) -> str:
+    """A parameter's name in a table: as result files have it; in other languages as people write it."""
+    return name if language() == "en" else words(name)
+
+
+def method_name(method: Method) -> str:
+    """A method as tables and figures name it."""
+    return t(METHOD_NAMES[method])
 
 
 def bound_text(bound: Bound) -> str:
@@ -125,10 +143,10 @@ def bound_text(bound: Bound) -> str:
     if bound.lower is not None and bound.upper is not None:
         return f"{_short(bound.lower)} … {_short(bound.upper)}"
     if bound.upper is not None:
-        return f"below {_short(bound.upper)}"
-    return "not determined" if bound.lower is None else f"above {_short(bound.lower)}"
+        return t("below {limit}", limit=_short(bound.upper))
+    return t("not determined") if bound.lower is None else t("above {limit}", limit=_short(bound.lower))
 
 
 def _short(value_s: float) -> str:
     factor, unit = time_unit(value_s)
-    return f"{value_s / factor:.3g} {unit}".replace("-", "−")
+    return with_unit(decimal(f"{value_s / factor:.3g}").replace("-", "−"), unit)

@@ -7,6 +7,7 @@ from typing import Any, final
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from irtiming.report.blocks import Section
+from irtiming.report.language import day, language, several, t
 from irtiming.report.sections.inputs import versions
 
 
@@ -26,6 +27,15 @@ class Verdict:
 
 @final
 @dataclass(frozen=True, kw_only=True)
+class Warned:
+    """What a reader should know, in one sentence of the program; ``title`` says it first in another language than English."""
+
+    text: str
+    title: str = ""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
 class Certificate:
     """The report in both its forms: the page as HTML text, and the result as plain data for JSON."""
 
@@ -40,7 +50,7 @@ class Content:
 
     heading: str
     verdict: Verdict
-    warnings: tuple[str, ...]
+    warnings: tuple[Warned, ...]
     sections: tuple[Section, ...]
 
 
@@ -54,6 +64,7 @@ def render(content: Content, *, created: datetime | None = None) -> str:
     created
         Date to print; now, where none is given.
     """
+    when = created or datetime.now(UTC)
     environment = Environment(
         loader=PackageLoader("irtiming.report", "."),
         autoescape=select_autoescape(["html"]),
@@ -65,7 +76,10 @@ def render(content: Content, *, created: datetime | None = None) -> str:
         heading=content.heading,
         verdict=content.verdict,
         warnings=content.warnings,
+        t=t,
+        several=several,
+        language=language(),
         sections=content.sections,
-        created=(created or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M %Z").strip(),
+        created=f"{day(when, language())} {when.strftime('%H:%M %Z')}".strip(),
         version=versions().get("irtiming", ""),
     )

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from irtiming.records.analysis import Analysis
+from irtiming.records.finding import Finding
 from irtiming.records.result import Contribution, Result
 from irtiming.report import budget, camera_noise, event_words, result_of_fits, result_of_inputs, result_of_wheel
 from irtiming.report.combination import combined
@@ -82,8 +83,12 @@ def _result(analysis: Analysis) -> dict[str, Any]:
 
 def warnings(analysis: Analysis) -> tuple[str, ...]:
     """Findings that a person should know of, one sentence each."""
-    told = (one.sentence() for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
-    return tuple(event_words.text(one, event_words.event_of(analysis)) for one in told)
+    return tuple(event_words.text(one.sentence(), event_words.event_of(analysis)) for one in doubts(analysis))
+
+
+def doubts(analysis: Analysis) -> tuple[Finding, ...]:
+    """Findings that a person should know of."""
+    return tuple(one for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
 
 
 def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from math import isfinite
 
+from irtiming.report.language import decimal, with_unit
+
 _UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 _MINUS = "\N{MINUS SIGN}"
 
@@ -27,7 +29,7 @@ def fixed(value: float, decimals: int) -> str:
     text = f"{round(value, decimals):.{max(decimals, 0)}f}"
     if not text.strip("-0."):
         text = text.lstrip("-")
-    return text.replace("-", _MINUS)
+    return decimal(text).replace("-", _MINUS)
 
 
 def significant(value: float, *, digits: int = 2) -> str:
@@ -45,10 +47,10 @@ def time_text(value_s: float, u_s: float | None = None) -> str:
     """
     if u_s is None or not isfinite(u_s) or u_s <= 0:
         factor, unit = time_unit(value_s)
-        return f"{value_s / factor:.6g} {unit}".replace("-", _MINUS)
+        return with_unit(decimal(f"{value_s / factor:.6g}").replace("-", _MINUS), unit)
     factor, unit = time_unit(max(abs(value_s), u_s))
     decimals = places(u_s / factor)
-    return f"{fixed(value_s / factor, decimals)} ± {fixed(u_s / factor, decimals)} {unit}"
+    return with_unit(f"{fixed(value_s / factor, decimals)} ± {fixed(u_s / factor, decimals)}", unit)
 
 
 def value_text(value: float, u: float | None = None, *, unit: str = "s") -> str:
@@ -56,9 +58,9 @@ def value_text(value: float, u: float | None = None, *, unit: str = "s") -> str:
     if unit == "s":
         return time_text(value, u)
     if u is None or not isfinite(u) or u <= 0:
-        return f"{100 * value:.6g} %".replace("-", _MINUS)
+        return with_unit(decimal(f"{100 * value:.6g}").replace("-", _MINUS), "%")
     decimals = places(100 * u)
-    return f"{fixed(100 * value, decimals)} ± {fixed(100 * u, decimals)} %"
+    return with_unit(f"{fixed(100 * value, decimals)} ± {fixed(100 * u, decimals)}", "%")
 
 
 def uncertainty_text(u_s: float) -> str:
@@ -66,17 +68,17 @@ def uncertainty_text(u_s: float) -> str:
     if not isfinite(u_s) or u_s <= 0:
         return "–"
     factor, unit = (1e-6, "µs") if 1e-8 <= u_s < 1e-6 else time_unit(u_s)
-    return f"{significant(u_s / factor)} {unit}"
+    return with_unit(significant(u_s / factor), unit)
 
 
 def in_unit(value_s: float, u_s: float, *, unit_s: float) -> str:
     """Value in a given unit, without its name, to the place of the second digit of its uncertainty."""
     if not isfinite(u_s) or u_s <= 0:
-        return f"{value_s / unit_s:.6g}".replace("-", _MINUS)
+        return decimal(f"{value_s / unit_s:.6g}").replace("-", _MINUS)
     return fixed(value_s / unit_s, places(u_s / unit_s))
 
 
 def signed(value_s: float, u_s: float, *, unit_s: float) -> str:
     """As :func:`in_unit`, with a sign in front of both positive and negative values."""
     text = in_unit(value_s, u_s, unit_s=unit_s)
-    return text if text.startswith(_MINUS) or not text.strip("0.") else f"+{text}"
+    return text if text.startswith(_MINUS) or not text.strip("0.,") else f"+{text}"

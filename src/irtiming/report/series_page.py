@@ -7,8 +7,8 @@ import numpy as np
 
 from irtiming.records.setting_point import SETTINGS
 from irtiming.records.setting_series import CameraSeries, LineFit, OverSetting
-from irtiming.report.blocks import several
-from irtiming.report.page import Content, Verdict, render
+from irtiming.report.language import several
+from irtiming.report.page import Content, Verdict, Warned, render
 from irtiming.report.sections import over_settings
 
 
@@ -28,7 +28,7 @@ def page(series: tuple[CameraSeries, ...], *, created: datetime | None = None) -
             if len(series) == 1
             else "Timing of cameras over their settings",
             verdict=verdict(series),
-            warnings=tuple(over_settings.doubts(series)),
+            warnings=tuple(Warned(text=one) for one in over_settings.doubts(series)),
             sections=over_settings.sections(series),
         ),
         created=created,

@@ -7,14 +7,16 @@ embedded, so that the text holds no link to anything outside.
 import io
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, final
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import Formatter
 
 from irtiming.records.arrays import Array
+from irtiming.report.language import decimal, language, t
 
 INK, FAINT, GRID = "#1d2733", "#7a8794", "#e3e8ee"
 BLUE, RED, GREEN, PURPLE, ORANGE = "#1f5fa8", "#c0271d", "#1d7a3a", "#7b3fa0", "#d98200"
@@ -53,6 +55,8 @@ def svg(drawn: Figure, *, title: str) -> str:
         What a reader who does not look at the figure gets; also makes the names inside unique.
     """
     text = io.StringIO()
+    if language() != "en":
+        _numbers_in_language(drawn)
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context(_STYLE | {"svg.hashsalt": title}):
         drawn.savefig(text, format="svg", metadata=nothing, dpi=220)
@@ -62,6 +66,42 @@ def svg(drawn: Figure, *, title: str) -> str:
     label = title.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     body = re.sub(r' (?:width|height)="[\d.]+pt"', "", body, count=2)
     return body.replace("<svg", f'<svg role="img" aria-label="{label}" style="stroke-linejoin:round"', 1)
+
+
+def _numbers_in_language(drawn: Figure) -> None:
+    """Give the numbers at every axis the decimal mark of the language."""
+    for axes in drawn.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(_Localised(axis.get_major_formatter()))
+
+
+@final
+class _Localised(Formatter):
+    """Writes what another formatter writes, with the decimal mark of the language."""
+
+    def __init__(self, written_by: Formatter) -> None:
+        self._written_by = written_by
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """One number at an axis."""
+        return decimal(self._written_by(x, pos))
+
+    def format_ticks(self, values: Any) -> list[str]:
+        """All numbers at an axis."""
+        return [decimal(one) for one in self._written_by.format_ticks(values)]
+
+    def get_offset(self) -> str:
+        """What all of them have in common."""
+        return decimal(self._written_by.get_offset())
+
+    def set_axis(self, axis: Any) -> None:
+        """The axis, which the other one needs too."""
+        super().set_axis(axis)
+        self._written_by.set_axis(axis)
+
+    def set_locs(self, locs: Any) -> None:
+        """Where the numbers are, which the other one needs too."""
+        self._written_by.set_locs(locs)
 
 
 def points(axes: Axes, *, x: Array, y: Array, colour: str, label: str | None = None) -> None:
@@ -96,7 +136,7 @@ def run_names(delays_s: Sequence[float], speeds_hz: Sequence[float]) -> list[str
     """What to call measurements of these set delays; with the wheel speed where there are several."""
     several = len({round(speed, 6) for speed in speeds_hz}) > 1
     return [
-        f"{1e3 * delay:g} ms set" + (f", {speed:g} Hz" if several else "")
+        t("{delay:g} ms set", delay=1e3 * delay) + (t(", {speed:g} Hz", speed=speed) if several else "")
         for delay, speed in zip(delays_s, speeds_hz, strict=True)
     ]
 

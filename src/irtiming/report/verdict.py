@@ -5,9 +5,9 @@ import numpy as np
 from irtiming.records.analysis import Analysis
 from irtiming.records.result import Result
 from irtiming.report import budget
-from irtiming.report.blocks import several
 from irtiming.report.combination import combined
-from irtiming.report.meanings import METHOD_NAMES, bound_text, event, has_lag, headline, words
+from irtiming.report.language import several, t, with_capital, with_unit
+from irtiming.report.meanings import bound_text, event_in_english, has_lag, headline, method_name, words
 from irtiming.report.page import Verdict
 from irtiming.report.rounding import time_text, uncertainty_text
 from irtiming.report.sections.parameters import entries
@@ -22,10 +22,10 @@ def verdict(analysis: Analysis) -> Verdict:
     numbers = [
         f"{words(name)} = {time_text(*found[name])}"
         if name in found
-        else f"{words(name)}: {bounds.get(name, 'unknown')}"
+        else f"{words(name)}: {bounds.get(name, t('unknown'))}"
         for name in names
     ]
-    without = f" ({trusted(result)} not in u)" if result.not_in_uncertainty and names[0] in found else ""
+    without = t(" ({what} not in u)", what=trusted(result)) if result.not_in_uncertainty and names[0] in found else ""
     return Verdict(
         number=numbers[0] + without,
         further=tuple(numbers[1:]),
@@ -41,39 +41,65 @@ def _sentence(
     result, parts = analysis.result, list[str]()
     for name in names:
         if name not in found:
-            what = f"the {words(name)} is not determined ({bounds.get(name, 'no bounds')}, k = 2)"
-            parts.append(what if parts else what.capitalize())
+            what = t(
+                "the {name} is not determined ({bounds}, k = 2)",
+                name=words(name),
+                bounds=bounds.get(name, t("no bounds")),
+            )
+            parts.append(what if parts else with_capital(what))
         elif name == names[0]:
             parts.append(_first(analysis, *found[name], name=name))
         elif name == "row_delay":
-            order = "later" if found[name][0] >= 0 else "earlier"
             value, u = found[name]
-            parts.insert(1, f"each row below it {order} by {time_text(abs(value), u)}")
+            size = time_text(abs(value), u)
+            later = t("each row below it later by {time}", time=size)
+            parts.insert(1, later if value >= 0 else t("each row below it earlier by {time}", time=size))
         else:
-            parts.append(f"a pixel needs {time_text(*found[name])} for 63 % of its response to a step of the scene")
+            parts.append(
+                t(
+                    "a pixel needs {time} for 63 % of its response to a step of the scene",
+                    time=time_text(*found[name]),
+                )
+            )
     lag = f"; {parts.pop()}" if "time_constant" in names else ""
-    by = f"by {METHOD_NAMES[result.method]} from {several(len(analysis.recordings), 'recording')}"
-    without = "" if not result.not_in_uncertainty else f" Not in these uncertainties: {trusted(result)}."
+    by = t(
+        "by {method} from {recordings}",
+        method=method_name(result.method),
+        recordings=several(len(analysis.recordings), "recording"),
+    )
+    outside = trusted(result)
     if len(names) > 1 or names[0] not in found:
-        return f"{', '.join(parts)}{lag}, {by} (standard uncertainties, k = 1).{without}"
+        return t(
+            "{parts}{lag}, {by} (standard uncertainties, k = 1).{without}",
+            parts=", ".join(parts),
+            lag=lag,
+            by=by,
+            without=t(" Not in these uncertainties: {what}.", what=outside) if outside else "",
+        )
     expanded, factor = budget.expanded_text(found[names[0]][1], budget.of(result, names[0]).degrees_of_freedom)
-    known = f"(standard uncertainty, k = 1; expanded uncertainty U = {expanded}, k = {factor})"
-    return f"{', '.join(parts)} {known}, {by}.{without.replace('these uncertainties', 'this uncertainty')}"
+    known = t(
+        "(standard uncertainty, k = 1; expanded uncertainty U = {expanded}, k = {factor})",
+        expanded=expanded,
+        factor=factor,
+    )
+    without = t(" Not in this uncertainty: {what}.", what=outside) if outside else ""
+    return f"{', '.join(parts)} {known}, {by}.{without}"
 
 
 def trusted(result: Result) -> str:
     """What the uncertainties do not hold, in words."""
-    return "; ".join(result.not_in_uncertainty)
+    return "; ".join(t(one) for one in result.not_in_uncertainty)
 
 
 def _first(analysis: Analysis, value: float, u: float, *, name: str) -> str:
     """When the event comes."""
-    side = f"{time_text(abs(value), u)} {'after' if value >= 0 else 'before'} the trigger edge that the camera accepts"
-    what = event(name, analysis)
+    size = time_text(abs(value), u)
+    after = t("{time} after the trigger edge that the camera accepts", time=size)
+    side = after if value >= 0 else t("{time} before the trigger edge that the camera accepts", time=size)
+    what = event_in_english(name, analysis)
     if has_lag(analysis):
-        subject = what.removeprefix("reading of ")
-        return f"{subject.capitalize()} is read {side}"
-    return f"The {what} comes {side}"
+        return t(f"{with_capital(what.removeprefix('reading of '))} is read {{side}}", side=side)
+    return t(f"The {what} comes {{side}}", side=side)
 
 
 def _remarks(analysis: Analysis, names: tuple[str, ...], *, found: dict[str, tuple[float, float]]) -> list[str]:
@@ -87,13 +113,16 @@ def _remarks(analysis: Analysis, names: tuple[str, ...], *, found: dict[str, tup
 def _relative(analysis: Analysis) -> str:
     rows = combined(analysis, analysis.result)
     if not rows:
-        return "All recordings have the same delay set: no relative delay to check the measurement with."
+        return t("All recordings have the same delay set: no relative delay to check the measurement with.")
     rms = float(np.sqrt(np.mean([row.deviation_s**2 for row in rows])))
     worst = max(rows, key=lambda row: abs(row.deviation_s) / max(row.u_deviation_s, 1e-15))
     ratio = abs(worst.deviation_s) / worst.u_deviation_s if worst.u_deviation_s > 0 else float("inf")
-    return (
-        f"Relative delays meet what was set within {uncertainty_text(rms)} rms over {several(len(rows), 'nominal delay')}; "
-        f"the largest deviation is {ratio:.1f} of its standard uncertainty."
+    return t(
+        "Relative delays meet what was set within {rms} rms over {rows}; the largest deviation is {ratio:.1f} of "
+        "its standard uncertainty.",
+        rms=uncertainty_text(rms),
+        rows=several(len(rows), "nominal delay"),
+        ratio=ratio,
     )
 
 
@@ -102,18 +131,29 @@ def _largest(result: Result, name: str) -> str:
     if len(lines) < 2:
         return ""
     size = uncertainty_text(lines[0].standard_uncertainty)
-    return f"The largest part of the uncertainty is: {lines[0].source}, {size} (type {lines[0].kind})."
+    return t(
+        "The largest part of the uncertainty is: {source}, {size} (type {kind}).",
+        source=t(lines[0].source),
+        size=size,
+        kind=lines[0].kind,
+    )
 
 
 def _limit(result: Result, name: str, u: float) -> str:
     whole = budget.of(result, name)
     expanded, factor = budget.expanded_text(u, whole.degrees_of_freedom)
-    start = f"{words(name).capitalize()}: U = {expanded} (k = {factor})"
+    start = f"{with_capital(words(name))}: U = {expanded} (k = {factor})"
     if len(whole.lines) < 2:
-        return f"{start}; a single part of uncertainty is known."
+        return t("{start}; a single part of uncertainty is known.", start=start)
     line = whole.lines[0]
     size = uncertainty_text(line.standard_uncertainty)
-    return f"{start}; the largest part of u is {line.source}, {size} (type {line.kind})."
+    return t(
+        "{start}; the largest part of u is {source}, {size} (type {kind}).",
+        start=start,
+        source=t(line.source),
+        size=size,
+        kind=line.kind,
+    )
 
 
 def _split(analysis: Analysis) -> str:
@@ -122,10 +162,10 @@ def _split(analysis: Analysis) -> str:
         return ""
     value, u = split.value_s, split.standard_uncertainty_s
     agrees = abs(value) <= budget.coverage_factor(split.degrees_of_freedom) * u
-    return (
-        f"Delays from falling and from rising slopes {'agree' if agrees else 'differ'}: falling − rising = "
-        f"{time_text(value, u)}."
-    )
+    said = time_text(value, u)
+    if agrees:
+        return t("Delays from falling and from rising slopes agree: falling − rising = {time}.", time=said)
+    return t("Delays from falling and from rising slopes differ: falling − rising = {time}.", time=said)
 
 
 def last_row_read(analysis: Analysis, result: Result) -> tuple[int, float, float] | None:
@@ -145,10 +185,20 @@ def _readout(analysis: Analysis) -> str:
         return ""
     row, value, u = last
     first, reads = analysis.result.estimate.value("trigger_delay"), has_lag(analysis)
-    unit = time_text(abs(value - first)).split()[-1]
-    span = f"the whole readout takes {time_text(abs(value - first), u)}".split(" ± ")[0]
-    when = f"{time_text(value, u)} after the trigger edge"
+    size = time_text(abs(value - first), u)
+    span = t("the whole readout takes {time}", time=with_unit(size.split(" ± ")[0], size.split()[-1]))
+    when = t("{time} after the trigger edge", time=time_text(value, u))
+    if value >= first and reads:
+        return t("The last row (y = {row}) is read {when}; {span}.", row=row, when=when, span=span)
     if value >= first:
-        what = "is read" if reads else "starts to integrate"
-        return f"The last row (y = {row}) {what} {when}; {span} {unit}."
-    return f"Rows {'are read' if reads else 'integrate'} from the bottom up: row {row} first, {when}, row 0 last; {span} {unit}."
+        return t("The last row (y = {row}) starts to integrate {when}; {span}.", row=row, when=when, span=span)
+    if reads:
+        return t(
+            "Rows are read from the bottom up: row {row} first, {when}, row 0 last; {span}.",
+            row=row,
+            when=when,
+            span=span,
+        )
+    return t(
+        "Rows integrate from the bottom up: row {row} first, {when}, row 0 last; {span}.", row=row, when=when, span=span
+    )

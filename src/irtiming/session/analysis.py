@@ -15,7 +15,7 @@ from irtiming.errors import ArchiveError, EstimationError
 from irtiming.measurement import ALL_EXTRAS, Extra, Progress
 from irtiming.measurement import analyse as analyse_recordings
 from irtiming.records.analysis import Analysis
-from irtiming.records.choices import Choices
+from irtiming.records.choices import Choices, Language
 from irtiming.records.recording import Recording
 from irtiming.report import certificate, map_figure
 
@@ -23,7 +23,7 @@ from irtiming.report import certificate, map_figure
 @final
 @dataclass(frozen=True, kw_only=True)
 class AnalysisOrder:
-    """What a person wants analysed: recordings of one camera on one rig, and the files to write."""
+    """What a person wants analysed: recordings of one camera on one rig, and the files to write; ``language`` is the report's."""
 
     recordings: tuple[Path, ...]
     rig: Path
@@ -32,6 +32,7 @@ class AnalysisOrder:
     result: Path | None = None
     report: Path | None = None
     maps: Path | None = None
+    language: Language = "en"
 
     @property
     def picture(self) -> Path | None:
@@ -56,7 +57,7 @@ def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analys
         _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel, extras=extras
     )
     if told:
-        write(found, result=order.result, report=order.report)
+        write(found, result=order.result, report=order.report, language=order.language)
     if order.maps is not None:
         write_maps_of(found, order.maps)
     return found
@@ -76,15 +77,17 @@ def write_maps_of(found: Analysis, path: Path) -> None:
     write_atomically(map_figure.png(found.maps), path.with_suffix(".png"))
 
 
-def write(found: Analysis, *, result: Path | None = None, report: Path | None = None) -> Mapping[str, Any]:
-    """Write what was found as JSON, as a page, or both; gives the result as plain data.
+def write(
+    found: Analysis, *, result: Path | None = None, report: Path | None = None, language: Language = "en"
+) -> Mapping[str, Any]:
+    """Write what was found as JSON, as a page in a language, or both; gives the result as plain data.
 
     Raises
     ------
     ArchiveError
         If a file cannot be written.
     """
-    told = certificate.report(found)
+    told = certificate.report(found, written_in=language)
     if result is not None:
         write_result(told.result, result)
     if report is not None:

@@ -52,13 +52,14 @@ class ConvertOrder:
 @final
 @dataclass(frozen=True, kw_only=True)
 class AnalyseOrder:
-    """Recordings of one camera on one rig, how to analyse them, and the files to write."""
+    """Recordings of one camera on one rig, how to analyse them, the files to write, and the report's language."""
 
     recordings: tuple[Path, ...]
     rig: Path
     method: str
     result: Path
     report: Path
+    language: str = "en"
 
 
 @final

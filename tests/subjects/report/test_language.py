@@ -1,21 +1,33 @@
 """Languages: the catalogue is whole and sound, and a language holds only where it was asked for."""
 
+import ast
+import json
+import re
 import subprocess
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from datetime import date
+from datetime import UTC, date, datetime
 from gettext import GNUTranslations
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from string import Formatter
 
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 import irtiming.report as package
 from irtiming.errors import ArchiveError
-from irtiming.report import catalogue
-from irtiming.report.language import day, decimal, finding_title, several, t, writing_in
+from irtiming.records.analysis import Analysis
+from irtiming.records.choices import Language
+from irtiming.records.frame_events import FrameEvent
+from irtiming.report import catalogue, certificate, event_words, language, sheet
+from irtiming.report.language import day, decimal, finding_title, several, t, translated, writing_in
 
-CATALOGUES = Path(package.__file__).parent / "catalogues"
+REPORT = Path(package.__file__).parent
+CATALOGUES = REPORT / "catalogues"
+GERMAN = {english for _, english in catalogue.entries("de")}
 
 
 def _places(text: str) -> list[tuple[str, str]]:
@@ -96,3 +108,116 @@ def test_days_and_findings() -> None:
     assert finding_title("edges-disagree", "de") == "Die vier Flanken des Rades widersprechen einander"
     assert finding_title("edges-disagree", "en") == ""
     assert finding_title("no-such-code", "de") == ""
+
+
+def _literals() -> Iterator[tuple[str, str]]:
+    """Every text that the package gives to the catalogue as it stands, with its file."""
+    for path in sorted(REPORT.rglob("*.py")):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(call, ast.Call):
+                continue
+            name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+            texts = [one.value for one in call.args if isinstance(one, ast.Constant)]
+            if name in ("t", "translated", "heads"):
+                yield from ((path.name, text) for text in (texts if name == "heads" else texts[:1]) if text)
+            elif name == "several":
+                yield from ((path.name, f"{{n}} {text}") for text in texts if isinstance(text, str))
+    for path in sorted(REPORT.rglob("*.html")):
+        for text in re.findall(r'\b(?:t|fact)\("((?:[^"\\]|\\.)*)"', path.read_text(encoding="utf-8")):
+            yield path.name, text
+
+
+def test_every_text_of_report_and_certificate_has_its_german() -> None:
+    """Oracle: the source; each text that is written out there is in the catalogue."""
+    found = list(_literals())
+    assert len(found) > 500
+    assert sorted({one for one in found if one[1] not in GERMAN}) == []
+
+
+@pytest.fixture
+def unknown(monkeypatch: pytest.MonkeyPatch) -> set[str]:
+    """Texts that were asked for in German and that the catalogue does not have."""
+    missing: set[str] = set()
+
+    def watched(text: str, to: Language) -> str:
+        missing.update({text} if to == "de" and text and text not in GERMAN else ())
+        return translated(text, to)
+
+    monkeypatch.setattr(language, "translated", watched)
+    return missing
+
+
+@pytest.fixture
+def written(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures as their words alone, which takes no time."""
+
+    def words(drawn: Figure, *, title: str) -> str:
+        texts = {one.get_text() for one in drawn.findobj(Text)} | {title}
+        return "<svg>" + "".join(f"<text>{escape(text)}</text>" for text in sorted(texts)) + "</svg>"
+
+    monkeypatch.setattr(sheet, "svg", words)
+
+
+def _words_of(page: str) -> set[str]:
+    """Texts of a page that a reader sees, those of its figures too, without what the program says in its own words."""
+    page = re.sub(r'<style.*?</style>|<span class="original".*?</span>', "", page, flags=re.DOTALL)
+    return {
+        " ".join(text.split())
+        for text in re.findall(r"<!--(.*?)-->|>([^<>]+)<", page, flags=re.DOTALL)
+        for text in text
+    }
+
+
+@pytest.mark.usefixtures("written")
+def test_a_german_report_is_german_from_verdict_to_axis(any_camera: Analysis, unknown: set[str]) -> None:
+    """Oracle: the catalogue has all that was asked of it, and no text on the page has one of the commonest English words."""
+    page = certificate.report(any_camera, written_in="de").page
+    assert unknown == set()
+    english = re.compile(r"\b(the|of|and|from|by|each|rows?|frames?|what|delay|edge|wheel|is|are|per|time)\b")
+    as_it_is = re.compile(
+        r"Measuring timing properties of|glibc|(made|found) by hand|the shutter is closed|frames lost"
+    )
+    assert {text for text in _words_of(page) if english.search(text) and not as_it_is.search(text)} == set()
+    assert '<html lang="de">' in page
+    assert re.search(r"\d,\d+ ± \d,\d+\N{NARROW NO-BREAK SPACE}(ms|µs)", page)
+
+
+@pytest.mark.usefixtures("sketched")
+def test_an_english_report_is_the_same_before_and_after_a_german_one(analysis: Analysis) -> None:
+    """Oracle: the page that is made without any language, byte for byte; the result has no language."""
+    when = datetime(2026, 11, 24, 12, 0, tzinfo=UTC)
+    before = certificate.report(analysis, created=when)
+    german = certificate.report(analysis, created=when, written_in="de")
+    after = certificate.report(analysis, created=when, written_in="en")
+    assert before.page == after.page
+    assert german.page != before.page
+    assert json.dumps(german.result) == json.dumps(before.result) == json.dumps(after.result)
+
+
+@pytest.mark.parametrize("event", ["strobe", "stamp", "arrival"])
+def test_german_of_a_camera_that_runs_free_speaks_of_no_trigger(event: FrameEvent) -> None:
+    """Oracle: every German text that speaks of the trigger edge or its delay, with the event's own words in their place."""
+    texts = [one.translations[0] for (context, _), one in catalogue.entries("de").items() if not context]
+    told = [
+        text for text in texts if re.search(r"\bder Triggerflanke|\bTriggerverzögerung\b|Latenz des Triggerwegs", text)
+    ]
+    assert len(told) > 15
+    for text in told:
+        said = event_words.text(text, event, said_in="de")
+        assert not re.search(r"Triggerflanke|Triggerverzögerung\b|Triggerweg", said), said
+
+
+def test_numbers_at_an_axis_have_the_decimal_mark_of_the_language() -> None:
+    """Oracle: by hand; letters are paths, but each is told in a comment."""
+    told = {}
+    for to in ("en", "de"):
+        with writing_in(to), sheet.style():
+            drawn = sheet.figure(height_in=1.0)
+            axes = drawn.subplots()
+            axes.plot([0.25, 0.75], [1e-4, 1.0])
+            axes.set_xticks([0.25, 0.75])
+            axes.set_yscale("log")
+            told[to] = re.findall(r"<!-- (.*?) -->", sheet.svg(drawn, title="numbers"))
+    assert {"0.25", "0.75"} <= set(told["en"])
+    assert {"0,25", "0,75"} <= set(told["de"])
+    assert len(told["en"]) == len(told["de"])

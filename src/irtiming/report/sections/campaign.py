@@ -12,7 +12,8 @@ from irtiming.records.arrays import Array
 from irtiming.records.campaign import WORST_FIRST, Campaign, CampaignLine, CampaignPoint, GaugeStudy, JudgedValue
 from irtiming.records.setting_point import SETTINGS, SettingName
 from irtiming.report import sheet
-from irtiming.report.blocks import Panel, Section, Table, several
+from irtiming.report.blocks import Panel, Section, Table
+from irtiming.report.language import several
 from irtiming.report.rounding import significant, time_text, time_unit, uncertainty_text, value_text
 from irtiming.report.sections.over_settings import LEADING, setting_text, words
 

@@ -5,6 +5,7 @@ import numpy as np
 from irtiming.records.analysis import Analysis
 from irtiming.records.reduced import ReducedRecording
 from irtiming.report.blocks import Section, Table, micro
+from irtiming.report.language import decimal, t
 from irtiming.report.result_of_inputs import JITTER_QUANTILES
 
 _TITLES = {
@@ -25,14 +26,14 @@ def section(analysis: Analysis) -> Section | None:
     if events is None:
         return None
     table = Table(
-        title="Events of the frames about their regular grid",
-        columns=("recording", "period (ms)", "s (µs)", *(f"{100 * q:g} % (µs)" for q in JITTER_QUANTILES),
-                 "u of grid (µs)", "u of clock (µs)", "clock (ppm)"),
+        title=t("Events of the frames about their regular grid"),
+        columns=(t("recording"), t("period (ms)"), t("s (µs)"), *(decimal(f"{100 * q:g} % (µs)") for q in JITTER_QUANTILES),
+                 t("u of grid (µs)"), t("u of clock (µs)"), t("clock (ppm)")),
         align="l" + "r" * (5 + len(JITTER_QUANTILES)),
         rows=tuple(_row(one) for one in analysis.recordings),
-        note=_NOTES[events.kind],
+        note=t(_NOTES[events.kind]),
     )  # fmt: skip
-    return Section(title=_TITLES[events.kind], blocks=(table,))
+    return Section(title=t(_TITLES[events.kind]), blocks=(table,))
 
 
 def _row(one: ReducedRecording) -> tuple[str, ...]:
@@ -42,10 +43,10 @@ def _row(one: ReducedRecording) -> tuple[str, ...]:
     rate = found.relative_rate
     return (
         one.name,
-        f"{1e3 * found.period_s:.6f}",
+        decimal(f"{1e3 * found.period_s:.6f}"),
         micro(float(found.deviation_s.std(ddof=1))),
-        *(f"{1e6 * np.quantile(found.deviation_s, share):.2f}" for share in JITTER_QUANTILES),
+        *(decimal(f"{1e6 * np.quantile(found.deviation_s, share):.2f}") for share in JITTER_QUANTILES),
         micro(found.u_grid_s),
         micro(found.u_clock_s),
-        "–" if rate is None else f"{1e6 * rate:+.2f}",
+        "–" if rate is None else decimal(f"{1e6 * rate:+.2f}"),
     )

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from irtiming.records.drift import Drift
 from irtiming.records.setting_point import SETTINGS, SettingPoint
-from irtiming.report.blocks import Table, several
+from irtiming.report.blocks import Table
+from irtiming.report.language import several
 from irtiming.report.rounding import value_text
 from irtiming.report.sections.over_settings import LEADING, setting_text, words
 

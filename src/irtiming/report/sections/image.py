@@ -13,6 +13,7 @@ from irtiming.records.reduced import Histogram, Opening, ReducedRecording
 from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table, of_tables
+from irtiming.report.language import decimal, heads, t
 from irtiming.report.rounding import significant
 from irtiming.report.sections import level
 
@@ -47,40 +48,55 @@ def section(analysis: Analysis) -> Section:
     sectors = [block for fit in fits for block in (_contrast_panel(fit), sector(fit))]
     events = of_tables(level.shutter_events(analysis))
     return Section(
-        title="What the camera recorded",
+        title=t("What the camera recorded"),
         blocks=(_frames_panel(analysis), *histograms, *sectors, *level.panels(analysis), *events),
     )
 
 
 def _frames_panel(analysis: Analysis) -> Panel:
     others = len(analysis.recordings) - 1
-    more = f" The other recording{'s share' if others > 1 else ' shares'} this region." if others else ""
-    sectors = " Red: the fitted sector." if analysis.sectors else ""
+    more = (
+        ""
+        if not others
+        else t(" The other recording shares this region.")
+        if others == 1
+        else t(" The other recordings share this region.")
+    )
+    sectors = t(" Red: the fitted sector.") if analysis.sectors else ""
     return Panel(
-        title="The mask opening in the image",
-        caption="Left: mean frame with the wheel open. Right: open minus covered. The summed region holds the opening with its "
-        "blurred border: cut at half contrast it would lose light. Violet: bad pixels, for which neighbours stand in. The axle "
-        f"follows from how each pixel follows the wheel, the bisector from the mask’s two straight edges.{sectors}{more}",
-        svg=sheet.svg(mean_frames(analysis), title="Mean frame with region of interest and opening"),
+        title=t("The mask opening in the image"),
+        caption=t(
+            "Left: mean frame with the wheel open. Right: open minus covered. The summed region holds the opening "
+            "with its blurred border: cut at half contrast it would lose light. Violet: bad pixels, for which "
+            "neighbours stand in. The axle follows from how each pixel follows the wheel, the bisector from the "
+            "mask’s two straight edges.{sectors}{more}",
+            sectors=sectors,
+            more=more,
+        ),
+        svg=sheet.svg(mean_frames(analysis), title=t("Mean frame with region of interest and opening")),
     )
 
 
 def _histogram_panel(found: Histogram) -> Panel:
     return Panel(
-        title="Histogram and threshold",
-        caption="Corrected pixel values in the region of interest. The threshold serves the published method only; the pixel "
-        "sums need none.",
-        svg=sheet.svg(histogram(found), title="Histogram of the region of interest with threshold"),
+        title=t("Histogram and threshold"),
+        caption=t(
+            "Corrected pixel values in the region of interest. The threshold serves the published method only; the "
+            "pixel sums need none."
+        ),
+        svg=sheet.svg(histogram(found), title=t("Histogram of the region of interest with threshold")),
     )
 
 
 def _contrast_panel(fit: SectorFit) -> Panel:
     return Panel(
-        title="Contrast of the opening",
-        caption="Contrast of each pixel from the wheel’s second harmonic; that of the fitted sector; the difference, which also "
-        "holds mask-plate contrast and reflection by an uneven wheel; and what nothing but pixel gains or burrs of the mask "
-        "explains. The model keeps all of it.",
-        svg=sheet.svg(contrasts(fit), title="Contrast, fitted sector and excess"),
+        title=t("Contrast of the opening"),
+        caption=t(
+            "Contrast of each pixel from the wheel’s second harmonic; that of the fitted sector; the difference, "
+            "which also holds mask-plate contrast and reflection by an uneven wheel; and what nothing but pixel "
+            "gains or burrs of the mask explains. The model keeps all of it."
+        ),
+        svg=sheet.svg(contrasts(fit), title=t("Contrast, fitted sector and excess")),
     )
 
 
@@ -92,7 +108,7 @@ def mean_frames(analysis: Analysis) -> Figure:
         drawn = sheet.figure(height_in=4.1)
         left, right = drawn.subplots(1, 2, width_ratios=[1.15, 1])
         picture(left, opening.open_frame_dn)
-        left.set_title(f"Mean open frame, {recording.name}")
+        left.set_title(t("Mean open frame, {name}", name=recording.name))
         row0, row1, column0, column1 = opening.roi
         corner, size = (column0 - 0.5, row0 - 0.5), (column1 - column0, row1 - row0)
         left.add_patch(Rectangle(corner, *size, fill=False, edgecolor=_BOX, linewidth=1.2))
@@ -100,7 +116,7 @@ def mean_frames(analysis: Analysis) -> Figure:
         for fit in analysis.sectors[:1]:
             _sector(left, fit.shape)
         picture(right, opening.open_frame_dn - opening.covered_frame_dn)
-        right.set_title("Open minus covered, region of interest")
+        right.set_title(t("Open minus covered, region of interest"))
         _outlines(left, opening, closely=False)
         _outlines(right, opening, closely=True)
         _label(left, right)
@@ -112,16 +128,16 @@ def mean_frames(analysis: Analysis) -> Figure:
 
 def _label(*panels: Axes) -> None:
     for axes in panels:
-        axes.set_xlabel("column (px)")
-        axes.set_ylabel("row (px)")
+        axes.set_xlabel(t("column (px)"))
+        axes.set_ylabel(t("row (px)"))
         axes.grid(visible=False)
 
 
-def picture(axes: Axes, frame: Array, *, label: str = "corrected value (DN)") -> None:
+def picture(axes: Axes, frame: Array, *, label: str = "") -> None:
     """Grey picture (row, column), black to white over all but the rarest values, with its scale beside it."""
     low, high = (float(v) for v in np.quantile(frame, [0.002, 0.998]))
     shades = axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    axes.figure.colorbar(shades, ax=axes, label=label, shrink=0.8, pad=0.02)
+    axes.figure.colorbar(shades, ax=axes, label=label or t("corrected value (DN)"), shrink=0.8, pad=0.02)
 
 
 def _outlines(axes: Axes, opening: Opening, *, closely: bool) -> None:
@@ -161,17 +177,23 @@ def _axle(axes: Axes, recording: ReducedRecording) -> None:
 def _legend(recording: ReducedRecording) -> list[Line2D | Patch]:
     opening = recording.opening
     entries: list[Line2D | Patch] = [
-        Patch(facecolor="none", edgecolor=_BOX, linewidth=1.5, label="region of interest"),
-        Line2D([], [], color=_SUM, linewidth=2, label=f"summed region, border {opening.border_px} px"),
-        Line2D([], [], color=_OUTLINE, linewidth=2, label="mask opening at half contrast"),
+        Patch(facecolor="none", edgecolor=_BOX, linewidth=1.5, label=t("region of interest")),
+        Line2D(
+            [],
+            [],
+            color=_SUM,
+            linewidth=2,
+            label=t("summed region, border {border_px} px", border_px=opening.border_px),
+        ),
+        Line2D([], [], color=_OUTLINE, linewidth=2, label=t("mask opening at half contrast")),
     ]
     if opening.histogram is not None:
-        words = f"threshold {opening.histogram.threshold_dn:.0f} DN"
+        words = t("threshold {threshold_dn:.0f} DN", threshold_dn=opening.histogram.threshold_dn)
         entries.append(Line2D([], [], color=_RED, linestyle="--", linewidth=2, label=words))
     if recording.axle is not None:
         entries += [
-            Line2D([], [], color=sheet.ORANGE, marker="+", markersize=10, linestyle="none", label="axle"),
-            Line2D([], [], color=sheet.ORANGE, linestyle="-.", label="bisector of the mask opening"),
+            Line2D([], [], color=sheet.ORANGE, marker="+", markersize=10, linestyle="none", label=t("axle")),
+            Line2D([], [], color=sheet.ORANGE, linestyle="-.", label=t("bisector of the mask opening")),
         ]
     return entries
 
@@ -187,9 +209,17 @@ def histogram(found: Histogram) -> Figure:
         axes.set_ylim(0.5, 4 * float(found.count.max()))
         level = (found.threshold_dn - found.plate_dn) / (found.blackbody_dn - found.plate_dn)
         for value, text, colour in (
-            (found.plate_dn, f"mask plate\n{found.plate_dn:.0f} DN", sheet.INK),
-            (found.threshold_dn, f"threshold {found.threshold_dn:.0f} DN\n{level:.0%} of the step", sheet.RED),
-            (found.blackbody_dn, f"blackbody\n{found.blackbody_dn:.0f} DN", sheet.INK),
+            (found.plate_dn, t("mask plate\n{plate_dn:.0f} DN", plate_dn=found.plate_dn), sheet.INK),
+            (
+                found.threshold_dn,
+                t(
+                    "threshold {threshold_dn:.0f} DN\n{level:.0%} of the step",
+                    threshold_dn=found.threshold_dn,
+                    level=level,
+                ),
+                sheet.RED,
+            ),
+            (found.blackbody_dn, t("blackbody\n{blackbody_dn:.0f} DN", blackbody_dn=found.blackbody_dn), sheet.INK),
         ):
             axes.axvline(value, color=colour, linewidth=1.1, linestyle="--")
             right = value < float(np.mean(found.bin_edges_dn[[0, -1]]))
@@ -197,8 +227,8 @@ def histogram(found: Histogram) -> Figure:
                 text, (value, 0.97), xycoords=("data", "axes fraction"), xytext=(5 if right else -5, 0),
                 textcoords="offset points", va="top", ha="left" if right else "right", color=colour, fontsize=8,
             )  # fmt: skip
-        axes.set_xlabel("corrected value in the mean open frame (DN)")
-        axes.set_ylabel("pixels (1)")
+        axes.set_xlabel(t("corrected value in the mean open frame (DN)"))
+        axes.set_ylabel(t("pixels (1)"))
     return drawn
 
 
@@ -212,8 +242,8 @@ def contrasts(fit: SectorFit) -> Figure:
         for axes, values, title in zip(
             panels,
             (fit.contrast, fit.model_contrast, beyond, fit.excess),
-            ("Contrast of each pixel, from all frames", "Contrast of the fitted sector", "Measured minus sector",
-             "Excess: what nothing in the model explains"),
+            (t("Contrast of each pixel, from all frames"), t("Contrast of the fitted sector"), t("Measured minus sector"),
+             t("Excess: what nothing in the model explains")),
             strict=True,
         ):  # fmt: skip
             rest = values is beyond or values is fit.excess
@@ -223,7 +253,7 @@ def contrasts(fit: SectorFit) -> Figure:
                 values, cmap="RdBu_r" if rest else "gray", vmin=low, vmax=high, interpolation="nearest",
                 extent=(column0 - 0.5, column1 - 0.5, row1 - 0.5, row0 - 0.5),
             )  # fmt: skip
-            drawn.colorbar(shades, ax=axes, label="contrast (1)", shrink=0.8, pad=0.02)
+            drawn.colorbar(shades, ax=axes, label=t("contrast (1)"), shrink=0.8, pad=0.02)
             axes.set_title(title)
         _label(*panels)
     return drawn
@@ -244,18 +274,24 @@ def _sector(axes: Axes, shape: SectorShape) -> None:
 def sector(found: SectorFit) -> Table:
     """The opening in the image as fitted."""
     rows = [
-        (words, f"{getattr(found.shape, name) * factor:.4f}".replace("-", "−"), significant(found.u(name) * factor))
+        (
+            t(words),
+            decimal(f"{getattr(found.shape, name) * factor:.4f}").replace("-", "−"),
+            significant(found.u(name) * factor),
+        )
         for words, name, factor in _SHAPE
     ]
     if found.u_row_delay_s > 0:
-        phases = f"{1e6 * found.row_delay_s:.3f}".replace("-", "−")
-        rows.append(("row delay by the pixels’ phases (µs)", phases, significant(1e6 * found.u_row_delay_s)))
+        phases = decimal(f"{1e6 * found.row_delay_s:.3f}").replace("-", "−")
+        rows.append((t("row delay by the pixels’ phases (µs)"), phases, significant(1e6 * found.u_row_delay_s)))
     return Table(
-        title="The fitted sector",
-        columns=("what", "value", "u"),
+        title=t("The fitted sector"),
+        columns=heads("what", "value", "u"),
         align="lrr",
         rows=tuple(rows),
-        note="An annular sector, blurred, fitted to the contrast image; reduced χ² "
-        f"{found.reduced_chi_square:.3g}. Above 1 the opening is no perfect sector or pixels differ in gain: what is left over "
-        "enters the model as it is.",
+        note=t(
+            "An annular sector, blurred, fitted to the contrast image; reduced χ² {reduced_chi_square:.3g}. Above 1 "
+            "the opening is no perfect sector or pixels differ in gain: what is left over enters the model as it is.",
+            reduced_chi_square=found.reduced_chi_square,
+        ),
     )

@@ -14,8 +14,9 @@ from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.report import sheet
-from irtiming.report.blocks import MS, US, Panel, Section, Table, several
-from irtiming.report.meanings import METHOD_NAMES, SIGN, edge_delay_name, event, has_lag, several_speeds, words
+from irtiming.report.blocks import MS, US, Panel, Section, Table
+from irtiming.report.language import decimal, heads, several, t, with_capital, with_unit
+from irtiming.report.meanings import SIGN, edge_delay_name, event, has_lag, method_name, several_speeds, words
 from irtiming.report.rounding import fixed, in_unit, significant, time_text
 from irtiming.report.row_curves import whole
 from irtiming.report.sections.row_sums import published_fits
@@ -78,7 +79,7 @@ def section(analysis: Analysis) -> Section:
     speeds = (by_speeds(analysis),) if several_speeds(analysis) and EDGE_ANGLES[0] in analysis.joint.parameters else ()
     profiles = (_profile_panel(analysis),) if analysis.profiles else ()
     tables = (numbers(analysis), search(analysis), *speeds, fits(analysis), searches(analysis))
-    return Section(title="Joint fit", blocks=(*tables, _whiteness_panel(analysis), *profiles))
+    return Section(title=t("Joint fit"), blocks=(*tables, _whiteness_panel(analysis), *profiles))
 
 
 def shared(analysis: Analysis) -> tuple[Shared, ...]:
@@ -100,9 +101,9 @@ def shared(analysis: Analysis) -> tuple[Shared, ...]:
 
 def _meaning(name: str, analysis: Analysis) -> str:
     if name == "delay":
-        what = event("trigger_delay", analysis) if has_lag(analysis) else "middle of the integration window"
-        return f"{what} after the trigger edge"
-    return _MEANINGS.get(name, words(name))
+        what = event("trigger_delay", analysis) if has_lag(analysis) else t("middle of the integration window")
+        return t("{what} after the trigger edge", what=what)
+    return t(_MEANINGS[name]) if name in _MEANINGS else words(name)
 
 
 def angles(analysis: Analysis) -> tuple[Shared, ...]:
@@ -114,9 +115,13 @@ def angles(analysis: Analysis) -> tuple[Shared, ...]:
     prior = joint.prior.pick(*EDGE_ANGLES).covariance
     start = np.array([joint.start.get(name, 0.0) for name in EDGE_ANGLES])
     common = np.full(4, 0.25)
-    rows = [("common_angle", "all edges together: angle by which they come earlier than rig.toml says", common)]
+    rows = [("common_angle", t("all edges together: angle by which they come earlier than rig.toml says"), common)]
     rows += [
-        (f"edge_{edge}_alone", f"edge {edge}, beyond what all have in common", np.eye(4)[edge] - common)
+        (
+            f"edge_{edge}_alone",
+            t("edge {edge}, beyond what all have in common", edge=edge),
+            np.eye(4)[edge] - common,
+        )
         for edge in range(4)
     ]
     return tuple(
@@ -147,17 +152,28 @@ def numbers(analysis: Analysis) -> Table:
          significant(one.standard_uncertainty / one.scale), *_prior(one))
         for one in shared(analysis)
     )  # fmt: skip
-    window = "" if has_lag(analysis) else (
-        " The window is what the rounded corners say; the delays count on the integration time that the recordings state, where "
-        "they state one."
-    )  # fmt: skip
+    window = (
+        ""
+        if has_lag(analysis)
+        else (
+            t(
+                " The window is what the rounded corners say; the delays count on the integration time that the "
+                "recordings state, where they state one."
+            )
+        )
+    )
     return Table(
-        title="What all recordings share",
-        columns=("quantity", "start", "estimate", "u", "prior u", "estimate / prior u"),
+        title=t("What all recordings share"),
+        columns=heads("quantity", "start", "estimate", "u", "prior u", "estimate / prior u"),
         align="lrrrrr",
         rows=rows,
-        note=f"One likelihood over all recordings. The delay is {SIGN}; an angle is positive where an edge comes early. Prior u: "
-        f"what rig.toml, the images and the residuals allow an angle to be off before the fit.{window}",
+        note=t(
+            "One likelihood over all recordings. The delay is {sign}; an angle is positive where an edge comes "
+            "early. Prior u: what rig.toml, the images and the residuals allow an angle to be off before the "
+            "fit.{window}",
+            sign=t(SIGN),
+            window=window,
+        ),
     )
 
 
@@ -175,24 +191,45 @@ def search(analysis: Analysis) -> Table:
     """How the search went, and whether recordings and model agree."""
     joint = analysis.joint
     way_s, own = moved(analysis)
+    way = f"{with_unit(significant(way_s / US, digits=3), 'µs')} = {with_unit(fixed(own, 2), 'u')}"
     low = int(np.sum(joint.whiteness < LEAST_WHITENESS))
     return Table(
-        title="How the fit went",
-        columns=("what", "found", "expected"),
+        title=t("How the fit went"),
+        columns=heads("what", "found", "expected"),
         align="lrl",
         rows=(
-            ("evaluations of the likelihood", str(joint.n_steps), "some"),
-            ("distance of the delay from its start", f"{significant(way_s / US, digits=3)} µs = {fixed(own, 2)} u",
-             "not 0: a fit that stays at its start has found nothing"),
-            ("what a further step would move", f"{joint.decrement:.1g} u", "far less than 1"),
-            ("reduced chi-square", f"{joint.reduced_chi_square:.2f}",
-             "about 1: one set of shared numbers does as well as each recording's own; less where noise was inflated"),
-            ("Birge ratio of the recordings' delays", f"{joint.birge:.2f}", "about 1: they scatter as their noise says"),
-            ("least Ljung-Box p-value of the residuals", f"{float(np.min(joint.whiteness)):.2g}", f"{LEAST_WHITENESS:g} or more"),
-            ("recordings below that", f"{low} of {joint.whiteness.size}", "0"),
+            (t("evaluations of the likelihood"), str(joint.n_steps), t("some")),
+            (
+                t("distance of the delay from its start"),
+                way,
+                t("not 0: a fit that stays at its start has found nothing"),
+            ),
+            (
+                t("what a further step would move"),
+                with_unit(decimal(f"{joint.decrement:.1g}"), "u"),
+                t("far less than 1"),
+            ),
+            (
+                t("reduced chi-square"),
+                decimal(f"{joint.reduced_chi_square:.2f}"),
+                t(
+                    "about 1: one set of shared numbers does as well as each recording's own; less where noise was inflated"
+                ),
+            ),
+            (
+                t("Birge ratio of the recordings' delays"),
+                decimal(f"{joint.birge:.2f}"),
+                t("about 1: they scatter as their noise says"),
+            ),
+            (
+                t("least Ljung-Box p-value of the residuals"),
+                decimal(f"{float(np.min(joint.whiteness)):.2g}"),
+                t("{least:g} or more", least=LEAST_WHITENESS),
+            ),
+            (t("recordings below that"), t("{n} of {total}", n=low, total=joint.whiteness.size), "0"),
         ),
-        note="Delays of single recordings count from the trigger edge, with the delay set taken off.",
-    )  # fmt: skip
+        note=t("Delays of single recordings count from the trigger edge, with the delay set taken off."),
+    )
 
 
 def by_speeds(analysis: Analysis) -> Table:
@@ -208,13 +245,15 @@ def by_speeds(analysis: Analysis) -> Table:
         for one, check in zip(angles(analysis), of, strict=True)
     )
     return Table(
-        title="What the wheel speeds say of rig.toml",
-        columns=("angle", "measured ± u (mrad)", "rig.toml: u (mrad)", "measured / u of rig.toml", "belongs to"),
+        title=t("What the wheel speeds say of rig.toml"),
+        columns=heads("angle", "measured ± u (mrad)", "rig.toml: u (mrad)", "measured / u of rig.toml", "belongs to"),
         align="lrrrl",
         rows=rows,
-        note="A delay is an angle that grows with the wheel's speed, an error of rig.toml is one that does not: recordings at "
-        "several speeds measure it. Positive: the edge comes early. Within about 2 u of rig.toml nothing need be "
-        "done: the delay is already corrected for it.",
+        note=t(
+            "A delay is an angle that grows with the wheel's speed, an error of rig.toml is one that does not: "
+            "recordings at several speeds measure it. Positive: the edge comes early. Within about 2 u of rig.toml "
+            "nothing need be done: the delay is already corrected for it."
+        ),
     )
 
 
@@ -231,26 +270,32 @@ def fits(analysis: Analysis) -> Table:
         rows.append(
             (
                 fit.name,
-                f"{used} of {recording.n_frames}",
+                t("{n} of {total}", n=used, total=recording.n_frames),
                 n_rows,
                 significant(1e3 * float(np.sqrt(np.mean(residual**2)))),
                 significant(1e3 * noise),
-                f"{fit.widening**0.5:.2f}",
+                decimal(f"{fit.widening**0.5:.2f}"),
                 *(_local(fit.estimate, name) for name in names),
             )
         )  # fmt: skip
     return Table(
-        title="Fits, recording by recording",
+        title=t("Fits, recording by recording"),
         columns=(
-            "recording", "frames used", "rows", "rms residual, whole opening (10⁻³)", "noise of a sum (10⁻³)",
-            "factor on u", *(f"{words(name)} ({_local_unit(name)[1]})" for name in names),
+            t("recording"),
+            t("frames used"),
+            t("rows"),
+            t("rms residual, whole opening (10⁻³)"),
+            t("noise of a sum (10⁻³)"),
+            t("factor on u"),
+            *(f"{words(name)} ({_local_unit(name)[1]})" for name in names),
         ),
         align="lrrrrr" + "r" * len(names),
         rows=tuple(rows),
-        note="Residuals in 10⁻³ of the step from covered to open; noise of a row sum, the median over the rows. Factor on u: "
-        "root of "
-        "the variance inflation because residuals are correlated; 1 when they are white.",
-    )  # fmt: skip
+        note=t(
+            "Residuals in 10⁻³ of the step from covered to open; noise of a row sum, the median over the rows. "
+            "Factor on u: root of the variance inflation because residuals are correlated; 1 when they are white."
+        ),
+    )
 
 
 def _local_unit(name: str) -> tuple[float, str]:
@@ -271,7 +316,7 @@ def _local(found: Estimate, name: str) -> str:
 def searches(analysis: Analysis) -> Table:
     """Where each fit began and where it ended: a fit that stays at its start has found nothing."""
     beside = [name for name in ("time_constant", "row_delay") if name in analysis.fits[0].estimate]
-    method = METHOD_NAMES[analysis.best.method]
+    method = method_name(analysis.best.method)
     rows = []
     for fit in analysis.fits:
         starts = {"delay": fit.start_delay_s} if isinstance(fit, EdgeDelayFit) else dict(fit.start)
@@ -282,20 +327,25 @@ def searches(analysis: Analysis) -> Table:
     joint = analysis.joint
     begun = [joint.start.get(name, 0.0) for name in ("delay", *beside)]
     ends = [joint.parameters.value(name) if name in joint.parameters else 0.0 for name in ("delay", *beside)]
-    rows.append((f"{method}, all recordings", *_moves(begun, ends), several(joint.n_steps, "evaluation")))
+    rows.append(
+        (t("{method}, all recordings", method=method), *_moves(begun, ends), several(joint.n_steps, "evaluation"))
+    )
     for published in published_fits(analysis):
         first, last = published.initial_timing, published.timing
         begun = [first.trigger_delay_s, first.time_constant_s, first.row_delay_s][: 1 + len(beside)]
         ends = [last.trigger_delay_s, last.time_constant_s, last.row_delay_s][: 1 + len(beside)]
         work = several(published.n_simulations, "simulation")
-        rows.append((f"published, {published.data.names[0]}", *_moves(begun, ends), work))
+        rows.append((t("published, {name}", name=published.data.names[0]), *_moves(begun, ends), work))
     return Table(
-        title="Start and end of each search",
-        columns=("fit", "delay", *(words(name) for name in beside), "work"),
+        title=t("Start and end of each search"),
+        columns=(t("fit"), t("delay"), *(words(name) for name in beside), t("work")),
         align="lr" + "r" * len(beside) + "r",
         rows=tuple(rows),
-        note=f"Delay: {event(edge_delay_name(analysis), analysis)}; of all recordings together of a window its middle. "
-        f"{SIGN.capitalize()}.",
+        note=t(
+            "Delay: {event}; of all recordings together of a window its middle. {sign}.",
+            event=event(edge_delay_name(analysis), analysis),
+            sign=with_capital(t(SIGN)),
+        ),
     )
 
 
@@ -305,13 +355,15 @@ def _moves(begun: list[float], ends: list[float]) -> list[str]:
 
 def _profile_panel(analysis: Analysis) -> Panel:
     return Panel(
-        title="Profile likelihoods",
-        caption="Twice the logarithm of the likelihood that is lost where a parameter is held at a value and all others are at "
-        "their best. Points and blue line: as computed; grey: the parabola x² that the covariance expects. Red: where the "
-        "deviation reaches 1, the ends of the interval of one standard uncertainty; they belong at −1 and +1. A curve "
-        "narrower than the parabola: the stated u holds more than the frames' noise; wider or lopsided: value ± u is not the "
-        "whole truth.",
-        svg=sheet.svg(draw_profiles(analysis.profiles), title="Profile likelihood of each parameter"),
+        title=t("Profile likelihoods"),
+        caption=t(
+            "Twice the logarithm of the likelihood that is lost where a parameter is held at a value and all others "
+            "are at their best. Points and blue line: as computed; grey: the parabola x² that the covariance "
+            "expects. Red: where the deviation reaches 1, the ends of the interval of one standard uncertainty; they "
+            "belong at −1 and +1. A curve narrower than the parabola: the stated u holds more than the frames' "
+            "noise; wider or lopsided: value ± u is not the whole truth."
+        ),
+        svg=sheet.svg(draw_profiles(analysis.profiles), title=t("Profile likelihood of each parameter")),
     )
 
 
@@ -322,8 +374,8 @@ def draw_profiles(found: tuple[Profile, ...]) -> Figure:
         panels = drawn.subplots(1, max(1, len(found)), sharey=True, squeeze=False)[0]
         for axes, profile in zip(panels, found, strict=False):
             _profile(axes, profile)
-            axes.set_xlabel("(value − estimate) / u (1)")
-        panels[0].set_ylabel("deviation (1)")
+            axes.set_xlabel(t("(value − estimate) / u (1)"))
+        panels[0].set_ylabel(t("deviation (1)"))
         panels[0].set_ylim(-0.2, 6.2)
     return drawn
 
@@ -340,10 +392,15 @@ def _profile(axes: Axes, profile: Profile) -> None:
     for place in _in_u(profile, np.array(ends)):
         axes.plot([place, place], [0, 1], color=sheet.RED, linewidth=1)
         axes.annotate(
-            f"{place:+.2f}".replace("-", "−"), (place, 0), xytext=(-3 if place < 0 else 3, 3), textcoords="offset points",
-            ha="right" if place < 0 else "left", color=sheet.RED, fontsize=7.5,
-        )  # fmt: skip
-    axes.set_title(textwrap.fill(profile.name.replace("_", " "), _TITLE_WIDTH), fontsize=8.5)
+            decimal(f"{place:+.2f}").replace("-", "−"),
+            (place, 0),
+            xytext=(-3 if place < 0 else 3, 3),
+            textcoords="offset points",
+            ha="right" if place < 0 else "left",
+            color=sheet.RED,
+            fontsize=7.5,
+        )
+    axes.set_title(textwrap.fill(words(profile.name), _TITLE_WIDTH, break_long_words=False), fontsize=8.5)
     axes.set_xlim(-_WIDEST, _WIDEST)
     axes.set_xticks(range(-2, 3))
 
@@ -359,14 +416,14 @@ def _between(scaled: Array, deviation: Array, at: Array) -> Array:
 
 def _whiteness_panel(analysis: Analysis) -> Panel:
     return Panel(
-        title="Are the residuals white?",
-        caption="Ljung-Box p-value: the probability of residuals at least as correlated along the wheel angle (20 lags), were "
-        "they "
-        "white; one point per recording, in the order of the inputs. White residuals scatter evenly over 0 to 1. "
-        "Below the red line (a triangle: below 10⁻⁸) the model misses something of the rig; the uncertainty is inflated for "
-        "it, and a "
-        "warning says so.",
-        svg=sheet.svg(draw_whiteness(analysis.joint.whiteness), title="Whiteness of the residuals by recording"),
+        title=t("Are the residuals white?"),
+        caption=t(
+            "Ljung-Box p-value: the probability of residuals at least as correlated along the wheel angle (20 lags), "
+            "were they white; one point per recording, in the order of the inputs. White residuals scatter evenly "
+            "over 0 to 1. Below the red line (a triangle: below 10⁻⁸) the model misses something of the rig; the "
+            "uncertainty is inflated for it, and a warning says so."
+        ),
+        svg=sheet.svg(draw_whiteness(analysis.joint.whiteness), title=t("Whiteness of the residuals by recording")),
     )
 
 
@@ -388,6 +445,6 @@ def draw_whiteness(probability: Array) -> Figure:
         axes.set_ylim(min(LEAST_WHITENESS / 10, float(shown.min()) / 3), 2)
         axes.set_xlim(0.5, probability.size + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes.set_xlabel("recording, in the order of the inputs (1)")
-        axes.set_ylabel("p-value (1)")
+        axes.set_xlabel(t("recording, in the order of the inputs (1)"))
+        axes.set_ylabel(t("p-value (1)"))
     return drawn

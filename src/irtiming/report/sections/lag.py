@@ -9,7 +9,8 @@ from irtiming.records.arrays import Array
 from irtiming.records.result import Profile
 from irtiming.report import camera_noise, sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table
-from irtiming.report.meanings import has_lag, words
+from irtiming.report.language import heads, t
+from irtiming.report.meanings import has_lag, label, words
 from irtiming.report.rounding import fixed, time_text, uncertainty_text
 from irtiming.report.sections.row_sums import absent, published_fits
 
@@ -21,7 +22,7 @@ def section(analysis: Analysis) -> Section | None:
     if not has_lag(analysis):
         return None
     scan = (_scan_panel(analysis),) if _profile_of(analysis) or published_fits(analysis) else ()
-    return Section(title="Lag and delay", blocks=(*scan, _ellipse_panel(analysis), noise(analysis)))
+    return Section(title=t("Lag and delay"), blocks=(*scan, _ellipse_panel(analysis), noise(analysis)))
 
 
 def _profile_of(analysis: Analysis) -> Profile | None:
@@ -32,18 +33,25 @@ def _scan_panel(analysis: Analysis) -> Panel:
     profile, left, theirs = _profile_of(analysis), "", absent(analysis)
     if profile is not None:
         estimate = time_text(profile.value, profile.standard_uncertainty)
-        left = f"Row sums, all recordings: all other numbers at their best at each τ; 1 is one standard uncertainty; {estimate}. "
+        left = t(
+            "Row sums, all recordings: all other numbers at their best at each τ; 1 is one standard uncertainty; "
+            "{estimate}. ",
+            estimate=estimate,
+        )
     for fit in published_fits(analysis)[:1]:
-        theirs = (
-            f"As published: rms deviation of the published simulation from {' and '.join(fit.data.names[:2])}, delays determined "
-            "anew at "
-            "each τ."
+        theirs = t(
+            "As published: rms deviation of the published simulation from {names}, delays determined anew at each τ.",
+            names=t(" and ").join(fit.data.names[:2]),
         )
     return Panel(
-        title="How well other time constants fit",
-        caption=f"{left}{theirs} Below: points minus parabola. The narrower the valley, the better τ is known; points off the "
-        "parabola would bias its minimum.",
-        svg=sheet.svg(scan(analysis), title="Deviation over the time constant by both methods"),
+        title=t("How well other time constants fit"),
+        caption=t(
+            "{left}{theirs} Below: points minus parabola. The narrower the valley, the better τ is known; points off "
+            "the parabola would bias its minimum.",
+            left=left,
+            theirs=theirs,
+        ),
+        svg=sheet.svg(scan(analysis), title=t("Deviation over the time constant by both methods")),
     )
 
 
@@ -58,8 +66,8 @@ def scan(analysis: Analysis) -> Figure:
             parabola = np.array([value**2, -2 * value, 1.0]) / u**2
             points = np.stack([profile.values, profile.deviation])
             _valley(panels[:, 0], points, parabola=parabola, found=(value, u), unit="1", hue=sheet.BLUE)
-            panels[0, 0].set_title("Row sums")
-            panels[0, 0].set_ylabel("2 · log-likelihood lost (1)")
+            panels[0, 0].set_title(t("Row sums"))
+            panels[0, 0].set_ylabel(t("2 · log-likelihood lost (1)"))
         if published:
             fit = published[0]
             points, found = (
@@ -67,8 +75,8 @@ def scan(analysis: Analysis) -> Figure:
                 (fit.timing.time_constant_s, fit.u_timing.time_constant_s),
             )
             _valley(panels[:, -1], points, parabola=1e3 * fit.parabola, found=found, unit="10⁻³", hue=sheet.ORANGE)
-            panels[0, -1].set_title("As published")
-            panels[0, -1].set_ylabel("rms deviation (10⁻³)")
+            panels[0, -1].set_title(t("As published"))
+            panels[0, -1].set_ylabel(t("rms deviation (10⁻³)"))
     return drawn
 
 
@@ -78,34 +86,37 @@ def _valley(
     """Points (2, n), time constants and deviations, with a parabola p0 + p1 tau + p2 tau^2 and the estimate; below, the rest."""
     (top, below), (tau, deviation) = pair, points
     dense = np.linspace(tau[0], tau[-1], 200)
-    top.plot(dense / MS, np.polyval(parabola[::-1], dense), color=sheet.INK, linewidth=0.9, label="parabola")
-    top.plot(tau / MS, deviation, "o", color=hue, markersize=3.5, label="at fixed τ")
+    top.plot(dense / MS, np.polyval(parabola[::-1], dense), color=sheet.INK, linewidth=0.9, label=t("parabola"))
+    top.plot(tau / MS, deviation, "o", color=hue, markersize=3.5, label=t("at fixed τ"))
     top.axvspan((found[0] - found[1]) / MS, (found[0] + found[1]) / MS, color=sheet.RED, alpha=0.15, linewidth=0)
-    top.axvline(found[0] / MS, color=sheet.RED, linewidth=1, label="estimate ± u")
+    top.axvline(found[0] / MS, color=sheet.RED, linewidth=1, label=t("estimate ± u"))
     top.tick_params(labelbottom=False)
     top.legend(loc="upper center", frameon=True, framealpha=0.92, edgecolor="none")
     rest = deviation - np.polyval(parabola[::-1], tau)
     sheet.zero_line(below)
     below.plot(tau / MS, rest, "o", color=hue, markersize=3)
     sheet.robust_limits(below, [rest])
-    below.set_xlabel("time constant (ms)")
-    below.set_ylabel(f"points −\nparabola ({unit})", fontsize=8)
+    below.set_xlabel(t("time constant (ms)"))
+    below.set_ylabel(t("points −\nparabola ({unit})", unit=unit), fontsize=8)
 
 
 def _ellipse_panel(analysis: Analysis) -> Panel:
     return Panel(
-        title="Trigger delay and time constant as noise ties them",
-        caption=f"{noise_sentence(analysis)} Box: what ± u of each alone would suggest. Right: with all parts of the budget; "
-        "errors of the rig’s angles move the trigger delay only, along the abscissa.",
-        svg=sheet.svg(ellipse(analysis), title="Correlation of trigger delay and time constant"),
+        title=t("Trigger delay and time constant as noise ties them"),
+        caption=t(
+            "{noise} Box: what ± u of each alone would suggest. Right: with all parts of the budget; errors of "
+            "the rig’s angles move the trigger delay only, along the abscissa.",
+            noise=noise_sentence(analysis),
+        ),
+        svg=sheet.svg(ellipse(analysis), title=t("Correlation of trigger delay and time constant")),
     )
 
 
 def ellipse(analysis: Analysis) -> Figure:
     """Trigger delay and time constant as noise alone scatters them, and with all parts of their uncertainty."""
-    panels = [("Noise alone", camera_noise.noise(analysis).pick(*_PAIR))]
+    panels = [(t("Noise alone"), camera_noise.noise(analysis).pick(*_PAIR))]
     if all(name in analysis.best.estimate for name in _PAIR):
-        panels.append(("All parts of the uncertainty", analysis.best.estimate.pick(*_PAIR)))
+        panels.append((t("All parts of the uncertainty"), analysis.best.estimate.pick(*_PAIR)))
     with sheet.style():
         drawn = sheet.figure(height_in=3.9)
         grid = drawn.subplots(1, 2)
@@ -126,32 +137,37 @@ def _ellipses(axes: Axes, covariance: Array) -> None:
     circle = np.stack([np.cos(turn), np.sin(turn)])
     for factor, line in ((1, "-"), (2, ":")):
         across, up = factor * root @ circle
-        axes.plot(across, up, line, color=sheet.BLUE, linewidth=1.4, label=f"{factor} u ellipse")
+        axes.plot(across, up, line, color=sheet.BLUE, linewidth=1.4, label=t("{factor} u ellipse", factor=factor))
     corners = np.array([[-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1]])
-    axes.plot(u[0] * corners[0], u[1] * corners[1], "--", color=sheet.RED, linewidth=1, label="box of ± u each")
+    axes.plot(u[0] * corners[0], u[1] * corners[1], "--", color=sheet.RED, linewidth=1, label=t("box of ± u each"))
     reach = 2.4 * float(u.max())
-    axes.plot([-reach, reach], [-reach, reach], color=sheet.FAINT, linewidth=0.9, label="same t_delay − τ")
+    axes.plot([-reach, reach], [-reach, reach], color=sheet.FAINT, linewidth=0.9, label=t("same t_delay − τ"))
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-reach, reach)
     axes.set_aspect("equal")
-    axes.set_xlabel("trigger delay − estimate (µs)")
-    axes.set_ylabel("time constant − estimate (µs)")
+    axes.set_xlabel(t("trigger delay − estimate (µs)"))
+    axes.set_ylabel(t("time constant − estimate (µs)"))
 
 
 def noise(analysis: Analysis) -> Table:
     """How well noise alone lets the camera's parameters be told apart."""
     found = camera_noise.noise(analysis)
-    rows = [(name, uncertainty_text(found.u(name))) for name in found.names]
+    rows = [(label(name), uncertainty_text(found.u(name))) for name in found.names]
     rows.append(
-        ("trigger_delay − time_constant", uncertainty_text(camera_noise.u_of_sum(found, {**_WEIGHTS, _PAIR[1]: -1.0})))
+        (
+            f"{label(_PAIR[0])} − {label(_PAIR[1])}",
+            uncertainty_text(camera_noise.u_of_sum(found, {**_WEIGHTS, _PAIR[1]: -1.0})),
+        )
     )
-    rows.append(("trigger_delay + time_constant", uncertainty_text(camera_noise.u_of_sum(found, _WEIGHTS))))
+    rows.append((f"{label(_PAIR[0])} + {label(_PAIR[1])}", uncertainty_text(camera_noise.u_of_sum(found, _WEIGHTS))))
     return Table(
-        title="What the noise of the frames allows",
-        columns=("quantity", "u from noise alone"),
+        title=t("What the noise of the frames allows"),
+        columns=heads("quantity", "u from noise alone"),
         align="lr",
         rows=tuple(rows),
-        note="Of the mean over all recordings and wheel edges; the budget adds the rig’s angles and the opening’s shape.",
+        note=t(
+            "Of the mean over all recordings and wheel edges; the budget adds the rig’s angles and the opening’s shape."
+        ),
     )
 
 
@@ -162,13 +178,17 @@ def noise_sentence(analysis: Analysis) -> str:
     """What the correlation of trigger delay and time constant means."""
     found = camera_noise.noise(analysis).pick(*_PAIR)
     ratio = float(found.correlation[0, 1])
-    sign, better = (-1.0, "difference") if ratio > 0 else (1.0, "sum")
+    sign, better = (-1.0, t("difference")) if ratio > 0 else (1.0, t("sum"))
     u_better = camera_noise.u_of_sum(found, {_PAIR[0]: 1.0, _PAIR[1]: sign})
     worse = float(found.standard_uncertainties.max())
-    return (
-        f"Noise correlates {words(_PAIR[0])} and {words(_PAIR[1])} by {fixed(ratio, 3)}: a lag of τ shows each long slope as "
-        "it was "
-        "τ ago, which a reading later by the same time makes up for; only the rounding of the corners tells one from the "
-        f"other. So their {better} is known to {uncertainty_text(u_better)} from noise, each alone to "
-        f"{uncertainty_text(worse)} or better."
+    return t(
+        "Noise correlates {first} and {second} by {ratio}: a lag of τ shows each long slope as it was τ ago, "
+        "which a reading later by the same time makes up for; only the rounding of the corners tells one from "
+        "the other. So their {better} is known to {u} from noise, each alone to {worse} or better.",
+        first=words(_PAIR[0]),
+        second=words(_PAIR[1]),
+        ratio=fixed(ratio, 3),
+        better=better,
+        u=uncertainty_text(u_better),
+        worse=uncertainty_text(worse),
     )

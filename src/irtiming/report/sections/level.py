@@ -10,6 +10,7 @@ from irtiming.records.reduced import ReducedRecording, ShutterEvent
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import row_curves, sheet
 from irtiming.report.blocks import Panel, Table
+from irtiming.report.language import heads, t
 from irtiming.report.rounding import fixed
 
 _MOST = 4
@@ -20,15 +21,18 @@ def panels(analysis: Analysis) -> tuple[Panel, ...]:
     shown, n = len(_shown(analysis)), len(analysis.recordings)
     if not shown:
         return ()
-    more = f" The first {shown} of {n} recordings." if n > shown else ""
+    more = t(" The first {shown} of {n} recordings.", shown=shown, n=n) if n > shown else ""
     return (
         Panel(
-            title="Level of the camera over time",
-            caption="Line: slow change of a pixel’s level that was taken off, each stretch between corrections with a level "
-            "of its "
-            "own. Shaded: the camera corrects itself (orange: shutter closed, violet: frozen); these frames are left out. Below: "
-            f"what the fit leaves over in each frame; a trend would be drift that was not caught.{more}",
-            svg=sheet.svg(drift(analysis), title="Drift of the level over time with shutter events"),
+            title=t("Level of the camera over time"),
+            caption=t(
+                "Line: slow change of a pixel’s level that was taken off, each stretch between corrections with a level "
+                "of its own. Shaded: the camera corrects itself (orange: shutter closed, violet: frozen); these frames "
+                "are left out. Below: what the fit leaves over in each frame; a trend would be drift that was not "
+                "caught.{more}",
+                more=more,
+            ),
+            svg=sheet.svg(drift(analysis), title=t("Drift of the level over time with shutter events")),
         ),
     )
 
@@ -48,17 +52,23 @@ def drift(analysis: Analysis) -> Figure:
             top, below = grid[2 * k], grid[2 * k + 1]
             time_s = frame_time_s(recording, recording.frame_index.astype(float))
             _by_stretch(top, time_s, recording.row_sums.drift_dn, recording.segment)
-            top.set_title(f"{recording.name}: drift {np.ptp(recording.row_sums.drift_dn):.1f} DN in all")
-            top.set_ylabel("level (DN)")
+            top.set_title(
+                t(
+                    "{name}: drift {drift:.1f} DN in all",
+                    name=recording.name,
+                    drift=np.ptp(recording.row_sums.drift_dn),
+                )
+            )
+            top.set_ylabel(t("level (DN)"))
             top.tick_params(labelbottom=False)
             sheet.zero_line(below)
             sheet.points(below, x=time_s[fit.kept], y=1e3 * row_curves.whole(fit).residual, colour=sheet.BLUE)
-            below.set_ylabel("residual\n(10⁻³ of step)", fontsize=7.5)
+            below.set_ylabel(t("residual\n(10⁻³ of step)"), fontsize=7.5)
             for axes in (top, below):
                 axes.set_xlim(*_span(recording, time_s))
                 for event in recording.shutter_events:
                     _shade(axes, recording, event)
-            below.set_xlabel("time after the first kept frame (s)" if k == len(shown) - 1 else "")
+            below.set_xlabel(t("time after the first kept frame (s)") if k == len(shown) - 1 else "")
     return drawn
 
 
@@ -97,12 +107,12 @@ def shutter_events(analysis: Analysis) -> Table:
         for event in recording.shutter_events:
             start, end = frame_time_s(recording, np.array([event.first_frame, event.end_frame], float))
             frames = f"{event.first_frame} … {event.end_frame - 1}"
-            what = "shutter closed" if event.kind == "closed" else "frame repeated"
+            what = t("shutter closed") if event.kind == "closed" else t("frame repeated")
             rows.append((recording.name, what, frames, fixed(float(start), 2), fixed(float(end - start), 2)))
     return Table(
-        title="Corrections by the camera itself",
-        columns=("recording", "what", "frames", "after the first kept frame (s)", "for (s)"),
+        title=t("Corrections by the camera itself"),
+        columns=heads("recording", "what", "frames", "after the first kept frame (s)", "for (s)"),
         align="llrrr",
         rows=tuple(rows),
-        note="These frames and those around them are left out; each stretch between them has its own level.",
+        note=t("These frames and those around them are left out; each stretch between them has its own level."),
     )

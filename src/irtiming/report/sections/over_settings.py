@@ -7,7 +7,8 @@ import numpy as np
 from irtiming.records.setting_point import SETTINGS, SettingName, SettingPoint
 from irtiming.records.setting_series import CameraSeries, OverSetting
 from irtiming.report import sheet
-from irtiming.report.blocks import US, Panel, Section, Table, several
+from irtiming.report.blocks import US, Panel, Section, Table
+from irtiming.report.language import several
 from irtiming.report.rounding import in_unit, signed, significant, time_text, time_unit, value_text
 
 DELAYS = ("trigger_delay", "strobe_delay", "timestamp_delay")

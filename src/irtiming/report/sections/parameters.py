@@ -6,7 +6,8 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.result import Result
 from irtiming.report import budget
 from irtiming.report.blocks import US, Section, Table
-from irtiming.report.meanings import METHOD_NAMES, SIGN, SYMBOLS, bound_text, headline, meaning, unit_of
+from irtiming.report.language import decimal, heads, t, with_unit
+from irtiming.report.meanings import SIGN, SYMBOLS, bound_text, headline, label, meaning, method_name, unit_of
 from irtiming.report.rounding import signed, time_text, time_unit, value_text
 
 _NOTES = {
@@ -26,7 +27,7 @@ def section(analysis: Analysis) -> Section:
     """Parameters of the chosen method, and both methods where both were made."""
     theirs = analysis.published
     both = (both_methods(analysis),) if theirs is not None and theirs.result.estimate.names else ()
-    return Section(title="Result", blocks=(parameters(analysis), *both))
+    return Section(title=t("Result"), blocks=(parameters(analysis), *both))
 
 
 def entries(result: Result) -> dict[str, tuple[float, float]]:
@@ -41,23 +42,28 @@ def parameters(analysis: Analysis) -> Table:
     for name, (value, u) in entries(result).items():
         unit = unit_of(name, result)
         expanded = budget.expanded_text(u, budget.of(result, name).degrees_of_freedom, unit=unit)
-        rows.append((name, value_text(value, u, unit=unit), *expanded, meaning(name, analysis).event))
+        rows.append((label(name), value_text(value, u, unit=unit), *expanded, meaning(name, analysis).event))
     split = budget.falling_minus_rising(result)
     if split is not None:
         expanded = budget.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
         text = time_text(split.value_s, split.standard_uncertainty_s)
-        apart = "" if result.falling_rising is not None else "; one wheel speed does not tell a time from an angle"
-        rows.append(("falling − rising", text, *expanded, f"0 expected{apart}"))
+        apart = "" if result.falling_rising is not None else t("; one wheel speed does not tell a time from an angle")
+        rows.append((t("falling − rising"), text, *expanded, t("0 expected{apart}", apart=apart)))
         rows += _as_time_and_angle(result)
-    rows += [(one.name, bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]
+    rows += [(label(one.name), bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]
     return Table(
-        title="Timing of the camera",
-        columns=("parameter", "value ± u", "U = k u", "k", "what it is"),
+        title=t("Timing of the camera"),
+        columns=heads("parameter", "value ± u", "U = k u", "k", "what it is"),
         align="lrrrl",
         rows=tuple(rows),
-        note="Delays count from the trigger edge. The delay set in the trigger generator is taken off. u is the standard "
-        f"uncertainty (k = 1); value ± U holds the true one with {budget.COVERAGE_PERCENT} % probability. "
-        f"Method: {METHOD_NAMES[result.method]}. {_signs(analysis)}",
+        note=t(
+            "Delays count from the trigger edge. The delay set in the trigger generator is taken off. u is the "
+            "standard uncertainty (k = 1); value ± U holds the true one with {percent} % probability. "
+            "Method: {method}. {signs}",
+            percent=budget.COVERAGE_PERCENT,
+            method=method_name(result.method),
+            signs=_signs(analysis),
+        ),
     )
 
 
@@ -68,8 +74,20 @@ def _as_time_and_angle(result: Result) -> list[tuple[str, str, str, str, str]]:
         return []
     (time, angle), (u_time, u_angle) = found.values.tolist(), found.standard_uncertainties.tolist()
     return [
-        ("  constant time", time_text(time, u_time), "–", "–", "a detector that falls otherwise than it rises"),
-        ("  angle", f"{1e6 * angle:.1f} ± {1e6 * u_angle:.1f} µrad", "–", "–", "mask and cutout edges, over ω"),
+        (
+            "  " + t("constant time"),
+            time_text(time, u_time),
+            "–",
+            "–",
+            t("a detector that falls otherwise than it rises"),
+        ),
+        (
+            "  " + t("angle"),
+            t("{angle:.1f} ± {u:.1f} µrad", angle=1e6 * angle, u=1e6 * u_angle),
+            "–",
+            "–",
+            t("mask and cutout edges, over ω"),
+        ),
     ]
 
 
@@ -79,9 +97,9 @@ def _signs(analysis: Analysis) -> str:
     for name in (*result.estimate.names, *(bound.name for bound in result.bounds)):
         sign = meaning(name, analysis).sign
         if sign is not None:
-            of.setdefault(sign, []).append(name)
-    delays = of.pop(SIGN, [])
-    signs = [f"Delays: {SIGN}."] if delays else []
+            of.setdefault(sign, []).append(label(name))
+    delays = of.pop(t(SIGN), [])
+    signs = [t("Delays: {sign}.", sign=t(SIGN))] if delays else []
     return " ".join([*signs, *(f"{', '.join(names)}: {sign}." for sign, names in of.items())])
 
 
@@ -100,19 +118,19 @@ def both_methods(analysis: Analysis) -> Table:
         difference = "–"
         if name in ours and name in theirs:
             (value, u), (other, u_other) = ours[name], theirs[name]
-            difference = f"{signed(other - value, float(np.hypot(u, u_other)), unit_s=US)} µs"
-        rows.append((name, *texts, difference))
+            difference = with_unit(signed(other - value, float(np.hypot(u, u_other)), unit_s=US), "µs")
+        rows.append((label(name), *texts, difference))
     splits = [budget.falling_minus_rising(result) for result in (best, published)]
     texts = [time_text(split.value_s, split.standard_uncertainty_s) for split in splits if split is not None]
     if len(texts) == len(splits):
-        rows.append(("falling − rising", *texts, ""))
-    name = METHOD_NAMES[best.method]
+        rows.append((t("falling − rising"), *texts, ""))
+    name = method_name(best.method)
     return Table(
-        title="Both methods",
-        columns=("parameter", name, "as published", f"published − {name}"),
+        title=t("Both methods"),
+        columns=(t("parameter"), name, t("as published"), t("published − {name}", name=name)),
         align="lrrr",
         rows=tuple(rows),
-        note=f"Delays: {SIGN}. {_NOTES[best.method]}",
+        note=t("Delays: {sign}. {notes}", sign=t(SIGN), notes=t(_NOTES[best.method])),
     )
 
 
@@ -123,19 +141,19 @@ def beside_the_truth(analysis: Analysis, truth_s: dict[str, float]) -> Table:
     rows = []
     for name in headline(analysis, analysis.best):
         factor, unit = time_unit(truth_s[name])
-        cells = [f"{truth_s[name] / factor:.5g} {unit}"]
+        cells = [with_unit(decimal(f"{truth_s[name] / factor:.5g}"), unit)]
         for ours in found:
             if name not in ours:
-                cells += ["not determined", "–"]
+                cells += [t("not determined"), "–"]
                 continue
             value, u = ours[name]
-            cells += [time_text(value, u), f"{(value - truth_s[name]) / u:+.1f}".replace("-", "−")]
+            cells += [time_text(value, u), decimal(f"{(value - truth_s[name]) / u:+.1f}").replace("-", "−")]
         rows.append((SYMBOLS.get(name, name), *cells))
-    methods = [METHOD_NAMES[analysis.best.method], "as published"][: len(results)]
+    methods = [method_name(analysis.best.method), t("as published")][: len(results)]
     return Table(
-        title=f"Timing of the simulated {analysis.camera_type} camera",
-        columns=("", "true", *(cell for name in methods for cell in (name, "off/u"))),
+        title=t("Timing of the simulated {camera_type} camera", camera_type=analysis.camera_type),
+        columns=("", t("true"), *(cell for name in methods for cell in (name, t("off/u")))),
         align="lr" + "rr" * len(results),
         rows=tuple(rows),
-        note=f"t_delay: {meaning('trigger_delay', analysis).event.split(' (')[0]}; {SIGN}.",
+        note=t("t_delay: {part}; {sign}.", part=meaning("trigger_delay", analysis).event.split(" (")[0], sign=t(SIGN)),
     )

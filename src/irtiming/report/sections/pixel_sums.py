@@ -8,7 +8,8 @@ from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.records.analysis import Analysis
 from irtiming.records.estimate import EdgeDelayFit, PublishedFit, SlopeLine
 from irtiming.report import sheet
-from irtiming.report.blocks import Panel, Section, several
+from irtiming.report.blocks import Panel, Section
+from irtiming.report.language import several, t
 from irtiming.report.sections.rig import dense_rad
 
 _MOST_PANELS = 8
@@ -22,26 +23,32 @@ def section(analysis: Analysis) -> Section | None:
         return None
     noise = 1e3 * float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
     panel = Panel(
-        title="Pixel sums and fitted model",
-        caption="Pixel sums over the opening with its whole blurred border, over the wheel angle at the start of integration: "
-        "the delay is taken out, so that all nominal delays fall on one curve. Below: what the fit leaves over, "
-        f"{noise:.2f}·10⁻³ of the step (standard deviation); red, its mean over 6°. A fit that is right leaves noise without "
-        "structure. Right: its distribution beside a normal one.",
-        svg=sheet.svg(fitted(analysis), title="Pixel sums and fitted model with residuals"),
+        title=t("Pixel sums and fitted model"),
+        caption=t(
+            "Pixel sums over the opening with its whole blurred border, over the wheel angle at the start of "
+            "integration: the delay is taken out, so that all nominal delays fall on one curve. Below: what the fit "
+            "leaves over, {noise:.2f}·10⁻³ of the step (standard deviation); red, its mean over 6°. A fit that is "
+            "right leaves noise without structure. Right: its distribution beside a normal one.",
+            noise=noise,
+        ),
+        svg=sheet.svg(fitted(analysis), title=t("Pixel sums and fitted model with residuals")),
     )
     published = published_fits(analysis)
     if analysis.published is None or not published:
-        return Section(title="Exposed fraction and fit", blocks=(panel,))
+        return Section(title=t("Exposed fraction and fit"), blocks=(panel,))
     bars = any(fit.data.u_fraction is not None for fit in published)
-    scatter = "Error bars are standard uncertainties from the scatter over runs, mostly smaller than the points. "
+    scatter = t("Error bars are standard uncertainties from the scatter over runs, mostly smaller than the points. ")
     figure_5 = Panel(
-        title="Exposed fraction over the wheel angle at the trigger",
-        caption="Counts above the threshold, normalised to the plateaus, as in figure 5 of Schatz 2023. A larger delay shifts "
-        "the curve to the left: the same state of the wheel stands in frames that were triggered earlier. Dashed: the "
-        f"model without any delay. {scatter if bars else ''}Below: what the four straight lines leave over.",
-        svg=sheet.svg(averaged(analysis), title="Exposed fraction over wheel angle at the trigger"),
+        title=t("Exposed fraction over the wheel angle at the trigger"),
+        caption=t(
+            "Counts above the threshold, normalised to the plateaus, as in figure 5 of Schatz 2023. A larger delay "
+            "shifts the curve to the left: the same state of the wheel stands in frames that were triggered earlier. "
+            "Dashed: the model without any delay. {rest}Below: what the four straight lines leave over.",
+            rest=scatter if bars else "",
+        ),
+        svg=sheet.svg(averaged(analysis), title=t("Exposed fraction over wheel angle at the trigger")),
     )
-    return Section(title="Exposed fraction and fit", blocks=(panel, figure_5))
+    return Section(title=t("Exposed fraction and fit"), blocks=(panel, figure_5))
 
 
 def pixel_fits(analysis: Analysis) -> list[EdgeDelayFit]:
@@ -69,20 +76,20 @@ def averaged(analysis: Analysis) -> Figure:
         top, below = drawn.subplots(2, 1, sharex=True, height_ratios=[2.4, 1.2])
         angle, ink = dense_rad(wheel), sheet.INK
         top.plot(
-            np.degrees(angle), exposed_fraction(angle, wheel), "--", color=ink, linewidth=1, label="model, no delay"
+            np.degrees(angle), exposed_fraction(angle, wheel), "--", color=ink, linewidth=1, label=t("model, no delay")
         )
         for fit, name, hue in zip(fits, names, hues, strict=True):
             _averaged_points(top, fit, name, hue)
             for line in fit.lines:
                 _line_and_rest(top, below, line, hue)
         sheet.robust_limits(below, [np.asarray(line.get_ydata(), dtype=float) for line in below.get_lines()])
-        top.set_ylabel("exposed fraction (1)")
+        top.set_ylabel(t("exposed fraction (1)"))
         top.set_ylim(-0.06, 1.06)
         drawn.legend(loc="outside upper center", ncols=min(6, len(fits) + 1), markerscale=3, columnspacing=1.4)
         sheet.degrees_axis(top, label=None)
         sheet.zero_line(below)
-        below.set_ylabel("points − line\n(10⁻³ of the step)")
-        sheet.degrees_axis(below, label="wheel angle at the trigger (degrees)")
+        below.set_ylabel(t("points − line\n(10⁻³ of the step)"))
+        sheet.degrees_axis(below, label=t("wheel angle at the trigger (degrees)"))
     return drawn
 
 
@@ -120,11 +127,11 @@ def fitted(analysis: Analysis) -> Figure:
         top = drawn.add_subplot(grid[0, 0])
         for (_, fits), name, hue in zip(groups, names, hues, strict=True):
             _fitted_points(top, fits, name, hue)
-        top.plot([], [], color=sheet.RED, linewidth=1, label="fitted model")
+        top.plot([], [], color=sheet.RED, linewidth=1, label=t("fitted model"))
         beside = drawn.add_subplot(grid[0, 1])
         beside.set_axis_off()
         beside.legend(*top.get_legend_handles_labels(), loc="center left", bbox_to_anchor=(-0.3, 0.5), markerscale=3)
-        top.set_ylabel("exposed fraction (1)")
+        top.set_ylabel(t("exposed fraction (1)"))
         top.set_ylim(-0.06, 1.06)
         sheet.degrees_axis(top, label=None)
         largest = max(float(np.max(np.abs(fit.residual))) for _, fits in shown for fit in fits)
@@ -132,9 +139,9 @@ def fitted(analysis: Analysis) -> Figure:
             last = row == len(shown)
             rest, beside = drawn.add_subplot(grid[row, 0]), drawn.add_subplot(grid[row, 1])
             _rest(rest, fits, name, hue)
-            sheet.degrees_axis(rest, label="wheel angle at the start of integration (degrees)" if last else None)
+            sheet.degrees_axis(rest, label=t("wheel angle at the start of integration (degrees)") if last else None)
             _spread(beside, fits, hue)
-            beside.set_xlabel("frames (1)" if last else "")
+            beside.set_xlabel(t("frames (1)") if last else "")
             for axes in (rest, beside):
                 axes.set_ylim(-1.1e3 * largest, 1.1e3 * largest)
     return drawn
@@ -168,14 +175,22 @@ def _rest(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     mean = np.bincount(place, rest, _BINS) / np.maximum(count, 1)
     filled = count > 0
     axes.plot(((np.arange(_BINS) + 0.5) * 360 / _BINS)[filled], mean[filled], color=sheet.RED, linewidth=1)
-    axes.set_ylabel("sums − model\n(10⁻³ of step)", fontsize=7.5)
+    axes.set_ylabel(t("sums − model\n(10⁻³ of step)"), fontsize=7.5)
     noise = 1e3 * float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
     widening = max(fit.widening for fit in fits)
     axes.set_title(
-        f"{name}, {several(len(fits), 'run')}: standard deviation {noise:.2f}·10⁻³, "
-        f"u × {widening**0.5:.2f} for correlation",
-        fontsize=8, fontweight="normal", color=hue, pad=2,
-    )  # fmt: skip
+        t(
+            "{name}, {fits}: standard deviation {noise:.2f}·10⁻³, u × {widening:.2f} for correlation",
+            name=name,
+            fits=several(len(fits), "run"),
+            noise=noise,
+            widening=widening**0.5,
+        ),
+        fontsize=8,
+        fontweight="normal",
+        color=hue,
+        pad=2,
+    )
 
 
 def _spread(axes: Axes, fits: list[EdgeDelayFit], hue: str) -> None:

@@ -12,7 +12,8 @@ from irtiming.records.result import RelativeDelay, Result
 from irtiming.report import sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table, micro
 from irtiming.report.combination import PAPER_TABLE_1, combined
-from irtiming.report.meanings import METHOD_NAMES, RELATIVE_SIGN, has_pixel_sums, relative_event
+from irtiming.report.language import decimal, t
+from irtiming.report.meanings import RELATIVE_SIGN, has_pixel_sums, method_name, relative_event
 from irtiming.report.rounding import fixed, in_unit, signed
 
 
@@ -22,7 +23,7 @@ def section(analysis: Analysis) -> Section | None:
         return None
     ours, *theirs = (combined_delays(analysis, result) for result in results(analysis))
     tables = (ours, *(replace(table, note="") for table in theirs))
-    return Section(title="Relative delays", blocks=(*tables, panel(analysis), by_file(analysis)))
+    return Section(title=t("Relative delays"), blocks=(*tables, panel(analysis), by_file(analysis)))
 
 
 def results(analysis: Analysis) -> tuple[Result, ...]:
@@ -35,7 +36,7 @@ def results(analysis: Analysis) -> tuple[Result, ...]:
 
 def note(analysis: Analysis) -> str:
     """Event and sign of relative delays."""
-    return f"Relative delay: {relative_event(analysis)}; {RELATIVE_SIGN}."
+    return t("Relative delay: {event}; {sign}.", event=relative_event(analysis), sign=t(RELATIVE_SIGN))
 
 
 def combined_delays(analysis: Analysis, result: Result | None = None) -> Table:
@@ -50,7 +51,8 @@ def combined_delays(analysis: Analysis, result: Result | None = None) -> Table:
         printed = _paper_cells(*paper.pop(row.nominal_s, (None, None, None)))
         rows.append(
             (
-                f"{row.nominal_s / MS:g}" + (f" at {row.rotation_speed_hz:g} Hz" if several else ""),
+                decimal(f"{row.nominal_s / MS:g}")
+                + (t(" at {speed:g} Hz", speed=row.rotation_speed_hz) if several else ""),
                 str(row.n_runs),
                 in_unit(row.value_s, row.standard_uncertainty_s, unit_s=MS),
                 micro(row.standard_uncertainty_s),
@@ -59,17 +61,33 @@ def combined_delays(analysis: Analysis, result: Result | None = None) -> Table:
                 *(printed if beside else ()),
             )
         )
-    rows += [(f"{nominal / MS:g}", "–", "–", "–", "–", "–", *_paper_cells(*entry)) for nominal, entry in paper.items()]
-    heads = ("paper: measured (ms)", "paper: u (µs)", "paper: deviation (µs)") if beside else ()
-    of_paper = "Ours: this camera. Paper: Schatz 2023, Table 1, IRcam Equus 327k L, 20 runs each. " if beside else ""
+    rows += [
+        (decimal(f"{nominal / MS:g}"), "–", "–", "–", "–", "–", *_paper_cells(*entry))
+        for nominal, entry in paper.items()
+    ]
+    heads = (t("paper: measured (ms)"), t("paper: u (µs)"), t("paper: deviation (µs)")) if beside else ()
+    of_paper = t("Ours: this camera. Paper: Schatz 2023, Table 1, IRcam Equus 327k L, 20 runs each. ") if beside else ""
     return Table(
-        title=f"Relative trigger delays, {METHOD_NAMES[chosen.method]}",
-        columns=("nominal (ms)", "runs", "measured (ms)", "u (µs)", "deviation (µs)", "scatter of runs (µs)", *heads),
+        title=t("Relative trigger delays, {method}", method=method_name(chosen.method)),
+        columns=(
+            t("nominal (ms)"),
+            t("runs"),
+            t("measured (ms)"),
+            t("u (µs)"),
+            t("deviation (µs)"),
+            t("scatter of runs (µs)"),
+            *heads,
+        ),
         align="rrrrrr" + "r" * len(heads),
         rows=tuple(rows),
-        note=f"{of_paper}u is the standard uncertainty of the mean over the runs, in SI seconds with that of the generator’s "
-        "clock; noise averages over runs, what they have in common does not. Deviation: measured minus nominal in the "
-        f"generator’s own time, where its clock cancels. Scatter is the standard deviation of single runs. {note(analysis)}",
+        note=t(
+            "{of_paper}u is the standard uncertainty of the mean over the runs, in SI seconds with that of the "
+            "generator’s clock; noise averages over runs, what they have in common does not. Deviation: measured "
+            "minus nominal in the generator’s own time, where its clock cancels. Scatter is the standard deviation "
+            "of single runs. {relative}",
+            of_paper=of_paper,
+            relative=note(analysis),
+        ),
     )
 
 
@@ -77,7 +95,7 @@ def _paper_cells(measured: float | None, u: float | None, deviation: float | Non
     """As printed, to the last digit."""
     if measured is None or u is None or deviation is None:
         return "–", "–", "–"
-    return f"{measured / MS:.3f}", f"{u / US:.3f}", fixed(deviation / US, 3)
+    return decimal(f"{measured / MS:.3f}"), decimal(f"{u / US:.3f}"), fixed(deviation / US, 3)
 
 
 def beside_the_paper(analysis: Analysis) -> Table:
@@ -92,12 +110,17 @@ def beside_the_paper(analysis: Analysis) -> Table:
             else f"{signed(row.deviation_s, row.u_deviation_s, unit_s=US)} ± {micro(row.u_deviation_s)}"
             for row in (*others, best)
         ]  # fmt: skip
-        printed = "–" if u_paper is None or deviation is None else f"{deviation / US:+.3f} ± {u_paper / US:.3f}"
-        rows.append((f"{best.nominal_s / MS:g}", printed.replace("-", "−"), *cells))
-    columns = (*(("here, as published",) if len(both) > 1 else ()), f"here, {METHOD_NAMES[analysis.best.method]}")
+        printed = (
+            "–" if u_paper is None or deviation is None else decimal(f"{deviation / US:+.3f} ± {u_paper / US:.3f}")
+        )
+        rows.append((decimal(f"{best.nominal_s / MS:g}"), printed.replace("-", "−"), *cells))
+    columns = (
+        *((t("here, as published"),) if len(both) > 1 else ()),
+        t("here, {method}", method=method_name(analysis.best.method)),
+    )
     return Table(
-        title="Relative trigger delays: deviation from nominal in µs (Table 1)",
-        columns=("nominal (ms)", "the paper's camera", *columns),
+        title=t("Relative trigger delays: deviation from nominal in µs (Table 1)"),
+        columns=(t("nominal (ms)"), t("the paper's camera"), *columns),
         align="rr" + "r" * len(columns),
         rows=tuple(rows),
         note=note(analysis),
@@ -112,23 +135,25 @@ def by_file(analysis: Analysis) -> Table:
     rows = [
         (
             names.get(delay.file, delay.file),
-            f"{delay.nominal_s / MS:g}",
+            decimal(f"{delay.nominal_s / MS:g}"),
             *(cell for found in given for cell in _deviation(found.get(delay.file))),
         )
         for delay in analysis.best.relative_delays
     ]
-    methods = [METHOD_NAMES[analysis.best.method], "published"][: len(given)]
-    heads = [head for name in methods for head in (f"{name}: deviation (µs)", f"{name}: u (µs)")]
+    methods = [method_name(analysis.best.method), t("published")][: len(given)]
+    heads = [head for name in methods for head in (t("{name}: deviation (µs)", name=name), f"{name}: u (µs)")]
     return Table(
-        title="Relative delays, recording by recording",
-        columns=("recording", "nominal (ms)", *heads),
+        title=t("Relative delays, recording by recording"),
+        columns=(t("recording"), t("nominal (ms)"), *heads),
         align="lr" + "r" * len(heads),
         rows=tuple(rows) if several else (),
-        note="Deviation is measured minus nominal in the generator’s own time, u its standard uncertainty; the generator sets "
-        "delays to a tick of its clock. What else the "
-        "camera "
-        "has is taken as one for all recordings. The published method averages the runs of one nominal delay, which share their "
-        f"value. {note(analysis)}",
+        note=t(
+            "Deviation is measured minus nominal in the generator’s own time, u its standard uncertainty; the "
+            "generator sets delays to a tick of its clock. What else the camera has is taken as one for all "
+            "recordings. The published method averages the runs of one nominal delay, which share their value. "
+            "{relative}",
+            relative=note(analysis),
+        ),
     )
 
 
@@ -141,12 +166,15 @@ def _deviation(delay: RelativeDelay | None) -> tuple[str, str]:
 
 def panel(analysis: Analysis) -> Panel:
     """Deviations of the relative delays."""
-    paper = " Grey: what the paper printed for another camera." if has_pixel_sums(analysis) else ""
+    paper = t(" Grey: what the paper printed for another camera.") if has_pixel_sums(analysis) else ""
     return Panel(
-        title="Relative delays: measured minus nominal",
-        caption="The trigger generator sets delays to a tick of its clock, so each deviation is the measurement’s own error. "
-        f"Means over runs; error bars: standard uncertainty (k = 1).{paper} The ordinates differ.",
-        svg=sheet.svg(figure(analysis), title="Deviations of the relative delays"),
+        title=t("Relative delays: measured minus nominal"),
+        caption=t(
+            "The trigger generator sets delays to a tick of its clock, so each deviation is the measurement’s own "
+            "error. Means over runs; error bars: standard uncertainty (k = 1).{paper} The ordinates differ.",
+            paper=paper,
+        ),
+        svg=sheet.svg(figure(analysis), title=t("Deviations of the relative delays")),
     )
 
 
@@ -165,9 +193,9 @@ def figure(analysis: Analysis) -> Figure:
             rows = combined(analysis, result)
             ours = np.array([(row.nominal_s, row.deviation_s, row.u_deviation_s) for row in rows])
             _bars(axes, ours.reshape(-1, 3), "o", hue)
-            axes.set_title(METHOD_NAMES[result.method])
-            axes.set_xlabel("nominal relative delay (ms)")
-            axes.set_ylabel("measured − nominal (µs)")
+            axes.set_title(method_name(result.method))
+            axes.set_xlabel(t("nominal relative delay (ms)"))
+            axes.set_ylabel(t("measured − nominal (µs)"))
             axes.margins(x=0.15)
     return drawn
 

@@ -1,5 +1,7 @@
 """The rig as it was measured, and the model without any delay (Schatz 2023, figure 4)."""
 
+import re
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,25 +13,43 @@ from irtiming.records.arrays import Array
 from irtiming.records.wheel_geometry import WheelModel
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section
+from irtiming.report.language import decimal, t
+
+_NUMBER, _WORD = re.compile(r"[0-9]+(?:\.[0-9]+)?"), re.compile(r"[a-z]{2,}")
+
+
+def _in_language(svg: str) -> str:
+    """The drawing with its words and numbers in the language; the catalogue leaves numbers open."""
+
+    def told(match: re.Match[str]) -> str:
+        found = [decimal(number) for number in _NUMBER.findall(match[1])]
+        known = _NUMBER.sub("{}", match[1])
+        return f">{(t(known) if _WORD.search(known) else known).format(*found)}<"
+
+    return re.sub(r">([^<>]*[^<>\s][^<>]*)<", told, svg)
 
 
 def section(analysis: Analysis) -> Section:
     """Figure 4 with the rig's own numbers."""
     geometry = analysis.geometry
     wheel = Panel(
-        title="Wheel, mask opening and light beams",
-        caption="The rig from the camera’s side, angles and beams to scale. Edge i passes the application beam at wheel angle "
-        "αᵢ; θ grows with rotation and is zero when edge 0 is at the beam. The opening is uncovered where a cutout lies "
-        "over it. A camera rolled about its axis turns this picture as a whole.",
-        svg=drawing(geometry.model, geometry.gates, rotation=analysis.rig.wheel.rotation),
+        title=t("Wheel, mask opening and light beams"),
+        caption=t(
+            "The rig from the camera’s side, angles and beams to scale. Edge i passes the application beam at wheel "
+            "angle αᵢ; θ grows with rotation and is zero when edge 0 is at the beam. The opening is uncovered where "
+            "a cutout lies over it. A camera rolled about its axis turns this picture as a whole."
+        ),
+        svg=_in_language(drawing(geometry.model, geometry.gates, rotation=analysis.rig.wheel.rotation)),
     )
     fraction = Panel(
-        title="Model: exposed fraction without any delay",
-        caption="Uncovered part of the mask opening over the wheel angle, from rig.toml and the timestamps alone. Blue: corners. "
-        "Red: middle of each slope, where an edge passes the bisector of the opening.",
-        svg=sheet.svg(model(geometry.model), title="Model of the exposed fraction"),
+        title=t("Model: exposed fraction without any delay"),
+        caption=t(
+            "Uncovered part of the mask opening over the wheel angle, from rig.toml and the timestamps alone. Blue: "
+            "corners. Red: middle of each slope, where an edge passes the bisector of the opening."
+        ),
+        svg=sheet.svg(model(geometry.model), title=t("Model of the exposed fraction")),
     )
-    return Section(title="Rig and model", blocks=(wheel, fraction))
+    return Section(title=t("Rig and model"), blocks=(wheel, fraction))
 
 
 def model(wheel: WheelModel) -> Figure:
@@ -45,8 +65,8 @@ def model(wheel: WheelModel) -> Figure:
             _corner(axes, end, level=0.0 if falls else 1.0, starts=False)
             _middle(axes, slope_centres_rad(wheel)[edge], edge)
         axes.set_ylim(-0.17, 1.17)
-        axes.set_ylabel("exposed fraction (1)")
-        sheet.degrees_axis(axes, label="wheel angle (degrees)")
+        axes.set_ylabel(t("exposed fraction (1)"))
+        sheet.degrees_axis(axes, label=t("wheel angle (degrees)"))
     return drawn
 
 
@@ -56,7 +76,7 @@ def _corner(axes: Axes, angle_rad: float, *, level: float, starts: bool) -> None
     axes.plot([angle], [level], "o", color=sheet.BLUE, markersize=4, zorder=4)
     right = (starts or angle < 18) and angle < 335
     axes.annotate(
-        f"{angle:.2f}°", (angle, level), xytext=(-5 if right else 5, 6 if level else -6), textcoords="offset points",
+        decimal(f"{angle:.2f}°"), (angle, level), xytext=(-5 if right else 5, 6 if level else -6), textcoords="offset points",
         ha="left" if right else "right", va="bottom" if level else "top", fontsize=8,
     )  # fmt: skip
 
@@ -67,7 +87,8 @@ def _middle(axes: Axes, angle_rad: float, edge: int) -> None:
     axes.plot([angle], [0.5], "o", color=sheet.RED, markersize=4, zorder=4)
     right = angle < 300
     axes.annotate(
-        f"edge {edge} {'covers' if falls else 'uncovers'}\nat {angle:.2f}°", (angle, 0.5),
+        t("edge {edge} covers\nat {angle:.2f}°", edge=edge, angle=angle) if falls
+        else t("edge {edge} uncovers\nat {angle:.2f}°", edge=edge, angle=angle), (angle, 0.5),
         xytext=(7 if right else -7, 2 if falls == right else -2), textcoords="offset points",
         ha="left" if right else "right", va="bottom" if falls == right else "top", fontsize=8, color=sheet.RED,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from irtiming.records.wheel_calibration import SlotsAtSpeed, SpeedRipple, WheelC
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table
+from irtiming.report.language import decimal, heads, t, with_unit
 from irtiming.report.rounding import in_unit, significant
 
 _PER_MILLION = 1e6
@@ -29,38 +30,45 @@ def section(analysis: Analysis) -> Section:
     """Figures; tables where the slots were learned."""
     wheel = analysis.wheel
     rate = Panel(
-        title="Speed of the wheel",
-        caption="Mean rate of each turn, from the control slots’ timestamps, relative to the nominal one. Wheel angles are "
-        "interpolated between the slots, so that slow wander does no harm.",
-        svg=sheet.svg(speed(analysis), title="Speed of the wheel over time"),
+        title=t("Speed of the wheel"),
+        caption=t(
+            "Mean rate of each turn, from the control slots’ timestamps, relative to the nominal one. Wheel angles "
+            "are interpolated between the slots, so that slow wander does no harm."
+        ),
+        svg=sheet.svg(speed(analysis), title=t("Speed of the wheel over time")),
     )
     irregular = Panel(
-        title="Irregularity of the control slots",
+        title=t("Irregularity of the control slots"),
         caption=slots_caption(wheel),
-        svg=sheet.svg(slots(analysis), title="Deviation of the control slots, and its orders"),
+        svg=sheet.svg(slots(analysis), title=t("Deviation of the control slots, and its orders")),
     )
     tables = () if wheel is None else (speeds(wheel), orders(wheel))
-    return Section(title="What the wheel did", blocks=(rate, irregular, *tables))
+    return Section(title=t("What the wheel did"), blocks=(rate, irregular, *tables))
 
 
 def slots_caption(wheel: WheelCalibration | None) -> str:
     """What the figure of the slots shows."""
     if wheel is None:
-        return "Too few turns were recorded to learn the slots: they are taken as equal."
-    known = (
-        "Above: angle of each slot minus its regular place, from all recordings together. The default method corrects for it, "
-        "the published one takes the slots as equal. Below: the same as waves around the wheel; order 1 is eccentricity. "
+        return t("Too few turns were recorded to learn the slots: they are taken as equal.")
+    known = t(
+        "Above: angle of each slot minus its regular place, from all recordings together. The default method "
+        "corrects for it, the published one takes the slots as equal. Below: the same as waves around the wheel; "
+        "order 1 is eccentricity. "
     )
     if wheel.ripple is None:
         return known + (
-            "A speed ripple that repeats every turn is in it: no order can be separated from such a ripple at a single wheel "
-            "speed, "
-            "the low ones least. Recordings at another speed separate them."
+            t(
+                "A speed ripple that repeats every turn is in it: no order can be separated from such a ripple at a "
+                "single wheel speed, the low ones least. Recordings at another speed separate them."
+            )
         )
     return known + (
-        "Orange: speed ripple that repeats every turn, separated from the slots by its fall with the square of the speed, "
-        "at the "
-        f"slowest speed; pale where it may be chance. All orders together are chance with probability {wheel.ripple.chance:.1g}."
+        t(
+            "Orange: speed ripple that repeats every turn, separated from the slots by its fall with the square of "
+            "the speed, at the slowest speed; pale where it may be chance. All orders together are chance with "
+            "probability {chance:.1g}.",
+            chance=wheel.ripple.chance,
+        )
     )
 
 
@@ -82,8 +90,8 @@ def speed(analysis: Analysis) -> Figure:
             named.add(name)
             axes.plot(middle_s, deviation, color=hue, linewidth=0.9, marker=".", markersize=3, label=label)
         sheet.zero_line(axes)
-        axes.set_xlabel("time after the first control slot of the recording (s)")
-        axes.set_ylabel("turn rate − nominal\n(10⁻⁶ of nominal)")
+        axes.set_xlabel(t("time after the first control slot of the recording (s)"))
+        axes.set_ylabel(t("turn rate − nominal\n(10⁻⁶ of nominal)"))
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return drawn
 
@@ -94,41 +102,51 @@ def summary(wheel: WheelCalibration) -> Table:
     rms, u_slot = float(np.std(wheel.slot_deviation_rad)), slot_orders.u_slot_rad(wheel.order_variance_rad2, n_slots)
     slowest_hz = wheel.speeds[0].rotation_speed_hz
     rows = [
-        ("slots' deviations, rms", _mrad(rms), f"{1e6 * rms / (TURN * slowest_hz):.2f} µs at {slowest_hz:.3g} Hz"),
-        ("standard uncertainty of each slot", _mrad(u_slot), f"{1e6 * u_slot / (TURN * slowest_hz):.2f} µs"),
         (
-            "closure: mean of the deviations",
-            f"{1e9 * abs(float(wheel.slot_deviation_rad.mean())):.3f} nrad",
-            "each turn is made 360°",
+            t("slots' deviations, rms"),
+            _mrad(rms),
+            t("{rms:.2f} µs at {speed:.3g} Hz", rms=1e6 * rms / (TURN * slowest_hz), speed=slowest_hz),
         ),
-        ("gate separation Δβ", _mrad(wheel.gate_separation_rad), f"± {_mrad(wheel.u_gate_separation_rad)}"),
+        (
+            t("standard uncertainty of each slot"),
+            _mrad(u_slot),
+            t("{time:.2f} µs", time=1e6 * u_slot / (TURN * slowest_hz)),
+        ),
+        (
+            t("closure: mean of the deviations"),
+            t("{mean:.3f} nrad", mean=1e9 * abs(float(wheel.slot_deviation_rad.mean()))),
+            t("each turn is made 360°"),
+        ),
+        (t("gate separation Δβ"), _mrad(wheel.gate_separation_rad), f"± {_mrad(wheel.u_gate_separation_rad)}"),
     ]
     if wheel.application_edges_rad is not None and wheel.u_application_edges_rad is not None:
         both = zip("₀₁₂₃", wheel.application_edges_rad, wheel.u_application_edges_rad, strict=True)
         rows += [
-            (f"application edge α{i}", _mrad(angle), "by definition" if i == "₀" else f"± {_mrad(u)}")
+            (t("application edge α{i}", i=i), _mrad(angle), t("by definition") if i == "₀" else f"± {_mrad(u)}")
             for i, angle, u in both
         ]
-    return Table(title="Wheel", columns=("quantity", "value", ""), align="lrl", rows=tuple(rows))
+    return Table(title=t("Wheel"), columns=heads("quantity", "value", ""), align="lrl", rows=tuple(rows))
 
 
 def speeds(wheel: WheelCalibration) -> Table:
     """Which recordings it rests on."""
     rows = tuple(
         (
-            f"{one.rotation_speed_hz:.4g} Hz",
+            t("{speed:.4g} Hz", speed=one.rotation_speed_hz),
             str(one.n_turns),
             _mrad(float(np.std(one.deviation_rad))),
-            f"{significant(1e6 * slot_orders.u_slot_rad(one.order_variance_rad2, one.deviation_rad.size))} µrad",
+            with_unit(
+                significant(1e6 * slot_orders.u_slot_rad(one.order_variance_rad2, one.deviation_rad.size)), "µrad"
+            ),
         )
         for one in wheel.speeds
     )
     return Table(
-        title="Slots as they appear at each speed",
-        columns=("speed", "turns", "rms deviation", "u of each slot"),
+        title=t("Slots as they appear at each speed"),
+        columns=heads("speed", "turns", "rms deviation", "u of each slot"),
         align="rrrr",
         rows=rows,
-        note="" if wheel.ripple is not None else _NOT_SEPARABLE,
+        note="" if wheel.ripple is not None else t(_NOT_SEPARABLE),
     )
 
 
@@ -142,18 +160,20 @@ def orders(wheel: WheelCalibration) -> Table:
     largest = amplitude if ripple is None else np.maximum(amplitude, ripple)
     chosen = sorted((1 + np.argsort(largest[1:])[::-1][:_LARGEST]).tolist())
     rows = tuple(
-        (str(k), _with_u(float(amplitude[k]), float(u[k])), f"{np.degrees(phase[k]):.0f}°", _ripple(wheel, k))
+        (str(k), _with_u(float(amplitude[k]), float(u[k])), decimal(f"{np.degrees(phase[k]):.0f}°"), _ripple(wheel, k))
         for k in chosen
     )
-    note = f"The largest of {amplitude.size - 1} orders; order k has k waves to a turn."
+    note = t("The largest of {n} orders; order k has k waves to a turn.", n=amplitude.size - 1)
     if wheel.ripple is not None:
-        note += (
-            f" Ripple: of the wheel's angle, at {wheel.ripple.reference_speed_hz:.3g} Hz; it falls with the square of the speed. "
-            f"All orders of it together are chance with probability {wheel.ripple.chance:.1g}."
+        note += t(
+            " Ripple: of the wheel's angle, at {speed:.3g} Hz; it falls with the square of the speed. "
+            "All orders of it together are chance with probability {chance:.1g}.",
+            speed=wheel.ripple.reference_speed_hz,
+            chance=wheel.ripple.chance,
         )
     return Table(
-        title="Deviations by order",
-        columns=("order", "amplitude (µrad)", "phase", "speed ripple (µrad)"),
+        title=t("Deviations by order"),
+        columns=heads("order k", "amplitude (µrad)", "phase", "speed ripple (µrad)"),
         align="rrrl",
         rows=rows,
         note=note,
@@ -167,15 +187,15 @@ def ripple_is_clear(ripple: SpeedRipple) -> Mask:
 
 def _ripple(wheel: WheelCalibration, order: int) -> str:
     if wheel.ripple is None:
-        return "not separable"
+        return t("not separable")
     n_slots = wheel.slot_deviation_rad.size
     amplitude = float(slot_orders.amplitude_rad(wheel.ripple.deviation_rad)[order])
     u = float(slot_orders.u_amplitude_rad(wheel.ripple.order_variance_rad2, n_slots)[order])
-    return _with_u(amplitude, u) + ("" if ripple_is_clear(wheel.ripple)[order] else " (may be chance)")
+    return _with_u(amplitude, u) + ("" if ripple_is_clear(wheel.ripple)[order] else t(" (may be chance)"))
 
 
 def _mrad(angle_rad: float) -> str:
-    return f"{1e3 * angle_rad:.4f} mrad"
+    return t("{angle:.4f} mrad", angle=1e3 * angle_rad)
 
 
 def _with_u(angle_rad: float, u_rad: float) -> str:
@@ -214,22 +234,31 @@ def _deviations(axes: Axes, wheel: WheelCalibration) -> None:
     sheet.zero_line(axes)
     axes.vlines(slot, 0, 1e3 * deviation, color=sheet.BLUE, linewidth=2.2, alpha=0.35)
     axes.errorbar(
-        slot, 1e3 * deviation, yerr=1e3 * u, fmt=".", color=sheet.BLUE, ecolor=sheet.RED, elinewidth=1.2, markersize=4,
-        label="slots with standard uncertainty" if wheel.ripple is not None else "slots and ripple, with standard uncertainty",
-    )  # fmt: skip
+        slot,
+        1e3 * deviation,
+        yerr=1e3 * u,
+        fmt=".",
+        color=sheet.BLUE,
+        ecolor=sheet.RED,
+        elinewidth=1.2,
+        markersize=4,
+        label=t("slots with standard uncertainty")
+        if wheel.ripple is not None
+        else t("slots and ripple, with standard uncertainty"),
+    )
     if wheel.ripple is not None:
         axes.plot(
             slot, 1e3 * wheel.ripple.deviation_rad, color=sheet.ORANGE, linewidth=1.3,
-            label=f"what the ripple adds at {wheel.ripple.reference_speed_hz:.3g} Hz, taken off",
+            label=t("what the ripple adds at {speed:.3g} Hz, taken off", speed=wheel.ripple.reference_speed_hz),
         )  # fmt: skip
     axes.set_xlim(-1.5, slot.size + 0.5)
-    axes.set_xlabel("control slot, slot 0 in register with edge 0 (1)")
-    axes.set_ylabel("deviation (mrad)")
+    axes.set_xlabel(t("control slot, slot 0 in register with edge 0 (1)"))
+    axes.set_ylabel(t("deviation (mrad)"))
     times = axes.twinx()
     times.set_ylim(*(1e3 * limit / (TURN * slowest_hz) for limit in axes.get_ylim()))
     times.grid(visible=False)
     times.spines["right"].set_visible(True)
-    times.set_ylabel(f"at {slowest_hz:.3g} Hz (µs)")
+    times.set_ylabel(t("at {speed:.3g} Hz (µs)", speed=slowest_hz))
     axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.17))
 
 
@@ -241,20 +270,26 @@ def _orders(axes: Axes, wheel: WheelCalibration) -> None:
     known = [values[values > 0].min() for values in (amplitude, u) if np.any(values > 0)]
     floor = 0.5 * max(min(known, default=_LEAST_MRAD), _LEAST_MRAD)
     axes.vlines(order, floor, np.maximum(amplitude, floor), color=sheet.BLUE, linewidth=2.2, alpha=0.35)
-    axes.plot(order, amplitude, ".", color=sheet.BLUE, markersize=4, label="slots")
-    axes.plot(order, u, color=sheet.RED, linewidth=1.1, label="standard uncertainty")
+    axes.plot(order, amplitude, ".", color=sheet.BLUE, markersize=4, label=t("slots"))
+    axes.plot(order, u, color=sheet.RED, linewidth=1.1, label=t("standard uncertainty"))
     if wheel.ripple is not None:
         ripple = 1e3 * slot_orders.amplitude_rad(wheel.ripple.deviation_rad)[1:]
         clear = ripple_is_clear(wheel.ripple)[1:]
         axes.plot(
-            order[~clear], ripple[~clear], "x", color=sheet.ORANGE, alpha=0.35, markersize=4, label="ripple or chance"
+            order[~clear],
+            ripple[~clear],
+            "x",
+            color=sheet.ORANGE,
+            alpha=0.35,
+            markersize=4,
+            label=t("ripple or chance"),
         )
-        axes.plot(order[clear], ripple[clear], "x", color=sheet.ORANGE, markersize=6, label="ripple")
+        axes.plot(order[clear], ripple[clear], "x", color=sheet.ORANGE, markersize=6, label=t("ripple"))
     axes.set_yscale("log")
     axes.set_ylim(bottom=floor)
     axes.set_xlim(0.2, order[-1] + 0.8)
-    axes.set_xlabel("order: waves to a turn (1)")
-    axes.set_ylabel("amplitude (mrad)")
+    axes.set_xlabel(t("order: waves to a turn (1)"))
+    axes.set_ylabel(t("amplitude (mrad)"))
     axes.legend(loc="upper right", ncols=4, bbox_to_anchor=(1.0, 1.2))
 
 

@@ -13,6 +13,7 @@ from irtiming.web.desk import Desk
 from irtiming.web.orders import AnalyseOrder
 
 RESULTS = "results"
+_LANGUAGES = {"en": "English", "de": "Deutsch"}
 _METHODS = {"pixel-sum": "the project's own", "published": "as published in 2023"}
 
 
@@ -44,6 +45,7 @@ def _form(desk: Desk) -> None:
         chosen.props("use-chips").style("grid-column: 1 / -1").mark("recordings")
         rig = ui.select(rigs, value=rigs[0] if rigs else None, label="What was measured on the rig")
         method = ui.select(_METHODS, value="pixel-sum", label="Method")
+        language = ui.select(_LANGUAGES, value="en", label="Language of the report").mark("language")
         name = ui.input("Name of the result", value=newest[0].parent.name if newest else "result")
 
     def start() -> None:
@@ -54,6 +56,7 @@ def _form(desk: Desk) -> None:
                 recordings=tuple(desk.folder.existing(str(one)) for one in chosen.value),
                 rig=desk.folder.existing(str(rig.value or "")),
                 method=str(method.value),
+                language=str(language.value),
                 result=desk.folder.free(f"{name.value or 'result'}.json", within=RESULTS),
                 report=desk.folder.free(f"{name.value or 'result'}.html", within=RESULTS),
             )
