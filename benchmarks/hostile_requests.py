@@ -48,7 +48,8 @@ OUTSIDE = (
     "run.nxs%00.html", "~/x", "%c0%ae%c0%ae/outside/secret.nxs", "", ".", "..", "sub", "\u202e", "a" * 5000,
 )  # fmt: skip
 PLACES = (
-    "/", "/plan", "/rig", "/record", "/library", "/analyse", "/campaigns", "/certificate", "/apply", "/live.jpg", "/nothing",
+    "/", "/plan", "/rig", "/record", "/library", "/analyse", "/campaigns", "/history", "/certificate", "/apply",
+    "/live.jpg", "/nothing",
     "/openapi.json", "/docs", "/_nicegui/client/1/upload/1", "/_nicegui_ws/socket.io/?EIO=4&transport=polling",
     "/_nicegui_ws/socket.io/?EIO=4&transport=websocket", "//evil.example/", "/look/page.css",
 )  # fmt: skip

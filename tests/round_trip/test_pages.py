@@ -13,6 +13,7 @@ import pytest
 from irtiming.archive import rig_writer, writer
 from irtiming.twin.rig import draw, simulate
 from irtiming.twin.scene import paper_scene, with_wheel_speed
+from results_by_hand import result_by_hand
 
 ROOT = Path(__file__).parents[2]
 CHROMIUM = shutil.which("chromium")
@@ -187,3 +188,48 @@ def _record_a_camera(folder):
     writer.write(replace(one, camera=replace(one.camera, serial_number="A")), folder / "A.nxs")
     (folder / "junk.nxs").write_text("junk")
     return drawn.scene.timing.trigger_delay_s
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+def test_a_history_in_a_browser(served):
+    """Oracle: four results by hand, 1 us apart; the change by the last has u = sqrt(2) 0.3 us; no other host asked."""
+    from playwright.sync_api import sync_playwright
+
+    lab, base = served.around / "lab", f"http://{served.host}"
+    (lab / "results").mkdir(exist_ok=True)
+    names = []
+    for number, day in enumerate(("2025-11-23", "2026-02-23", "2026-05-24", "2026-11-23")):
+        result = result_by_hand(400e-6 + number * 1e-6, start=f"{day}T10:00:00Z", serial="H7")
+        names.append(f"results/H7-{day}.json")
+        (lab / names[-1]).write_text(result.model_dump_json())
+    foreign, complaints = [], []
+    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
+        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
+        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
+        page.on("console", lambda one: complaints.append(one.text) if one.type == "error" else None)
+        page.set_default_timeout(60_000)
+        page.goto(served.address)
+        page.goto(f"{base}/history?camera=H7")
+        page.get_by_role("combobox", name="Results", exact=True).click()
+        for name in names:
+            option = page.get_by_role("option", name=name)
+            if option.get_attribute("aria-selected") != "true":
+                option.click()
+        page.keyboard.press("Escape")
+        page.get_by_role("button", name="Enter", exact=True).press("Enter")
+        page.get_by_text("4 new of 4").wait_for()
+        page.get_by_role("heading", name="Drift since the last calibration").wait_for()
+        row = page.get_by_role("row", name=re.compile("trigger delay .*2026-05-24 … 2026-11-23"))
+        assert "1.00 ± 0.42 µs" in row.inner_text()
+        page.get_by_role("img", name="Control chart of trigger delay").wait_for()
+        page.get_by_role("heading", name="4 results of").wait_for()
+        since = page.get_by_label("Drift since (a day)", exact=True)
+        since.fill("2026-01-31")
+        since.press("Enter")
+        page.get_by_role("row", name=re.compile("trigger delay .*2025-11-23 … 2026-11-23")).wait_for()
+        since.fill("today")
+        since.press("Enter")
+        page.get_by_text("must be a day such as 2026-01-31").first.wait_for()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert foreign == []
+    assert complaints == []

@@ -9,6 +9,7 @@ from irtiming.records.campaign import WORST_FIRST, Campaign, GaugeStudy
 from irtiming.report.language import several
 from irtiming.report.page import Content, Verdict, Warned, render
 from irtiming.report.sections import campaign as sections
+from irtiming.report.sections import control_chart
 from irtiming.report.sections.over_settings import words
 
 
@@ -60,7 +61,7 @@ def verdict(campaign: Campaign) -> Verdict:
 
 def _gauge(study: GaugeStudy) -> str:
     who = "any operator" if study.n_operators > 1 else "one operator"
-    size = sections.size(sqrt(study.gauge), study.unit)
+    size = control_chart.size(sqrt(study.gauge), study.unit)
     return (
         f"{words(study.parameter).capitalize()}: one measurement by {who} repeats within {size} (standard deviation)."
     )

@@ -27,6 +27,7 @@ PLACES = (
     Place(address="/library", name="Library", purpose="Recordings and files of frames: look, check, convert, drag in."),
     Place(address="/analyse", name="Analyse", purpose="From recordings to the timing of the camera, with its report."),
     Place(address="/campaigns", name="Campaigns", purpose="Many cameras: one table, verdicts by a rule, one page."),
+    Place(address="/history", name="History", purpose="A camera over the years: every result, and its drift."),
     Place(address="/certificate", name="Certificate", purpose="From results to a calibration certificate."),
     Place(address="/apply", name="Apply", purpose="A result put to use on other frames: before and after, side by side."),
 )  # fmt: skip

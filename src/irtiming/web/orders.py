@@ -122,3 +122,22 @@ class PlanOrder:
     window_or_lag_s: float
     rig: Path | None = None
     wanted: str = ""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class HistoryOrder:
+    """Which camera of which register of results; drift counts from the day ``since``, else from the last calibration."""
+
+    register: Path
+    serial_number: str
+    since: str = ""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class EnterOrder:
+    """Results to enter into a register."""
+
+    results: tuple[Path, ...]
+    register: Path

@@ -28,6 +28,7 @@ from irtiming.web.pages import (
     apply_page,
     campaigns_page,
     certificate_page,
+    history_page,
     library_page,
     plan_page,
     record_page,
@@ -132,6 +133,7 @@ def add_pages(desk: Desk, *, upload_bytes: int) -> None:
         files,
         analyse_page,
         campaigns_page,
+        history_page,
         certificate_page,
         apply_page,
     ):

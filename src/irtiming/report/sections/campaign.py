@@ -1,31 +1,21 @@
 """Sections of a campaign's page: what was judged, control charts, findings, repeatability, and every line."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from math import sqrt
-from typing import final
 
 import numpy as np
 
-from irtiming.records.arrays import Array
-from irtiming.records.campaign import WORST_FIRST, Campaign, CampaignLine, CampaignPoint, GaugeStudy, JudgedValue
+from irtiming.records.campaign import WORST_FIRST, Campaign, CampaignLine, GaugeStudy, JudgedValue
 from irtiming.records.setting_point import SETTINGS, SettingName
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table
 from irtiming.report.language import several
-from irtiming.report.rounding import significant, time_text, time_unit, uncertainty_text, value_text
+from irtiming.report.rounding import time_text, value_text
+from irtiming.report.sections.control_chart import Chart, charts, panel, size
 from irtiming.report.sections.over_settings import LEADING, setting_text, words
 
 _MOST_LINES, _MOST_BARS = 400, 15
-_FEWEST_POINTS = 4
-_OF_MOVING_RANGE = 1.128  # d2 of two values: mean moving range over standard deviation
-_SIGMAS = 3.0
-
-
-def size(value: float, unit: str) -> str:
-    """A standard deviation with its unit."""
-    return uncertainty_text(value) if unit == "s" else significant(value)
 
 
 def judged(campaign: Campaign) -> Section | None:
@@ -66,64 +56,19 @@ def _judged_row(line: CampaignLine, name: str, value: JudgedValue) -> tuple[str,
     return line.camera.name, _setting(line), what, limits, value.judgement, chance
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Chart:
-    """Values in order of time with the centre and the limits of their moving range; shapes (n,)."""
-
-    parameter: str
-    unit: str
-    labels: tuple[str, ...]
-    values: Array
-    u: Array
-    centre: float
-    sigma: float
-
-    @property
-    def beyond(self) -> tuple[int, ...]:
-        """Those outside of three standard deviations."""
-        return tuple(np.flatnonzero(np.abs(self.values - self.centre) > _SIGMAS * self.sigma).tolist())
-
-
-def charts(campaign: Campaign) -> Iterator[Chart]:
-    """Of each leading parameter of the cameras and the setting with most results.
-
-    Notes
-    -----
-    Individuals and moving range (ISO 7870-2, 6.3): sigma is the mean of |x_i - x_(i-1)| over 1.128.
-    """
-    points = _most_alike(campaign.points)
-    for name in LEADING:
-        told = [one for one in points if name in one.point.parameters]
-        if len(told) < _FEWEST_POINTS:
-            continue
-        found = [one.point.parameters[name] for one in told]
-        values = np.array([one.value for one in found])
-        yield Chart(
-            parameter=name, unit=found[0].unit, labels=tuple(one.point.camera.serial_number for one in told), values=values,
-            u=np.array([one.standard_uncertainty for one in found]), centre=float(values.mean()),
-            sigma=float(np.mean(np.abs(np.diff(values)))) / _OF_MOVING_RANGE,
-        )  # fmt: skip
-
-
-def _most_alike(points: Sequence[CampaignPoint]) -> list[CampaignPoint]:
-    """Results of the kind of camera and the setting that most have, in order of time."""
-
-    def kind(one: CampaignPoint) -> str:
-        key, told = one.point.camera, one.point.settings
-        settings = [(name, f"{value:.3g}" if isinstance(value, float) else value)
-                    for name, value in sorted(told.items()) if name != "sensor_temperature"]  # fmt: skip
-        return f"{key.manufacturer} {key.model} {key.camera_type} {key.readout_mode} {key.event} {settings}"
-
-    most, _ = Counter(kind(one) for one in points).most_common(1)[0]
-    mine = [one for one in points if kind(one) == most]
-    return sorted(mine, key=lambda one: (one.point.start_time, one.point.label))
-
-
 def control(campaign: Campaign) -> Section | None:
     """Control charts; None for fewer than four results of a kind."""
-    panels = tuple(_panel(chart, _limits(campaign, chart.parameter)) for chart in charts(campaign))
+    panels = tuple(
+        panel(
+            chart, limits=_limits(campaign, chart.parameter), aside=", so cameras that differ from each other widen it"
+        )
+        for chart in _charts(campaign)
+    )
     return Section(title="Control charts", blocks=panels) if panels else None
+
+
+def _charts(campaign: Campaign) -> Iterator[Chart]:
+    return charts([one.point for one in campaign.points])
 
 
 def _limits(campaign: Campaign, name: str) -> tuple[float | None, float | None]:
@@ -132,39 +77,12 @@ def _limits(campaign: Campaign, name: str) -> tuple[float | None, float | None]:
     return found.pop() if len(found) == 1 else (None, None)
 
 
-def _panel(chart: Chart, limits: tuple[float | None, float | None]) -> Panel:
-    scale, unit = time_unit(float(np.max(np.abs(chart.values)))) if chart.unit == "s" else (1.0, chart.unit)
-    place = np.arange(1, chart.values.size + 1)
-    with sheet.style():
-        figure = sheet.figure(height_in=2.7)
-        axes = figure.subplots()
-        for at, style in ((0.0, "-"), (-_SIGMAS, "--"), (_SIGMAS, "--")):
-            axes.axhline((chart.centre + at * chart.sigma) / scale, color=sheet.FAINT, linewidth=0.9, linestyle=style)
-        for limit in limits:
-            if limit is not None:
-                axes.axhline(limit / scale, color=sheet.RED, linewidth=1.1)
-        axes.errorbar(place, chart.values / scale, chart.u / scale, fmt="none", ecolor=sheet.FAINT, elinewidth=0.8)
-        axes.plot(place, chart.values / scale, "-o", color=sheet.BLUE, markersize=3, linewidth=0.7)
-        beyond = list(chart.beyond)
-        axes.plot(place[beyond], chart.values[beyond] / scale, "o", color=sheet.RED, markersize=5)
-        axes.set_xlabel("result, in order of time")
-        axes.set_ylabel(f"{words(chart.parameter)} ({unit})")
-        drawn = sheet.svg(figure, title=f"Control chart of {words(chart.parameter)}")
-    red = " Red lines: limits." if any(one is not None for one in limits) else ""
-    return Panel(
-        title=f"{words(chart.parameter).capitalize()} of {several(chart.values.size, 'result')}",
-        caption=f"Individuals in order of time, with u. Grey: mean and ± 3 standard deviations by the mean moving range "
-        f"({size(chart.sigma, chart.unit)}), so cameras that differ from each other widen it. Red points lie outside.{red}",
-        svg=drawn,
-    )
-
-
 def out_of_control(campaign: Campaign) -> list[str]:
     """Results outside of the limits of their control chart, in words."""
     return [
         f"control chart of {words(chart.parameter)}: {several(len(chart.beyond), 'result')} beyond three standard deviations "
         f"({', '.join(chart.labels[k] for k in chart.beyond[:5])}{', …' if len(chart.beyond) > 5 else ''})"
-        for chart in charts(campaign)
+        for chart in _charts(campaign)
         if chart.beyond
     ]
 

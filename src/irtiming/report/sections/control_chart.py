@@ -1,0 +1,124 @@
+"""Control charts: values in order of time, about their mean and within the limits of their moving range."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.records.arrays import Array
+from irtiming.records.setting_point import SettingPoint
+from irtiming.report import sheet
+from irtiming.report.blocks import Panel
+from irtiming.report.language import several, with_capital
+from irtiming.report.rounding import significant, time_unit, uncertainty_text
+from irtiming.report.sections.over_settings import LEADING, words
+
+FEWEST_POINTS = 4
+"""Below, there is nothing to chart."""
+
+_OF_MOVING_RANGE = 1.128  # d2 of two values: mean moving range over standard deviation
+_SIGMAS = 3.0
+
+
+def size(value: float, unit: str) -> str:
+    """A standard deviation with its unit."""
+    return uncertainty_text(value) if unit == "s" else significant(value)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chart:
+    """Values in order of time with the centre and the limits of their moving range; shapes (n,)."""
+
+    parameter: str
+    unit: str
+    labels: tuple[str, ...]
+    values: Array
+    u: Array
+    centre: float
+    sigma: float
+
+    @property
+    def beyond(self) -> tuple[int, ...]:
+        """Those outside of three standard deviations."""
+        return tuple(np.flatnonzero(np.abs(self.values - self.centre) > _SIGMAS * self.sigma).tolist())
+
+
+def charts(results: Sequence[SettingPoint]) -> Iterator[Chart]:
+    """Of each leading parameter of the kind of camera and the setting with most results; none for fewer than four of a kind.
+
+    Parameters
+    ----------
+    results
+        At least one.
+
+    Notes
+    -----
+    Individuals and moving range (ISO 7870-2, 6.3): sigma is the mean of |x_i - x_(i-1)| over 1.128.
+    """
+    points = _most_alike(results)
+    for name in LEADING:
+        told = [one for one in points if name in one.parameters]
+        if len(told) < FEWEST_POINTS:
+            continue
+        found = [one.parameters[name] for one in told]
+        values = np.array([one.value for one in found])
+        yield Chart(
+            parameter=name, unit=found[0].unit, labels=tuple(one.camera.serial_number for one in told), values=values,
+            u=np.array([one.standard_uncertainty for one in found]), centre=float(values.mean()),
+            sigma=float(np.mean(np.abs(np.diff(values)))) / _OF_MOVING_RANGE,
+        )  # fmt: skip
+
+
+def _most_alike(points: Sequence[SettingPoint]) -> list[SettingPoint]:
+    """Results of the kind of camera and the setting that most have, in order of time."""
+
+    def kind(one: SettingPoint) -> str:
+        key, told = one.camera, one.settings
+        settings = [(name, f"{value:.3g}" if isinstance(value, float) else value)
+                    for name, value in sorted(told.items()) if name != "sensor_temperature"]  # fmt: skip
+        return f"{key.manufacturer} {key.model} {key.camera_type} {key.readout_mode} {key.event} {settings}"
+
+    most, _ = Counter(kind(one) for one in points).most_common(1)[0]
+    mine = [one for one in points if kind(one) == most]
+    return sorted(mine, key=lambda one: (one.start_time, one.label))
+
+
+def panel(chart: Chart, *, limits: tuple[float | None, float | None] = (None, None), aside: str = "") -> Panel:
+    """Figure and caption.
+
+    Parameters
+    ----------
+    chart
+        What to draw.
+    limits
+        Lower and upper, in the unit of the values, where there are any.
+    aside
+        What else to say of the moving range, in the middle of a sentence.
+    """
+    scale, unit = time_unit(float(np.max(np.abs(chart.values)))) if chart.unit == "s" else (1.0, chart.unit)
+    place = np.arange(1, chart.values.size + 1)
+    with sheet.style():
+        figure = sheet.figure(height_in=2.7)
+        axes = figure.subplots()
+        for at, style in ((0.0, "-"), (-_SIGMAS, "--"), (_SIGMAS, "--")):
+            axes.axhline((chart.centre + at * chart.sigma) / scale, color=sheet.FAINT, linewidth=0.9, linestyle=style)
+        for limit in limits:
+            if limit is not None:
+                axes.axhline(limit / scale, color=sheet.RED, linewidth=1.1)
+        axes.errorbar(place, chart.values / scale, chart.u / scale, fmt="none", ecolor=sheet.FAINT, elinewidth=0.8)
+        axes.plot(place, chart.values / scale, "-o", color=sheet.BLUE, markersize=3, linewidth=0.7)
+        beyond = list(chart.beyond)
+        axes.plot(place[beyond], chart.values[beyond] / scale, "o", color=sheet.RED, markersize=5)
+        axes.set_xlabel("result, in order of time")
+        axes.set_ylabel(f"{words(chart.parameter)} ({unit})")
+        drawn = sheet.svg(figure, title=f"Control chart of {words(chart.parameter)}")
+    red = " Red lines: limits." if any(one is not None for one in limits) else ""
+    return Panel(
+        title=f"{with_capital(words(chart.parameter))} of {several(chart.values.size, 'result')}",
+        caption=f"Individuals in order of time, with u. Grey: mean and ± 3 standard deviations by the mean moving range "
+        f"({size(chart.sigma, chart.unit)}){aside}. Red points lie outside.{red}",
+        svg=drawn,
+    )
