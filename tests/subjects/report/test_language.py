@@ -24,6 +24,7 @@ from irtiming.records.choices import Language
 from irtiming.records.frame_events import FrameEvent
 from irtiming.report import catalogue, certificate, event_words, language, sheet
 from irtiming.report.language import day, decimal, finding_title, several, t, translated, writing_in
+from irtiming.report.meanings import SIGN
 
 REPORT = Path(package.__file__).parent
 CATALOGUES = REPORT / "catalogues"
@@ -221,3 +222,18 @@ def test_numbers_at_an_axis_have_the_decimal_mark_of_the_language() -> None:
     assert {"0.25", "0.75"} <= set(told["en"])
     assert {"0,25", "0,75"} <= set(told["de"])
     assert len(told["en"]) == len(told["de"])
+
+
+@pytest.mark.parametrize("event", ["strobe", "stamp", "arrival"])
+def test_a_certificate_of_a_camera_that_runs_free_is_german(event: FrameEvent) -> None:
+    """Oracle: what a result says of the trigger, in the event's own words; each is in the catalogue."""
+    said = (
+        "trigger delay",
+        SIGN,
+        "latency of the trigger path",
+        "latency of application gate, control gate and trigger path",
+    )
+    for text in said:
+        told = event_words.text(text, event)
+        assert told != text
+        assert told in GERMAN
