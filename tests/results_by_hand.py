@@ -1,5 +1,7 @@
 """Results of a made-up photon camera on one rig, with the budget of its delay: own errors, and those of the rig."""
 
+import re
+
 from irtiming.archive.result_model import Result
 
 OWN_S, RIG_S = 0.3e-6, 0.4e-6
@@ -41,3 +43,18 @@ def result_by_hand(
         "software": {},
     }  # fmt: skip
     return Result.model_validate(content)
+
+
+def english_words_in(page):
+    """Texts of a page and its figures that have one of the commonest English words, but for what is quoted as it is."""
+    page = re.sub(r'<style.*?</style>|<span class="original".*?</span>', "", page, flags=re.DOTALL)
+    texts = {
+        " ".join(text.split())
+        for text in re.findall(r"<!--(.*?)-->|>([^<>]+)<", page, flags=re.DOTALL)
+        for text in text
+    }
+    english = re.compile(r"\b(the|of|and|from|by|each|rows?|frames?|what|delay|edge|wheel|is|are|per|time)\b")
+    as_it_is = re.compile(
+        r"Measuring timing properties of|glibc|(made|found) by hand|the shutter is|frames lost|HDF5 file"
+    )
+    return {text for text in texts if english.search(text) and not as_it_is.search(text)}

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from irtiming.cli.options import RigFile, filled, in_options
+from irtiming.records.choices import Language
 
 
 @in_options
@@ -41,6 +42,7 @@ def campaign(
     register: Annotated[
         str, typer.Option(metavar="FILE|URL", help="Register of results: an SQLite file, an SQLAlchemy URL, or none.")
     ] = "register.sqlite",
+    language: Annotated[Language, typer.Option(help="Of the page.")] = "en",
     json: Annotated[Path | None, typer.Option(metavar="OUT", help="Write all of it as JSON.")] = None,
 ) -> None:
     """Measure many cameras on one rig: one table, one page, and every result in the register.

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from irtiming.cli.options import filled, in_options
+from irtiming.records.choices import Language
 
 
 @in_options
@@ -26,6 +27,7 @@ def series(
         Path | None, typer.Option(metavar="OUT", help="Write points, covariances and fits as JSON.")
     ] = None,
     report: Annotated[Path | None, typer.Option("--report", "-o", metavar="OUT", help="Write one HTML page.")] = None,
+    language: Annotated[Language, typer.Option(help="Of the page.")] = "en",
 ) -> None:
     """Each parameter of a camera over integration time, frame rate, internal delay, region, gain and FPA temperature.
 

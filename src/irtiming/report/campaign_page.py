@@ -6,11 +6,11 @@ from math import sqrt
 from typing import Any
 
 from irtiming.records.campaign import WORST_FIRST, Campaign, GaugeStudy
-from irtiming.report.language import several
+from irtiming.report.language import several, t, with_capital
+from irtiming.report.meanings import words
 from irtiming.report.page import Content, Verdict, Warned, render
 from irtiming.report.sections import campaign as sections
 from irtiming.report.sections import control_chart
-from irtiming.report.sections.over_settings import words
 
 
 def page(campaign: Campaign, *, created: datetime | None = None) -> str:
@@ -32,7 +32,7 @@ def page(campaign: Campaign, *, created: datetime | None = None) -> str:
     )
     return render(
         Content(
-            heading="Timing of many cameras",
+            heading=t("Timing of many cameras"),
             verdict=verdict(campaign),
             warnings=tuple(Warned(text=one) for one in doubts(campaign)),
             sections=tuple(section for section in told if section is not None),
@@ -46,24 +46,36 @@ def verdict(campaign: Campaign) -> Verdict:
     cameras = {one.camera for one in campaign.lines}
     counts = Counter(one.judgement for one in campaign.lines)
     lines = several(len(campaign.lines), "line")
-    what = f"{several(len(campaign.points), 'result')} of {several(len(cameras), 'camera')}, {lines} of camera and setting."
-    number = f"{several(len(cameras), 'camera')} measured" if not campaign.rule else (
-        f"{counts['pass']} of {len(campaign.lines)} pass"
+    what = t(
+        "{results} of {cameras}, {lines} of camera and setting.",
+        results=several(len(campaign.points), "result"),
+        cameras=several(len(cameras), "camera"),
+        lines=lines,
+    )
+    number = t("{cameras} measured", cameras=several(len(cameras), 'camera')) if not campaign.rule else (
+        t("{n} of {total} pass", n=counts["pass"], total=len(campaign.lines))
     )  # fmt: skip
-    others = [f"{counts[word]} {word}" for word in WORST_FIRST if counts[word] and word not in ("pass", "no limits")]
-    remarks = [f"Decision rule: {campaign.rule}."] if campaign.rule else ["No limits were given: nothing was judged."]
-    remarks += [f"Others: {', '.join(others)}."] if others else []
+    others = [f"{counts[word]} {t(word)}" for word in WORST_FIRST if counts[word] and word not in ("pass", "no limits")]
+    remarks = (
+        [t("Decision rule: {rule}.", rule=t(campaign.rule))]
+        if campaign.rule
+        else [t("No limits were given: nothing was judged.")]
+    )
+    remarks += [t("Others: {others}.", others=", ".join(others))] if others else []
     remarks += [_gauge(one) for one in campaign.studies[:1]]
     if any(one.simulated for one in campaign.lines):
-        remarks.append("SIMULATED: results of no real camera are among them.")
+        remarks.append(t("SIMULATED: results of no real camera are among them."))
     return Verdict(number=number, sentence=what, remarks=tuple(remarks))
 
 
 def _gauge(study: GaugeStudy) -> str:
-    who = "any operator" if study.n_operators > 1 else "one operator"
+    who = t("any operator") if study.n_operators > 1 else t("one operator")
     size = control_chart.size(sqrt(study.gauge), study.unit)
-    return (
-        f"{words(study.parameter).capitalize()}: one measurement by {who} repeats within {size} (standard deviation)."
+    return t(
+        "{parameter}: one measurement by {who} repeats within {size} (standard deviation).",
+        parameter=with_capital(words(study.parameter)),
+        who=who,
+        size=size,
     )
 
 
@@ -71,7 +83,7 @@ def doubts(campaign: Campaign) -> list[str]:
     """What could not be analysed, in short; what is out of control."""
     told = [f"{', '.join(one.files)}: {one.what.removeprefix(f'{one.files[0]}: ')}" for one in campaign.broken[:20]]
     if len(campaign.broken) > 20:
-        told.append(f"and {len(campaign.broken) - 20} more, in campaign.json")
+        told.append(t("and {n} more, in campaign.json", n=len(campaign.broken) - 20))
     return [*told, *sections.out_of_control(campaign)]
 
 

@@ -14,6 +14,7 @@ from typing import Any, final
 from irtiming.records.choices import Language
 from irtiming.report.catalogue import catalogue
 
+_NUMBER, _WORD = re.compile(r"[0-9]+(?:\.[0-9]+)?"), re.compile(r"[a-z]{2,}")
 _NARROW = "\N{NARROW NO-BREAK SPACE}"
 _language: ContextVar[Language] = ContextVar("language", default="en")
 
@@ -45,6 +46,13 @@ def t(text: str, **values: object) -> str:
     """
     found = translated(text, language())
     return _Places().vformat(found, (), values) if values else found
+
+
+def with_numbers(text: str) -> str:
+    """A text that was made elsewhere with its numbers in it, which the catalogue leaves open: ``"cutout edge {}"``."""
+    found = [decimal(number) for number in _NUMBER.findall(text)]
+    known = _NUMBER.sub("{}", text)
+    return (t(known) if _WORD.search(known) else known).format(*found)
 
 
 def heads(*texts: str) -> tuple[str, ...]:

@@ -80,6 +80,6 @@ def render(content: Content, *, created: datetime | None = None) -> str:
         several=several,
         language=language(),
         sections=content.sections,
-        created=f"{day(when, language())} {when.strftime('%H:%M %Z')}".strip(),
+        created=f"{day(when.date(), language())} {when.strftime('%H:%M %Z')}".strip(),
         version=versions().get("irtiming", ""),
     )

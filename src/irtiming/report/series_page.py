@@ -7,7 +7,8 @@ import numpy as np
 
 from irtiming.records.setting_point import SETTINGS
 from irtiming.records.setting_series import CameraSeries, LineFit, OverSetting
-from irtiming.report.language import several
+from irtiming.report.language import several, t, with_capital
+from irtiming.report.meanings import words
 from irtiming.report.page import Content, Verdict, Warned, render
 from irtiming.report.sections import over_settings
 
@@ -24,9 +25,9 @@ def page(series: tuple[CameraSeries, ...], *, created: datetime | None = None) -
     """
     return render(
         Content(
-            heading="Timing of a camera over its settings"
+            heading=t("Timing of a camera over its settings")
             if len(series) == 1
-            else "Timing of cameras over their settings",
+            else t("Timing of cameras over their settings"),
             verdict=verdict(series),
             warnings=tuple(Warned(text=one) for one in over_settings.doubts(series)),
             sections=over_settings.sections(series),
@@ -40,27 +41,42 @@ def verdict(series: tuple[CameraSeries, ...]) -> Verdict:
     over = [each for one in series for each in one.over]
     results = sum(len(one.points) for one in series)
     simulated = (
-        ("SIMULATED: results of no real camera.",) if any(p.simulated for one in series for p in one.points) else ()
+        (t("SIMULATED: results of no real camera."),) if any(p.simulated for one in series for p in one.points) else ()
     )
     if not over:
         return Verdict(
-            number="no settings to compare",
-            sentence=f"{several(results, 'result')} of {several(len(series), 'camera')}: no two of one camera differ in one "
-            "setting alone that both of them state.",
+            number=t("no settings to compare"),
+            sentence=t(
+                "{results} of {cameras}: no two of one camera differ in one setting alone that both of them state.",
+                results=several(results, "result"),
+                cameras=several(len(series), "camera"),
+            ),
             remarks=simulated,
         )
     first = over[0]
-    what = f"{over_settings.words(first.parameter)} over {SETTINGS[first.setting][0]}"
     return Verdict(
-        number=f"{what}: slope {over_settings.slope_text(first)}",
-        sentence=f"{several(results, 'result')} of {several(len(series), 'camera')}; slopes with standard uncertainties (k = 1), "
-        f"in which what all results have in common hardly counts. Agrees with {over_settings.meaning(first)}.",
+        number=t("{what}: slope {slope}", what=_what(first), slope=over_settings.slope_text(first)),
+        sentence=t(
+            "{results} of {cameras}; slopes with standard uncertainties (k = 1), in which what all results have in "
+            "common hardly counts. Agrees with {meaning}.",
+            results=several(results, "result"),
+            cameras=several(len(series), "camera"),
+            meaning=over_settings.meaning(first),
+        ),
         remarks=(
-            *(f"{over_settings.words(one.parameter).capitalize()} over {SETTINGS[one.setting][0]}: slope "
-              f"{over_settings.slope_text(one)}." for one in over[1:4]),
+            *(
+                t("{what}: slope {slope}.", what=with_capital(_what(one)), slope=over_settings.slope_text(one))
+                for one in over[1:4]
+            ),
             *simulated,
         ),
-    )  # fmt: skip
+    )
+
+
+def _what(one: OverSetting) -> str:
+    return t(
+        "{parameter} over {setting}", parameter=words(one.parameter), setting=over_settings.setting_name(one.setting)
+    )
 
 
 def as_json(series: tuple[CameraSeries, ...]) -> dict[str, Any]:

@@ -16,7 +16,9 @@ from irtiming.archive.register.entries import Entry
 from irtiming.distribute.campaign import CampaignOrder, Measured, Progress, measure
 from irtiming.errors import ArchiveError
 from irtiming.records.campaign import Campaign
+from irtiming.records.choices import Language
 from irtiming.report import campaign_page
+from irtiming.report.language import writing_in
 
 NO_REGISTER = "none"
 TABLE, PARQUET, PAGE, SUMMARY = "table.csv", "table.parquet", "campaign.html", "campaign.json"
@@ -28,7 +30,7 @@ class Order:
     """What a person wants: a folder of recordings or a CSV that lists them, the rig, and the folder of all that is found.
 
     ``register`` is an SQLAlchemy URL or a file; `NO_REGISTER` for none. ``scheduler`` is a Dask address, or ``here`` for no other
-    process; without it there are ``workers`` on this computer.
+    process; without it there are ``workers`` on this computer. ``language`` is that of the page.
     """
 
     source: Path
@@ -40,6 +42,7 @@ class Order:
     workers: int | None = None
     register: str = tables.DEFAULT
     json: Path | None = None
+    language: Language = "en"
 
 
 @final
@@ -96,7 +99,9 @@ def _written(campaign: Campaign, order: Order) -> Iterator[Path]:
     yield order.out / TABLE
     campaign_table.write_parquet(rows, order.out / PARQUET, head=head)
     yield order.out / PARQUET
-    write_atomically(campaign_page.page(campaign), order.out / PAGE)
+    with writing_in(order.language):
+        page = campaign_page.page(campaign)
+    write_atomically(page, order.out / PAGE)
     yield order.out / PAGE
     told = summary(campaign, rows)
     for path in (order.out / SUMMARY, *([] if order.json is None else [order.json])):

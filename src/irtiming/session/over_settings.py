@@ -16,11 +16,12 @@ from irtiming.errors import ArchiveError
 from irtiming.estimate.series import over_settings, points
 from irtiming.measurement import Progress, analyse
 from irtiming.records.campaign import Listed
-from irtiming.records.choices import Choices
+from irtiming.records.choices import Choices, Language
 from irtiming.records.setting_point import SettingPoint
 from irtiming.records.setting_series import CameraSeries
 from irtiming.report import result as report_result
 from irtiming.report import series_page
+from irtiming.report.language import writing_in
 
 
 @final
@@ -28,7 +29,7 @@ from irtiming.report import series_page
 class SeriesOrder:
     """What a person wants: recordings (``.nxs``) and results (``.json``) of any cameras, and the files to write.
 
-    Recordings need a ``rig``. Those of one camera at one setting are analysed together.
+    ``language`` is that of the report. Recordings need a ``rig``. Those of one camera at one setting are analysed together.
     """
 
     sources: tuple[Path, ...]
@@ -37,6 +38,7 @@ class SeriesOrder:
     choices: Choices = field(default_factory=Choices)
     series: Path | None = None
     report: Path | None = None
+    language: Language = "en"
 
 
 def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[CameraSeries, ...]:
@@ -60,7 +62,9 @@ def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[Ca
     if order.series is not None:
         write_json(series_page.as_json(series), order.series)
     if order.report is not None:
-        write_atomically(series_page.page(series), order.report)
+        with writing_in(order.language):
+            page = series_page.page(series)
+        write_atomically(page, order.report)
     return series
 
 

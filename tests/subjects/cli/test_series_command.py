@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from irtiming.cli.main import app
 from irtiming.errors import IrTimingError
-from results_by_hand import result_by_hand
+from results_by_hand import english_words_in, result_by_hand
 
 
 def _write(folder, name, result):
@@ -39,6 +39,21 @@ def test_internal_delays_are_calibrated(tmp_path):
     page = (tmp_path / "series.html").read_text()
     assert "internal delay" in page
     assert "+0.50" in page
+
+
+def test_the_page_of_a_series_in_german(tmp_path):
+    """Oracle: the same delays by hand, with a comma; the common English words are not on the page."""
+    files = [
+        _write(tmp_path, f"{set_us}.json",
+               result_by_hand(400e-6 + 1.01e-6 * set_us, settings={"internal_delay_set": set_us * 1e-6}))
+        for set_us in (0, 25, 50)
+    ]  # fmt: skip
+    said = _run(*files, "-o", tmp_path / "series.html", "--language", "de")
+    assert "slope 1.010" in said
+    page = (tmp_path / "series.html").read_text()
+    assert "Triggerverzögerung über „eingestellte innere Verzögerung“: Steigung 1,010" in page
+    assert "+0,50" in page
+    assert english_words_in(page) == set()
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path):

@@ -18,7 +18,7 @@ from irtiming.records.setting_point import CameraKey
 from irtiming.session.campaign import Order, run
 from irtiming.twin.rig import draw
 from irtiming.twin.scene import paper_scene, with_wheel_speed
-from results_by_hand import OWN_S, RIG_S, result_by_hand
+from results_by_hand import OWN_S, RIG_S, english_words_in, result_by_hand
 
 LIMITS = """
 [decision]
@@ -92,6 +92,19 @@ def test_every_camera_is_judged_by_the_rule(laboratory):
     page = (folder / "out" / "campaign.html").read_text()
     assert "1 of 4 pass" in page
     assert "tail-unknown" in page
+
+
+def test_the_page_of_a_campaign_in_german(laboratory):
+    """Oracle: the same camera by hand; the common English words are not on the page."""
+    folder, _ = laboratory
+    _record(
+        folder, a="A 396.5", b="B 395.5", monday_a="A 396.7", tuesday_b="B 395.3", wednesday_b="B 395.4", e="broken"
+    )
+    run(_order(folder, language="de"))
+    page = (folder / "out" / "campaign.html").read_text()
+    assert "1 von 2 bestanden" in page
+    assert "Regelkarten" in page
+    assert english_words_in(page) == set()
 
 
 def test_a_restart_does_what_is_missing_or_has_changed(laboratory):

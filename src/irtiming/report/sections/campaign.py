@@ -10,10 +10,11 @@ from irtiming.records.campaign import WORST_FIRST, Campaign, CampaignLine, Gauge
 from irtiming.records.setting_point import SETTINGS, SettingName
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table
-from irtiming.report.language import several
+from irtiming.report.language import decimal, heads, several, t, with_capital, with_numbers, with_unit
+from irtiming.report.meanings import words
 from irtiming.report.rounding import time_text, value_text
 from irtiming.report.sections.control_chart import Chart, charts, panel, size
-from irtiming.report.sections.over_settings import LEADING, setting_text, words
+from irtiming.report.sections.over_settings import LEADING, setting_name, setting_text
 
 _MOST_LINES, _MOST_BARS = 400, 15
 
@@ -28,16 +29,24 @@ def judged(campaign: Campaign) -> Section | None:
         return None
     rows.sort(key=lambda row: (WORST_FIRST.index(row[2].judgement), row[2].probability or 0.0, row[0].camera.name))
     told = [_judged_row(*row) for row in rows[:_MOST_LINES]]
-    told += [(line.camera.name, _setting(line), "–", "–", "not measured", "–") for line in missing]
+    told += [(line.camera.name, _setting(line), "–", "–", t("not measured"), "–") for line in missing]
     return Section(
-        title="Against the limits",
+        title=t("Against the limits"),
         blocks=(
             Table(
-                title=f"The worst first{f', {_MOST_LINES} of {len(rows)}' if len(rows) > _MOST_LINES else ''}",
-                columns=("camera", "setting", "value ± U", "limits", "verdict", "probability"),
+                title=t(
+                    "The worst first{rest}",
+                    rest=t(", {shown} of {lines}", shown=_MOST_LINES, lines=len(rows))
+                    if len(rows) > _MOST_LINES
+                    else "",
+                ),
+                columns=heads("camera", "setting", "value ± U", "limits", "verdict", "probability"),
                 align="llrrlr",
                 rows=tuple(told),
-                note=f"Decision rule: {campaign.rule}. Probability: that the measurand lies within the limits, from value and u.",
+                note=t(
+                    "Decision rule: {rule}. Probability: that the measurand lies within the limits, from value and u.",
+                    rule=t(campaign.rule),
+                ),
             ),
         ),
     )
@@ -46,25 +55,29 @@ def judged(campaign: Campaign) -> Section | None:
 def _judged_row(line: CampaignLine, name: str, value: JudgedValue) -> tuple[str, ...]:
     what = f"{words(name)} = {value_text(value.value, value.expanded_uncertainty, unit=value.unit)}"
     ends = [
-        "" if end is None else time_text(end) if value.unit == "s" else f"{end:g}" for end in (value.lower, value.upper)
+        "" if end is None else time_text(end) if value.unit == "s" else decimal(f"{end:g}")
+        for end in (value.lower, value.upper)
     ]
     limits = (
         f"≤ {ends[1]}" if value.lower is None else f"≥ {ends[0]}" if value.upper is None else f"{ends[0]} … {ends[1]}"
     )
     percent = 100 * (value.probability or 0.0)
-    chance = "> 99.9 %" if percent > 99.9 else "< 0.1 %" if percent < 0.1 else f"{percent:.1f} %"
-    return line.camera.name, _setting(line), what, limits, value.judgement, chance
+    number = "> 99.9" if percent > 99.9 else "< 0.1" if percent < 0.1 else f"{percent:.1f}"
+    chance = with_unit(decimal(number), "%")
+    return line.camera.name, _setting(line), what, limits, t(value.judgement), chance
 
 
 def control(campaign: Campaign) -> Section | None:
     """Control charts; None for fewer than four results of a kind."""
     panels = tuple(
         panel(
-            chart, limits=_limits(campaign, chart.parameter), aside=", so cameras that differ from each other widen it"
+            chart,
+            limits=_limits(campaign, chart.parameter),
+            aside=t(", so cameras that differ from each other widen it"),
         )
         for chart in _charts(campaign)
     )
-    return Section(title="Control charts", blocks=panels) if panels else None
+    return Section(title=t("Control charts"), blocks=panels) if panels else None
 
 
 def _charts(campaign: Campaign) -> Iterator[Chart]:
@@ -80,8 +93,13 @@ def _limits(campaign: Campaign, name: str) -> tuple[float | None, float | None]:
 def out_of_control(campaign: Campaign) -> list[str]:
     """Results outside of the limits of their control chart, in words."""
     return [
-        f"control chart of {words(chart.parameter)}: {several(len(chart.beyond), 'result')} beyond three standard deviations "
-        f"({', '.join(chart.labels[k] for k in chart.beyond[:5])}{', …' if len(chart.beyond) > 5 else ''})"
+        t(
+            "control chart of {parameter}: {results} beyond three standard deviations ({cameras}{rest})",
+            parameter=words(chart.parameter),
+            results=several(len(chart.beyond), "result"),
+            cameras=", ".join(chart.labels[k] for k in chart.beyond[:5]),
+            rest=", …" if len(chart.beyond) > 5 else "",
+        )
         for chart in _charts(campaign)
         if chart.beyond
     ]
@@ -97,21 +115,21 @@ def pareto(campaign: Campaign) -> Section | None:
     most = counts.most_common()
     total = sum(counts.values())
     running = np.cumsum([n for _, n in most])
-    rows = tuple((code, str(n), f"{100 * n / total:.0f} %", f"{100 * at / total:.0f} %")
+    rows = tuple((code, str(n), with_unit(f"{100 * n / total:.0f}", "%"), with_unit(f"{100 * at / total:.0f}", "%"))
                  for (code, n), at in zip(most, running, strict=True))  # fmt: skip
     with sheet.style():
         shown = most[:_MOST_BARS]
         figure = sheet.figure(height_in=0.9 + 0.24 * len(shown))
         axes = figure.subplots()
         axes.barh([code for code, _ in shown][::-1], [n for _, n in shown][::-1], color=sheet.BLUE, height=0.65)
-        axes.set_xlabel("results")
-        drawn = sheet.svg(figure, title="Findings by frequency")
+        axes.set_xlabel(t("results"))
+        drawn = sheet.svg(figure, title=t("Findings by frequency"))
     table = Table(
-        title="Findings", columns=("code", "results", "share", "sum"), align="lrrr", rows=rows,
-        note="Each code stands once per result; docs/reference/findings.md says what each means.",
+        title=t("Findings"), columns=heads("code", "results", "share", "sum"), align="lrrr", rows=rows,
+        note=t("Each code stands once per result; docs/reference/findings.md says what each means."),
     )  # fmt: skip
-    panel = Panel(title="Findings by frequency", caption="The most frequent first (Pareto).", svg=drawn)
-    return Section(title="Findings", blocks=(panel, table))
+    panel = Panel(title=t("Findings by frequency"), caption=t("The most frequent first (Pareto)."), svg=drawn)
+    return Section(title=t("Findings"), blocks=(panel, table))
 
 
 def repeatability(campaign: Campaign) -> Section | None:
@@ -120,31 +138,37 @@ def repeatability(campaign: Campaign) -> Section | None:
         return None
     rows = tuple(_study_row(one) for one in campaign.studies)
     first = campaign.studies[0]
-    left = (
-        f" {campaign.left_out_of_study[0].upper()}{campaign.left_out_of_study[1:]}."
-        if campaign.left_out_of_study
-        else ""
+    left = f" {with_capital(with_numbers(campaign.left_out_of_study))}." if campaign.left_out_of_study else ""
+    design = t(
+        "{cameras} by {operators}, {n} times each",
+        cameras=several(first.n_cameras, "camera"),
+        operators=several(first.n_operators, "operator"),
+        n=first.n_repeats,
     )
-    design = f"{several(first.n_cameras, 'camera')} by {several(first.n_operators, 'operator')}, {first.n_repeats} times each"
     return Section(
-        title="Repeatability and reproducibility",
+        title=t("Repeatability and reproducibility"),
         blocks=(
             Table(
                 title=design,
-                columns=("parameter", "repeatability", "reproducibility", "both", "between cameras", "share", "stated u, own"),
+                columns=heads(
+                    "parameter", "repeatability", "reproducibility", "both", "between cameras", "share", "stated u, own"
+                ),
                 align="lrrrrrr",
                 rows=rows,
-                note="Standard deviations by analysis of variance (AIAG MSA; the interaction is pooled where p > 0.25). Both: of "
-                "one measurement of one camera. Share: both over the whole spread. Stated u, own: what the results say of "
-                f"their part that they do not have in common, rms; it should be about the repeatability.{left}",
+                note=t(
+                    "Standard deviations by analysis of variance (AIAG MSA; the interaction is pooled where p > 0.25). Both: "
+                    "of one measurement of one camera. Share: both over the whole spread. Stated u, own: what the results "
+                    "say of their part that they do not have in common, rms; it should be about the repeatability.{left}",
+                    left=left,
+                ),
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 def _study_row(one: GaugeStudy) -> tuple[str, ...]:
     across = "–" if one.n_operators == 1 else size(sqrt(one.reproducibility), one.unit)
-    share = f"{100 * sqrt(one.gauge / one.total):.0f} %" if one.total > 0 else "–"
+    share = with_unit(f"{100 * sqrt(one.gauge / one.total):.0f}", "%") if one.total > 0 else "–"
     return (
         words(one.parameter), size(sqrt(one.repeatability), one.unit), across, size(sqrt(one.gauge), one.unit),
         size(sqrt(one.cameras), one.unit), share, size(one.rms_u_own, one.unit),
@@ -162,25 +186,37 @@ def cameras(campaign: Campaign) -> Section:
             *(setting_text(name, line.settings[name]) if name in line.settings else "–" for name in settings),
             *(_value(line, name) for name in names),
             str(line.n_results),
-            line.judgement,
+            t(line.judgement),
         )
         for line in shown
     )
     return Section(
-        title="Cameras",
+        title=t("Cameras"),
         blocks=(
             Table(
-                title="One line for each camera and setting"
-                + (f", {len(shown)} of {len(campaign.lines)}" if len(shown) < len(campaign.lines) else ""),
-                columns=("camera", *(SETTINGS[name][0] for name in settings), *(f"{words(name)} ± u" for name in names),
-                         "results", "verdict"),
+                title=t("One line for each camera and setting")
+                + (
+                    t(", {shown} of {lines}", shown=len(shown), lines=len(campaign.lines))
+                    if len(shown) < len(campaign.lines)
+                    else ""
+                ),
+                columns=(
+                    t("camera"),
+                    *(setting_name(name) for name in settings),
+                    *(f"{words(name)} ± u" for name in names),
+                    t("results"),
+                    t("verdict"),
+                ),
                 align="l" + "r" * (len(settings) + len(names) + 1) + "l",
                 rows=rows,
-                note="Several results of a camera at one setting are their weighted mean; errors of the rig that they have in "
-                "common do not become smaller by it, and u is widened where they scatter more than it says. All: table.csv.",
+                note=t(
+                    "Several results of a camera at one setting are their weighted mean; errors of the rig that they have in "
+                    "common do not become smaller by it, and u is widened where they scatter more than it says. All: "
+                    "table.csv."
+                ),
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 def _value(line: CampaignLine, name: str) -> str:

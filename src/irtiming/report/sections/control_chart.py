@@ -11,9 +11,10 @@ from irtiming.records.arrays import Array
 from irtiming.records.setting_point import SettingPoint
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel
-from irtiming.report.language import several, with_capital
+from irtiming.report.language import several, t, with_capital
+from irtiming.report.meanings import words
 from irtiming.report.rounding import significant, time_unit, uncertainty_text
-from irtiming.report.sections.over_settings import LEADING, words
+from irtiming.report.sections.over_settings import LEADING
 
 FEWEST_POINTS = 4
 """Below, there is nothing to chart."""
@@ -112,13 +113,22 @@ def panel(chart: Chart, *, limits: tuple[float | None, float | None] = (None, No
         axes.plot(place, chart.values / scale, "-o", color=sheet.BLUE, markersize=3, linewidth=0.7)
         beyond = list(chart.beyond)
         axes.plot(place[beyond], chart.values[beyond] / scale, "o", color=sheet.RED, markersize=5)
-        axes.set_xlabel("result, in order of time")
+        axes.set_xlabel(t("result, in order of time"))
         axes.set_ylabel(f"{words(chart.parameter)} ({unit})")
-        drawn = sheet.svg(figure, title=f"Control chart of {words(chart.parameter)}")
-    red = " Red lines: limits." if any(one is not None for one in limits) else ""
+        drawn = sheet.svg(figure, title=t("Control chart of {parameter}", parameter=words(chart.parameter)))
+    red = t(" Red lines: limits.") if any(one is not None for one in limits) else ""
     return Panel(
-        title=f"{with_capital(words(chart.parameter))} of {several(chart.values.size, 'result')}",
-        caption=f"Individuals in order of time, with u. Grey: mean and ± 3 standard deviations by the mean moving range "
-        f"({size(chart.sigma, chart.unit)}){aside}. Red points lie outside.{red}",
+        title=t(
+            "{parameter} of {results}",
+            parameter=with_capital(words(chart.parameter)),
+            results=several(chart.values.size, "result"),
+        ),
+        caption=t(
+            "Individuals in order of time, with u. Grey: mean and ± 3 standard deviations by the mean moving range "
+            "({sigma}){aside}. Red points lie outside.{red}",
+            sigma=size(chart.sigma, chart.unit),
+            aside=aside,
+            red=red,
+        ),
         svg=drawn,
     )

@@ -1,12 +1,9 @@
 """What may stand behind structured residuals: causes that the fit does not have, and numbers that it has for defects."""
 
-import re
-
 from irtiming.records.analysis import Analysis
 from irtiming.records.diagnosis import Diagnosis
 from irtiming.report.blocks import Section, Table, of_tables
-from irtiming.report.language import decimal, heads, t
-from irtiming.report.meanings import words
+from irtiming.report.language import decimal, heads, t, with_numbers
 from irtiming.report.rounding import significant
 
 _SHORT = {"exposure_midpoint_delay": "midpoint", "trigger_delay": "trigger delay"}
@@ -90,7 +87,6 @@ def _signed(value: float) -> str:
 
 
 def _called(name: str) -> str:
-    """A number with the recording that it is of, and numbers within its name, which the catalogue leaves open."""
+    """A number with the recording that it is of."""
     recording, colon, own = name.rpartition(": ")
-    known = words(re.sub(r"\d+", "{}", own))
-    return f"{recording}{colon}{known.format(*re.findall(r'[0-9]+', own))}"
+    return f"{recording}{colon}{with_numbers(own.replace('_', ' '))}"

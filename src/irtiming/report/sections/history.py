@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from irtiming.records.drift import Drift
 from irtiming.records.setting_point import SETTINGS, SettingPoint
 from irtiming.report.blocks import Table
-from irtiming.report.language import several
+from irtiming.report.language import heads, several, t
+from irtiming.report.meanings import words
 from irtiming.report.rounding import value_text
-from irtiming.report.sections.over_settings import LEADING, setting_text, words
+from irtiming.report.sections.over_settings import LEADING, setting_text
 
 
 def drift(drifts: Sequence[Drift]) -> Table:
@@ -19,19 +20,21 @@ def drift(drifts: Sequence[Drift]) -> Table:
             f"{one.earlier[0].start_time[:10]} … {one.newest[0].start_time[:10]}",
             value_text(one.value, one.standard_uncertainty, unit=one.unit),
             value_text(one.change, one.u_change, unit=one.unit),
-            "moved" if one.has_moved else "within U",
+            t("moved") if one.has_moved else t("within U"),
             "–" if one.rate_per_year is None or one.u_rate_per_year is None
             else value_text(one.rate_per_year, one.u_rate_per_year, unit=one.unit),
         )
         for one in drifts if one.parameter in LEADING
     )  # fmt: skip
     return Table(
-        title="Drift since the last calibration",
-        columns=("parameter", "setting", "from … to", "now ± u", "change ± u", "verdict", "per year ± u"),
+        title=t("Drift since the last calibration"),
+        columns=heads("parameter", "setting", "from … to", "now ± u", "change ± u", "verdict", "per year ± u"),
         align="lllrrlr",
         rows=rows,
-        note="Means of a day’s results. Errors of the rig that both days have in common are in u of the value and cancel in u of "
-        "the change. Moved: by more than U = 2 u of the change.",
+        note=t(
+            "Means of a day’s results. Errors of the rig that both days have in common are in u of the value and "
+            "cancel in u of the change. Moved: by more than U = 2 u of the change."
+        ),
     )
 
 
@@ -49,8 +52,8 @@ def results(points: Sequence[SettingPoint]) -> Table:
         for one in points
     )  # fmt: skip
     return Table(
-        title=f"{several(len(points), 'result')} of {points[0].camera.name}",
-        columns=("measured", "setting", *(f"{words(name)} ± u" for name in names), "result"),
+        title=t("{results} of {camera}", results=several(len(points), "result"), camera=points[0].camera.name),
+        columns=(t("measured"), t("setting"), *(f"{words(name)} ± u" for name in names), t("result")),
         align="ll" + "r" * len(names) + "l",
         rows=rows,
     )

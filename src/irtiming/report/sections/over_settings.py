@@ -8,7 +8,8 @@ from irtiming.records.setting_point import SETTINGS, SettingName, SettingPoint
 from irtiming.records.setting_series import CameraSeries, OverSetting
 from irtiming.report import sheet
 from irtiming.report.blocks import US, Panel, Section, Table
-from irtiming.report.language import several
+from irtiming.report.language import decimal, heads, several, t, with_capital, with_unit
+from irtiming.report.meanings import words
 from irtiming.report.rounding import in_unit, signed, significant, time_text, time_unit, value_text
 
 DELAYS = ("trigger_delay", "strobe_delay", "timestamp_delay")
@@ -34,38 +35,40 @@ def section(one: CameraSeries, *, alone: bool) -> Section:
     leading = [each for each in one.over if each.parameter in LEADING]
     delays = [internal_delays(each) for each in one.over if _is_internal(each)]
     return Section(
-        title="Over the settings" if alone else f"Over the settings: {one.camera.name}",
+        title=t("Over the settings") if alone else t("Over the settings: {name}", name=one.camera.name),
         blocks=(slopes(one), *delays, *(panel(each) for each in leading), points(one)),
     )
 
 
-def words(name: str) -> str:
-    """A parameter as people say it."""
-    return name.replace("_", " ")
+def setting_name(name: SettingName) -> str:
+    """A setting as people say it."""
+    return t(SETTINGS[name][0])
 
 
 def slopes(one: CameraSeries) -> Table:
     """Every parameter over every setting: slope, what it agrees with, whether a line will do, and a step."""
     rows = tuple(
         (
-            f"{words(each.parameter)} over {SETTINGS[each.setting][0]}",
+            t("{parameter} over {setting}", parameter=words(each.parameter), setting=setting_name(each.setting)),
             str(each.x.size),
             slope_text(each),
             meaning(each),
             "–" if each.line.degrees_of_freedom < 1 else f"{chi_text(each)}, p = {_chance(each.line.probability)}",
-            step_text(each) or "none",
+            step_text(each) or t("none"),
         )
         for each in one.over if each.parameter in LEADING
     )  # fmt: skip
     return Table(
-        title="Slopes",
-        columns=("what", "results", "slope ± u", "agrees with", "is a straight line", "step"),
+        title=t("Slopes"),
+        columns=heads("what", "results", "slope ± u", "agrees with", "is a straight line", "step"),
         align="lrrlll",
         rows=rows,
-        note="Generalised least squares: errors of rig and wheel, which all results have in common, are in their covariance and "
-        "hardly in a slope. Where p, the probability of a χ² as large, is small, results lie further from the line than their u "
-        "says, and u of the slope was widened by √(χ²/ν). A step is told where one as clear would come by chance in fewer "
-        "than 1 of 100 series. Agrees: within 2 u.",
+        note=t(
+            "Generalised least squares: errors of rig and wheel, which all results have in common, are in their "
+            "covariance and hardly in a slope. Where p, the probability of a χ² as large, is small, results lie "
+            "further from the line than their u says, and u of the slope was widened by √(χ²/ν). A step is told "
+            "where one as clear would come by chance in fewer than 1 of 100 series. Agrees: within 2 u."
+        ),
     )
 
 
@@ -81,22 +84,22 @@ def slope_text(one: OverSetting) -> str:
     if one.is_time_over_time:
         return f"{in_unit(value, u, unit_s=1.0)} ± {significant(u)}"
     if one.unit == "s":
-        return f"{time_text(value, u)}" + ("" if axis == "1" else f" per {axis}")
-    return f"{in_unit(value, u, unit_s=1.0)} ± {significant(u)} per {axis}"
+        return f"{time_text(value, u)}" + ("" if axis == "1" else t(" per {axis}", axis=axis))
+    return t("{value} ± {u} per {axis}", value=in_unit(value, u, unit_s=1.0), u=significant(u), axis=axis)
 
 
 def meaning(one: OverSetting) -> str:
     """Which simple slopes it agrees with, and what they say."""
     if not one.is_time_over_time:
         value, u = one.slope
-        return "no change" if abs(value) <= 2 * u else "a change"
+        return t("no change") if abs(value) <= 2 * u else t("a change")
     if not one.simple_slopes:
-        return "none of 0, ±1/2, ±1"
+        return t("none of 0, ±1/2, ±1")
     kind = "start" if one.parameter in DELAYS else "middle" if one.parameter == "exposure_midpoint_delay" else ""
     told = []
     for slope in one.simple_slopes:
         text = {-1.0: "−1", -0.5: "−1/2", 0.0: "0", 0.5: "1/2", 1.0: "1"}[slope]
-        meant = _MEANT.get((kind, slope), "") if one.setting == "integration_time" else ""
+        meant = t(_MEANT.get((kind, slope), "")) if one.setting == "integration_time" else ""
         told.append(f"{text}: {meant}" if meant else text)
     return "; ".join(told)
 
@@ -107,7 +110,7 @@ def step_text(one: OverSetting) -> str:
         return ""
     low, high = (setting_text(one.setting, at) for at in (one.step.after, one.step.before))
     size = value_text(one.step.size, one.step.standard_uncertainty, unit=one.unit)
-    return f"{size} between {low} and {high}"
+    return t("{size} between {low} and {high}", size=size, low=low, high=high)
 
 
 def internal_delays(one: OverSetting) -> Table:
@@ -127,12 +130,14 @@ def internal_delays(one: OverSetting) -> Table:
             )
         )
     return Table(
-        title=f"The camera’s internal delay: {words(one.parameter)} by what was set",
-        columns=("set in the camera", "measured ± u", "beyond the first ± u", "deviation (µs)", "u (µs)"),
+        title=t("The camera’s internal delay: {parameter} by what was set", parameter=words(one.parameter)),
+        columns=heads("set in the camera", "measured ± u", "beyond the first ± u", "deviation (µs)", "u (µs)"),
         align="rrrrr",
         rows=tuple(rows),
-        note="Deviation: beyond the first as measured, less as set; errors of the rig, which all results have in common, cancel "
-        "in it (Schatz 2023, 3.1.4).",
+        note=t(
+            "Deviation: beyond the first as measured, less as set; errors of the rig, which all results have in "
+            "common, cancel in it (Schatz 2023, 3.1.4)."
+        ),
     )
 
 
@@ -145,8 +150,8 @@ def points(one: CameraSeries) -> Table:
         for each in one.points
     )  # fmt: skip
     return Table(
-        title=f"{several(len(one.points), 'result')} of {one.camera.name}",
-        columns=("result", *(SETTINGS[name][0] for name in settings), *(f"{words(name)} ± u" for name in names)),
+        title=t("{results} of {camera}", results=several(len(one.points), "result"), camera=one.camera.name),
+        columns=(t("result"), *(setting_name(name) for name in settings), *(f"{words(name)} ± u" for name in names)),
         align="l" + "r" * (len(settings) + len(names)),
         rows=rows,
     )
@@ -158,8 +163,8 @@ def panel(one: OverSetting) -> Panel:
         time_unit(float(np.max(np.abs(one.x)))) if SETTINGS[one.setting][1] == "s" else (1.0, SETTINGS[one.setting][1])
     )
     scale, y_unit = time_unit(float(np.max(np.abs(one.values)))) if one.unit == "s" else (1.0, one.unit)
-    what, over = words(one.parameter), SETTINGS[one.setting][0]
-    title = f"{what.capitalize()} over {over}"
+    what, over = words(one.parameter), setting_name(one.setting)
+    title = t("{parameter} over {setting}", parameter=with_capital(what), setting=over)
     whole, own = np.sqrt(np.diag(one.covariance)), _own(one)
     with sheet.style():
         figure = sheet.figure(height_in=3.6)
@@ -178,13 +183,16 @@ def panel(one: OverSetting) -> Panel:
         below.errorbar(
             one.x / factor, one.line.residuals / small, own / small, fmt="o", color=sheet.RED, markersize=4, capsize=2
         )
-        below.set_ylabel(f"residual ({small_unit})")
+        below.set_ylabel(t("residual ({unit})", unit=small_unit))
         below.set_xlabel(f"{over} ({unit})" if unit not in ("", "1") else over)
         drawn = sheet.svg(figure, title=f"{title}, {one.points[0].camera.name}")
     return Panel(
         title=title,
-        caption=f"Above: results with their whole standard uncertainty, and the line. Slope {slope_text(one)}. Below: what is "
-        "left, with the part of u that each result has of its own.",
+        caption=t(
+            "Above: results with their whole standard uncertainty, and the line. Slope {slope}. Below: what is left, "
+            "with the part of u that each result has of its own.",
+            slope=slope_text(one),
+        ),
         svg=drawn,
     )
 
@@ -200,11 +208,16 @@ def doubts(series: tuple[CameraSeries, ...]) -> Iterator[str]:
     """What is not as it should be."""
     for one in series:
         for each in (other for other in one.over if other.parameter in LEADING):
-            what = f"{one.camera.name}: {words(each.parameter)} over {SETTINGS[each.setting][0]}"
+            what = t(
+                "{camera}: {parameter} over {setting}",
+                camera=one.camera.name,
+                parameter=words(each.parameter),
+                setting=setting_name(each.setting),
+            )
             if each.step is not None:
-                yield f"{what} has a step of {step_text(each)}"
+                yield t("{what} has a step of {step}", what=what, step=step_text(each))
             elif each.line.probability < _DOUBTFUL:
-                yield f"{what} is no straight line: {chi_text(each)}"
+                yield t("{what} is no straight line: {chi}", what=what, chi=chi_text(each))
 
 
 def setting_text(name: SettingName, value: float | str) -> str:
@@ -214,7 +227,8 @@ def setting_text(name: SettingName, value: float | str) -> str:
         return value
     if unit == "s":
         return time_text(float(f"{value:.6g}"))
-    return f"{value:.6g} {unit}".removesuffix(" 1").strip()
+    number = decimal(f"{value:.6g}")
+    return number if unit in ("", "1") else with_unit(number, unit)
 
 
 def _setting(point: SettingPoint, name: SettingName) -> str:
@@ -231,4 +245,4 @@ def _is_internal(one: OverSetting) -> bool:
 
 
 def _chance(p: float) -> str:
-    return "< 0.001" if p < 0.001 else f"{p:.2g}"
+    return "< 0.001" if p < 0.001 else decimal(f"{p:.2g}")

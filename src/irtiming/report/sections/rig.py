@@ -13,20 +13,12 @@ from irtiming.records.arrays import Array
 from irtiming.records.wheel_geometry import WheelModel
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section
-from irtiming.report.language import decimal, t
-
-_NUMBER, _WORD = re.compile(r"[0-9]+(?:\.[0-9]+)?"), re.compile(r"[a-z]{2,}")
+from irtiming.report.language import decimal, t, with_numbers
 
 
 def _in_language(svg: str) -> str:
-    """The drawing with its words and numbers in the language; the catalogue leaves numbers open."""
-
-    def told(match: re.Match[str]) -> str:
-        found = [decimal(number) for number in _NUMBER.findall(match[1])]
-        known = _NUMBER.sub("{}", match[1])
-        return f">{(t(known) if _WORD.search(known) else known).format(*found)}<"
-
-    return re.sub(r">([^<>]*[^<>\s][^<>]*)<", told, svg)
+    """The drawing with its words and numbers in the language."""
+    return re.sub(r">([^<>]*[^<>\s][^<>]*)<", lambda match: f">{with_numbers(match[1])}<", svg)
 
 
 def section(analysis: Analysis) -> Section:
