@@ -132,9 +132,11 @@ def _record(page, base):
 
 def _analyse(page, base):
     page.goto(f"{base}/analyse")
+    _choose(page, "Language of the report", "Deutsch")
     page.get_by_role("button", name="Analyse", exact=True).click()
     page.wait_for_url(re.compile("result="), wait_until="commit")
     page.get_by_text("value ± standard uncertainty").wait_for()
+    page.frame_locator("iframe[title=report]").get_by_text("Unsicherheitsbudget").first.wait_for()
 
 
 def _certify(page, base):

@@ -41,8 +41,12 @@ def _choice(desk: Desk, camera: str) -> Any:
     with ui.element("div").props("aria-live=polite"):
         body = show.html()
 
-    async def ask_cameras() -> None:
-        path = desk.folder.inside(str(register.value))
+    async def ask_cameras(wanted: str = camera) -> None:
+        try:
+            path = desk.folder.inside(str(register.value))
+        except IrTimingError as error:
+            show.complain(error)
+            return
         if not path.is_file():
             show.put(
                 said,
@@ -55,27 +59,32 @@ def _choice(desk: Desk, camera: str) -> Any:
             return
         show.put(said, "")
         names = {one["serial_number"]: _name(one) for one in found.answer}
-        kept = serial.value if serial.value in names else camera
-        serial.set_options(names, value=kept if kept in names else next(iter(names), None))
+        chosen = next((one for one in (wanted, serial.value, *names) if one in names), None)
+        if chosen == serial.value:
+            await ask_history()
+        serial.set_options(names, value=chosen)
 
     async def ask_history() -> None:
         if not serial.value:
             show.put(body, "")
             return
-        order = HistoryOrder(
-            register=desk.folder.inside(str(register.value)),
-            serial_number=str(serial.value),
-            since=str(since.value or ""),
-        )
+        try:
+            order = HistoryOrder(
+                register=desk.folder.existing(str(register.value)), serial_number=str(serial.value),
+                since=str(since.value or ""),
+            )  # fmt: skip
+        except IrTimingError as error:
+            show.complain(error)
+            return
         show.put(body, '<p class="note">reading …</p>')
         found = await desk.ask("history:of_camera", order)
         show.put(body, _told(found.answer) if found.is_good else show.finding_html("error", found.text))
 
     serial.on_value_change(ask_history)
-    register.on_value_change(ask_cameras)
+    register.on_value_change(lambda: ask_cameras())
     since.on("keydown.enter", ask_history)
     since.on("blur", ask_history)
-    ui.timer(0.05, ask_cameras, once=True)
+    ui.timer(0.05, lambda: ask_cameras(), once=True)
     return ask_cameras
 
 
@@ -97,8 +106,8 @@ def _entry(desk: Desk, *, done: Any) -> None:
         if not found.is_good:
             show.put(said, show.finding_html("error", found.text))
             return
-        show.put(said, show.finding_html("ok", f"{found.answer} new of {len(paths)}", title="entered:"))
-        await done()
+        show.put(said, show.finding_html("ok", f"{found.answer['new']} new of {len(paths)}", title="entered:"))
+        await done(found.answer["serial_number"])
 
     with ui.element("div").classes("actions"):
         ui.button("Enter", on_click=enter).props("unelevated color=primary")

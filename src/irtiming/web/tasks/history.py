@@ -5,6 +5,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from irtiming.archive.result_file import read_result
 from irtiming.errors import UnitError
 from irtiming.report.blocks import Table
 from irtiming.report.sections import control_chart
@@ -34,9 +35,10 @@ def of_camera(line: Line, order: HistoryOrder) -> dict[str, Any]:
     }
 
 
-def enter(line: Line, order: EnterOrder) -> int:
-    """What ``irtiming history --add`` does; gives how many were new."""
-    return history.add(order.results, str(order.register))
+def enter(line: Line, order: EnterOrder) -> dict[str, Any]:
+    """What ``irtiming history --add`` does; gives how many were new, and the camera of the last."""
+    new = history.add(order.results, str(order.register))
+    return {"new": new, "serial_number": read_result(order.results[-1]).item.serial_number}
 
 
 def _plain(table: Table) -> dict[str, Any]:
