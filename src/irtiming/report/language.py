@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from datetime import date
 from string import Formatter
-from typing import Any, final
+from typing import Any, final, get_args
 
+from irtiming.errors import UnitError
 from irtiming.records.choices import Language
 from irtiming.report.catalogue import catalogue
 
@@ -21,7 +22,15 @@ _language: ContextVar[Language] = ContextVar("language", default="en")
 
 @contextmanager
 def writing_in(language: Language) -> Iterator[None]:
-    """Within, texts and numbers are in this language; only for who entered it, not for other threads or tasks."""
+    """Within, texts and numbers are in this language; only for who entered it, not for other threads or tasks.
+
+    Raises
+    ------
+    UnitError
+        If there is no such language.
+    """
+    if language not in get_args(Language):
+        raise UnitError(f"the language is '{language:.20}', must be one of {', '.join(get_args(Language))}")
     token = _language.set(language)
     try:
         yield

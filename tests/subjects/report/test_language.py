@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import irtiming.report as package
-from irtiming.errors import ArchiveError
+from irtiming.errors import ArchiveError, UnitError
 from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Language
 from irtiming.records.frame_events import FrameEvent
@@ -95,6 +95,12 @@ def test_a_language_holds_only_where_it_was_asked_for() -> None:
     with pytest.raises(ZeroDivisionError), writing_in("de"):
         raise ZeroDivisionError
     assert t("page") == "page"
+
+
+def test_a_language_that_nobody_translated_is_refused() -> None:
+    """Oracle: the languages there are."""
+    with pytest.raises(UnitError, match="the language is 'fr', must be one of en, de"), writing_in("fr"):  # type: ignore[arg-type]
+        pass
 
 
 def test_numbers_in_a_text_have_the_decimal_mark_of_the_language() -> None:
