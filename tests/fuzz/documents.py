@@ -3,6 +3,7 @@
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,19 +27,86 @@ _RESULT = {
     "wheel": None, "choices": {"roi": None}, "inputs": [], "rig": {"file": "rig.toml", "sha256": "a" * 64},
     "software": {"irtiming": "0.1.0"},
 }  # fmt: skip
+_INPUT = {
+    "file": "a.nxs", "sha256": "b" * 64, "frames": 500, "trigger_delay_time_set": 0.0, "rotation_speed": 3.0,
+    "roi": [0, 120, 0, 160], "border_px": 2, "bad_pixels": 0, "axle_row_column_px": None, "integration_time": 250e-6,
+    "image": {"rows": 120, "columns": 160}, "frame_period": 0.033, "start_time": "2026-11-23T10:00:00+00:00",
+    "settings": {"gain_setting": "high", "sensor_temperature": 77.0},
+}  # fmt: skip
+_JITTER = {
+    "standard_deviation": 1e-5, "quantiles": {"0.05": -2e-5, "0.5": 0.0, "0.95": 2e-5},
+    "histogram": {"edges": [-2e-5, 0.0, 2e-5], "counts": [3, 4]},
+}  # fmt: skip
+_EVENT = {
+    "kind": "stamp", "period": 0.033, "clock_rate": 1e-6, "clock_rate_standard_uncertainty": 1e-8, "clock_offset": 0.1,
+    "clock_standard_uncertainty": 1e-6, "grid_standard_uncertainty": 1e-6, "jitter": _JITTER, "unit": "s",
+}  # fmt: skip
+_LAG = {"trigger_delay": 4e-3, "row_delay": 4e-5, "time_constant": 5e-3, "recursive_filter": 0.1}
+
+
+def _lagging() -> dict[str, Any]:
+    """A microbolometer that runs free, with everything that a result of one can say."""
+    names = list(_LAG)
+    told = {
+        "timestamp_delay" if name == "trigger_delay" else name: _DELAY | {"value": value}
+        for name, value in _LAG.items()
+    }
+    kelvin = {"value": 300.0, "unit": "K"}
+    told["scene_time_constant"] = _DELAY | {"value": 6e-3, "reference_temperature": kelvin}
+    told["substrate_time_constant"] = _DELAY | {"value": 5e-3}
+    budget = {
+        "source": "mask centre angle phi_M", "type": "B", "standard_uncertainty": {"row_delay": 1e-7},
+        "degrees_of_freedom": None, "share_percent": {"row_delay": 90.0}, "unit": "s",
+    }  # fmt: skip
+    return _RESULT | {
+        "camera": "microbolometer", "readout_mode": "rolling", "frame_event": "stamp", "parameters": told,
+        "item": {"manufacturer": "Maker", "model": "M1", "serial_number": "7", "firmware": "1"},
+        "inputs": [_INPUT | {"event": _EVENT}],
+        "correlation": {"names": names, "matrix": [[float(i == k) for k in range(4)] for i in range(4)]},
+        "two_constants": {"substrate_temperature": kelvin}, "contributions": [budget],
+        "prediction": {"camera": {
+            "camera": "microbolometer", "readout_mode": "rolling", "noise_to_contrast": 0.01, "opening_pixels": 2000.0,
+            "unit": "s", "time_constant": 5e-3, "row_delay": 4e-5,
+        }},
+        "rig": {"file": "rig.toml", "sha256": "a" * 64, "values": [
+            {"name": "clock.relative_error", "value": 1e-6, "standard_uncertainty": 1e-6, "unit": "1"},
+            {"name": "latency.trigger", "value": 1e-6, "standard_uncertainty": 1e-6, "unit": "s"},
+        ]},
+    }  # fmt: skip
+
+
+def _integrating() -> dict[str, Any]:
+    """A photon camera with both of its delays."""
+    told = {"trigger_delay": _DELAY, "exposure_midpoint_delay": _DELAY | {"value": 5.35e-4}}
+    return _RESULT | {
+        "parameters": told, "correlation": {"names": list(told), "matrix": [[1.0, 0.99], [0.99, 1.0]]}, "inputs": [_INPUT],
+        "item": {"serial_number": "7"},
+        "prediction": {"camera": {
+            "camera": "photon", "noise_to_contrast": 0.01, "opening_pixels": 2000.0, "unit": "s", "integration_time": 25e-5,
+        }},
+    }  # fmt: skip
+
+
 _RUN = {
     "turn_period_ticks": 16_384_000, "camera_period_ticks": 1_622_016, "control_slots": 100, "trigger_delay_ticks": 0,
     "repeats": 1, "is_after_correction": False,
 }  # fmt: skip
 _PLAN = {"clock_frequency_hz": 49_152_000, "plan": {"runs": [_RUN]}}
 _JOURNAL = {
-    "uid": "u", "plan_digest": "d", "n_runs": 2, "runs": {"0": {"file": "a.nxs", "ending": "complete"}}, "events": [],
+    "uid": "u", "plan_digest": "d", "n_runs": 2, "runs": {"0": {"file": "series.json", "ending": "complete"}},
+    "events": [{"time": "2026-11-23T10:00:00+00:00", "text": "run 0: complete"}],
 }  # fmt: skip
 
 
 def documents() -> dict[str, bytes]:
     """By name."""
-    found = {"result": _RESULT, "plan": _PLAN, "journal": _JOURNAL}
+    found = {
+        "result": _RESULT,
+        "lagging": _lagging(),
+        "integrating": _integrating(),
+        "plan": _PLAN,
+        "journal": _JOURNAL,
+    }
     return {name: json.dumps(content).encode() for name, content in found.items()} | {"wheel": _wheel()}
 
 

@@ -4,10 +4,13 @@ import json
 import sys
 import tempfile
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
+from importlib.util import find_spec
 from pathlib import Path
 
+import mutations
 import numpy as np
+from target import OF_TEXT, Target, in_file
 
 from irtiming.archive.frames.opening import open_frames
 
@@ -18,8 +21,9 @@ TEXTS = (".hdr", ".json")
 
 ENDINGS = (
     ".ptw", ".irb", ".fff", ".seq", ".csq", ".sfmov", ".hcc", ".fits", ".mkv", ".avi", ".tif", ".npy", ".npz", ".pgm", ".png",
-    ".h5", *TEXTS,
+    ".h5", *([".bag"] if find_spec("rosbags") else []), *TEXTS,
 )  # fmt: skip
+_SLOW = {".h5": 16, ".bag": 16}
 _MOST_FRAMES = 50
 
 
@@ -66,6 +70,8 @@ def _seeds() -> dict[str, list[bytes]]:
         _written(lambda path: tifffile.imwrite(path, small, byteorder=">", imagej=True), "a.tif"),
     ]
     found[".h5"] = [_written(lambda path: _hdf5(path, small), "a.h5")]
+    if ".bag" in ENDINGS:
+        found[".bag"] = [_written(_bag, "a.bag")]
     found[".npy"] = [_written(lambda path: np.save(path, small), "a.npy")]
     found[".npz"] = [_written(lambda path: np.savez_compressed(path, frames=small), "a.npz")]
     found[".pgm"] = [b"P5\n# by hand\n10 8\n16383\n" + small[0].astype(">u2").tobytes()]
@@ -104,3 +110,32 @@ def beside(path: Path) -> None:
     data = path.with_suffix(".raw")
     data.write_bytes(bytes(480))
     looked_at(data)
+
+
+def _bag(path: Path) -> None:
+    """Three images as ROS 1 writes them."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    header, stamp = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+    kind = "sensor_msgs/msg/Image"
+    with Writer(path) as writer:
+        line = writer.add_connection("/camera/image_raw", kind, typestore=store)
+        for k in range(3):
+            image = store.types[kind](
+                header=header(seq=k, stamp=stamp(sec=1_700_000_000, nanosec=33_000_000 * k), frame_id="camera"),
+                height=8, width=10, encoding="mono16", is_bigendian=0, step=20, data=np.arange(160, dtype=np.uint8),
+            )  # fmt: skip
+            writer.write(line, 10**9 * k, store.serialize_ros1(image, kind))
+
+
+TARGETS = {
+    f"frames {ending}": Target(
+        seeds=partial(seeds_of, ending),
+        take=in_file(f"a{ending}", beside if ending in TEXTS else looked_at),
+        changes=OF_TEXT if ending in TEXTS else (mutations.of_bytes,),
+        round=_SLOW.get(ending, 1),
+    )
+    for ending in ENDINGS
+}

@@ -15,6 +15,7 @@ import threading
 import time
 import traceback
 import warnings
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,9 +28,9 @@ _SILENT_S = 4 * LONGEST_S
 
 @dataclass(kw_only=True)
 class Report:
-    """What came of it; a find is (target, number of the input, what went wrong)."""
+    """What came of it: inputs of each target; a find is (target, number of the input, what went wrong)."""
 
-    n_inputs: int = 0
+    n_inputs: Counter[str] = field(default_factory=Counter)
     finds: list[tuple[str, int, str]] = field(default_factory=list)
     slowest: tuple[float, str, int] = (0.0, "", -1)
 
@@ -78,7 +79,7 @@ def _one_process(report: Report, *, first: int, seed: int, end_s: float, most_ea
             if told["kind"] == "next":
                 count, place = told["count"], (told["target"], told["number"])
             elif told["kind"] == "done":
-                report.n_inputs += 1
+                report.n_inputs[place[0]] += 1
                 report.slowest = max(report.slowest, (told["lasted_s"], *place))
             else:
                 report.finds.append((*place, told["what"]))
@@ -99,16 +100,17 @@ def _pass_on(stream: Any, lines: "queue.Queue[str | None]") -> None:
 
 
 def _order(only: str) -> Iterator[tuple[int, str, int]]:
-    """Count, target, and number of its input: one of each target by turns."""
+    """Count, target, and number of its input: one of each target in each round that is its."""
     from targets import TARGETS
 
-    count, number = 0, 0
-    chosen = [target for target in TARGETS if target.startswith(only)]
+    count, turn = 0, 0
+    chosen = [(target, TARGETS[target].round) for target in TARGETS if target.startswith(only)]
     while chosen:
-        for target in chosen:
-            yield count, target, number
-            count += 1
-        number += 1
+        for target, each in chosen:
+            if turn % each == 0:
+                yield count, target, turn // each
+                count += 1
+        turn += 1
 
 
 _known_seeds: dict[str, list[bytes]] = {}

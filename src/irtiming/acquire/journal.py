@@ -1,7 +1,7 @@
 """What has been done of a series, in a file beside its recordings: an interrupted series goes on from there."""
 
 import hashlib
-import json
+import os
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +11,7 @@ from uuid import uuid4
 from irtiming.acquire.run_order import ENOUGH, RunOutcome
 from irtiming.archive.json_file import write_json
 from irtiming.archive.live.recording import COMPLETE
+from irtiming.archive.typed_file import json_of
 from irtiming.errors import ArchiveError
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import TriggerPlan
@@ -38,13 +39,10 @@ class Journal:
         path = folder / NAME
         if not path.exists():
             return cls(path, {"uid": str(uuid4()), "plan_digest": digest, "n_runs": n_runs, "runs": {}, "events": []})
-        try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-            known = content["plan_digest"]
-            _ = content["runs"].items(), content["events"], content["uid"]
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ArchiveError(f"{path}: is no journal of a series; name another folder") from error
-        if known != digest:
+        content = json_of(path, what="journal of a series", cure="name another folder")
+        if not _is_journal(content):
+            raise ArchiveError(f"{path}: is no journal of a series; name another folder")
+        if content["plan_digest"] != digest:
             raise ArchiveError(
                 f"{path}: belongs to another series (its plan or the camera's settings differ); name another folder, "
                 "or go on with the plan that it was begun with"
@@ -62,7 +60,7 @@ class Journal:
         if entry is None or entry["ending"] not in (COMPLETE, ENOUGH):
             return None
         path = self._path.parent / entry["file"]
-        return path if path.exists() else None
+        return path if os.path.exists(path) else None
 
     def note(self, text: str) -> None:
         """Add an event.
@@ -103,6 +101,20 @@ class Journal:
     def as_json(self) -> dict[str, Any]:
         """All of it as plain data."""
         return dict(self._content)
+
+
+def _is_journal(content: object) -> bool:
+    """Whether it has all that is asked of a journal, each of its kind."""
+    if not isinstance(content, dict):
+        return False
+    runs, told = content.get("runs"), (content.get("uid"), content.get("plan_digest"))
+    if not isinstance(runs, dict) or not isinstance(content.get("events"), list) or not _are_texts(*told):
+        return False
+    return all(isinstance(run, dict) and _are_texts(run.get("file"), run.get("ending")) for run in runs.values())
+
+
+def _are_texts(*values: object) -> bool:
+    return all(isinstance(value, str) for value in values)
 
 
 def digest_of(plan: SeriesPlan, triggers: TriggerPlan) -> str:

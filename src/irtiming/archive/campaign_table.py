@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from irtiming.archive import layout
 from irtiming.archive.json_file import write_atomically
 from irtiming.archive.parquet import require_parquet
+from irtiming.archive.typed_file import bytes_of
 from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 from irtiming.records.campaign import CampaignLine, Listed
@@ -29,28 +31,33 @@ def read_list(path: str | Path) -> tuple[Listed, ...]:
         If it cannot be read, has a column that is not known, lacks ``file``, or names a file twice or none.
     """
     table = Path(path)
+    cure = f"give a CSV with the columns {', '.join(COLUMNS)}"
     try:
-        lines = [line for line in table.read_text(encoding="utf-8-sig").splitlines() if not line.startswith("#")]
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise ArchiveError(
-            f"{path}: cannot be read ({reason}); give a CSV with the columns {', '.join(COLUMNS)}"
-        ) from error
-    rows = csv.DictReader(lines[: _MOST_LINES + 1])
-    names = [name.strip() for name in rows.fieldnames or ()]
+        text = bytes_of(table, "list of recordings").decode("utf-8-sig")
+        rows = csv.DictReader([line for line in text.splitlines() if not line.startswith("#")][: _MOST_LINES + 1])
+        names = [name.strip() for name in rows.fieldnames or ()]
+        found = _rows(rows, names, table)
+    except UnicodeDecodeError as error:
+        raise ArchiveError(f"cannot be read (it is not UTF-8 text); {cure}", where=str(path)) from error
+    except csv.Error as error:
+        raise ArchiveError(f"is no CSV ({error}); {cure}", where=str(path)) from error
+    return _each_once(found, where=str(path))
+
+
+def _rows(rows: "csv.DictReader[str]", names: list[str], table: Path) -> list[Listed]:
     strangers = [name for name in names if name not in COLUMNS]
     if strangers or "file" not in names:
         what = f"has the column '{strangers[0]}'" if strangers else "has no column 'file'"
-        raise ArchiveError(f"{what}; its columns must be among {', '.join(COLUMNS)}, with file", where=str(path))
+        raise ArchiveError(f"{what}; its columns must be among {', '.join(COLUMNS)}, with file", where=str(table))
     rows.fieldnames = names
     found = []
     for number, row in enumerate(rows, 2):
-        if None in row or not (row["file"] or "").strip():
-            raise ArchiveError(f"line {number} has no file, or more cells than columns; correct it", where=str(path))
+        if None in row or not (row["file"] or "").strip() or "\0" in row["file"]:
+            raise ArchiveError(f"line {number} has no file, or more cells than columns; correct it", where=str(table))
         serial, operator, run = ((row.get(name) or "").strip() for name in COLUMNS[1:])
         path_of_row = table.parent / row["file"].strip()
         found.append(Listed(path=path_of_row, serial_number=serial, operator=operator, run=run))
-    return _each_once(found, where=str(path))
+    return found
 
 
 def in_folder(folder: str | Path) -> tuple[Listed, ...]:
@@ -74,10 +81,11 @@ def _each_once(found: list[Listed], *, where: str) -> tuple[Listed, ...]:
         raise ArchiveError(
             f"holds no recording (*{layout.SUFFIX}); name a folder that does, or a CSV of them", where=where
         )
-    paths = [one.path.resolve() for one in found]
-    twice = next((path for path in paths if paths.count(path) > 1), None) if len(set(paths)) < len(paths) else None
-    if twice is not None:
-        raise ArchiveError(f"names {twice} twice; name each recording once", where=where)
+    seen: set[str] = set()
+    for path in (os.path.realpath(one.path) for one in found):
+        if path in seen:
+            raise ArchiveError(f"names {path} twice; name each recording once", where=where)
+        seen.add(path)
     return tuple(found)
 
 

@@ -1,10 +1,10 @@
 """The runs of a measurement as ``irtiming plan --json`` writes them."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-from irtiming.errors import PlanError
+from irtiming.archive.typed_file import json_of
+from irtiming.errors import ArchiveError, PlanError
 from irtiming.records.trigger_plan import PlannedRun, TriggerPlan, TriggerScheme
 
 _CURE = "name a file that irtiming plan --json wrote"
@@ -20,11 +20,11 @@ def read_plan(path: str | Path) -> TriggerPlan:
         If the file cannot be read, or holds no plan.
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = json_of(Path(path), what="plan of irtiming plan --json", cure=_CURE)
         runs = tuple(_run(run) for run in content["plan"]["runs"])
         clock = content["clock_frequency_hz"]
-    except OSError as error:
-        raise PlanError(f"{path} cannot be read ({error.strerror}); {_CURE}") from error
+    except ArchiveError as error:
+        raise PlanError(str(error)) from error
     except KeyError as error:
         raise PlanError(f"{path} holds no plan: {error} is missing; {_CURE}") from error
     except (ValueError, TypeError) as error:

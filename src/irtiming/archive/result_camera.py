@@ -1,10 +1,10 @@
 """The camera of an earlier result, as far as a plan for it needs it."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from irtiming.archive.typed_file import json_of
 from irtiming.errors import ArchiveError
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.recording import USUAL_READOUT
@@ -20,13 +20,10 @@ def read_camera(path: str | Path) -> Camera:
     ArchiveError
         If the file cannot be read, or describes no camera.
     """
+    content = json_of(Path(path), what="result JSON of irtiming analyse", cure="give that of irtiming analyse")
     try:
-        return _camera(json.loads(Path(path).read_text(encoding="utf-8"))["prediction"]["camera"])
-    except OSError as error:
-        raise ArchiveError(
-            f"{path} cannot be read ({error.strerror}); give the result JSON of irtiming analyse"
-        ) from error
-    except (ValueError, KeyError, TypeError) as error:
+        return _camera(content["prediction"]["camera"])
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise ArchiveError(
             f"{path} does not describe a camera; give a result JSON that irtiming analyse wrote, with a prediction in it"
         ) from error

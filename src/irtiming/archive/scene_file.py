@@ -10,6 +10,7 @@ import hdf5plugin
 import numpy as np
 
 from irtiming.archive import layout
+from irtiming.archive.finding import Complaint
 from irtiming.archive.frames.source import FrameValues
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import Output, writing
@@ -183,6 +184,8 @@ def made_from(path: str | Path) -> Ticks:
     try:
         with opened(path) as file:
             return read_only(np.asarray(file[SCENE]["frame_number"][()], np.int64))
+    except Complaint as complaint:
+        raise complaint.as_error(path) from complaint
     except H5_ERRORS as error:
         raise ArchiveError(
             f"is no scene that irtiming apply frames wrote ({reason_of(error)})", where=str(path)

@@ -118,7 +118,7 @@ def read_toml(path: Path, model: type[_Model], *, kind: FileKind) -> tuple[_Mode
     IrTimingError
         If it cannot be read, is no TOML, or does not fit the model.
     """
-    content = _bytes_of(path, kind.name)
+    content = bytes_of(path, kind.name)
     try:
         table = tomllib.loads(content.decode("utf-8"))
     except UnicodeDecodeError as error:
@@ -136,11 +136,7 @@ def read_json(path: Path, model: type[_Model], *, kind: FileKind) -> _Model:
     ArchiveError
         If it cannot be read, is no JSON, of another format or a later version, or does not fit the model.
     """
-    text = _bytes_of(path, kind.name)
-    try:
-        content = json.loads(text)
-    except (ValueError, RecursionError) as error:  # the former is also raised for a number of thousands of digits
-        raise ArchiveError(f"{path}: is not valid JSON ({error}); {kind.cure}") from error
+    content = json_of(path, what=kind.name, cure=kind.cure)
     if not isinstance(content, dict):
         raise ArchiveError(f"{path}: holds a {type(content).__name__}, must be a {kind.name}; {kind.cure}")
     if content.get("format") != kind.format:
@@ -150,6 +146,28 @@ def read_json(path: Path, model: type[_Model], *, kind: FileKind) -> _Model:
         newer = f"version is {content['version']}, this irtiming knows {kind.version}"
         raise ArchiveError(f"{path}: {newer}: update it, or {kind.cure}")
     return fitted(content, model, path=path, kind=kind, is_newer=found > known)
+
+
+def json_of(path: Path, *, what: str, cure: str) -> Any:
+    """What a JSON file says, whatever that is.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    what, cure
+        It is to be, and to do where it is none.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be read, or is no JSON.
+    """
+    text = bytes_of(path, what)
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:  # the former is also raised for a number of thousands of digits
+        raise ArchiveError(f"{path}: is not valid JSON ({error}); {cure}") from error
 
 
 def _numbers(version: object) -> tuple[int, ...]:
@@ -173,7 +191,14 @@ def fitted(
         raise misfit(error, table, model=model, path=path, kind=kind) from error
 
 
-def _bytes_of(path: Path, what: str) -> bytes:
+def bytes_of(path: Path, what: str) -> bytes:
+    """All of a file that is small by its nature; ``what`` it is to be.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be read, is a pipe or a device, or is larger than any such file.
+    """
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise ArchiveError(f"{path}: is no file but a device or a pipe; name the {what}")

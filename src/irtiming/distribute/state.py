@@ -5,7 +5,6 @@ So a restart does what is missing, and what changed, and nothing else; kill -9 a
 """
 
 import hashlib
-import json
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from irtiming.archive.json_file import make_folder, write_json
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result, write_result
 from irtiming.archive.result_model import Result
+from irtiming.archive.typed_file import json_of
 from irtiming.distribute.pieces import Seen
 from irtiming.errors import ArchiveError
 
@@ -55,8 +55,10 @@ class State:
     def refusal(self, key: str) -> str | None:
         """Why a unit was refused before, which would be so again; None where it was not."""
         try:
-            return str(json.loads((self._folder / REFUSED / f"{key}.json").read_text(encoding="utf-8"))["what"])
-        except (OSError, ValueError, KeyError, TypeError):
+            return str(
+                json_of(self._folder / REFUSED / f"{key}.json", what="refusal of a unit", cure="delete it")["what"]
+            )
+        except (ArchiveError, KeyError, TypeError):
             return None
 
     def keep_refusal(self, key: str, what: str) -> None:

@@ -1,9 +1,11 @@
 """Control channel of a GigE Vision camera: registers, description, and the heartbeat that shows that both ends live."""
 
+import lzma
 import socket
 import struct
 import time
 import zipfile
+import zlib
 from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
@@ -26,6 +28,9 @@ _RESEND_CAPABILITY = 0x4
 _LONGEST_SILENCE_MS = 5000  # the library is heard every 2 s, of 3 by the standard: a busy computer needs more room
 _STALE_CONTROL_S = 7.0  # a program that died keeps control until its heartbeat is missed
 _LONGEST_DESCRIPTION = 64 * 2**20
+_ZIP_ERRORS = (
+    zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, IndexError, NotImplementedError, RuntimeError, OSError, ValueError,
+)  # fmt: skip
 
 
 @final
@@ -73,14 +78,16 @@ def unpacked(content: bytes) -> str:
     Raises
     ------
     InstrumentRefused
-        If the archive is damaged or empty.
+        If the archive is damaged or empty, or holds more than any description.
     """
     if content.startswith(b"PK"):
         try:
-            with zipfile.ZipFile(BytesIO(content)) as archive:
-                content = archive.read(archive.namelist()[0])
-        except (zipfile.BadZipFile, IndexError, NotImplementedError) as error:
+            with zipfile.ZipFile(BytesIO(content)) as archive, archive.open(archive.namelist()[0]) as file:
+                content = file.read(_LONGEST_DESCRIPTION + 1)
+        except _ZIP_ERRORS as error:
             raise InstrumentRefused(f"the camera's description is a damaged ZIP archive ({error})") from error
+    if len(content) > _LONGEST_DESCRIPTION:
+        raise InstrumentRefused(f"the camera's description has more than {_LONGEST_DESCRIPTION} bytes, which none has")
     return content.rstrip(b"\0").decode("utf-8-sig", errors="replace")
 
 

@@ -123,8 +123,8 @@ def obey(bench: Bench, sentence: str) -> str:
     sentence
         One of `WORDS`.
     """
+    sentence = " ".join(sentence.split())
     word, _, rest = sentence.partition(" ")
-    rest = rest.strip()
     if word in ("remove", "insert") and not rest:
         bench.view.bare_blackbody = word == "remove"
         return "wheel and mask are " + ("out of the way" if word == "remove" else "in their place")
