@@ -89,6 +89,7 @@ _COMPANIONS = (
     ("distortion_coefficients", "camera_matrix"),
     ("distortion_coefficients_u", "distortion_coefficients"),
     ("region_origin_px", "camera_matrix"),
+    ("roll_u_deg", "roll_deg"),
 )
 
 
@@ -229,6 +230,18 @@ class _Camera(Part):
         description="column and row of the recorded image's first pixel in the image that was calibrated",
         json_schema_extra={"must": "it must be a list of two numbers, column and row"},
     )
+    roll_deg: float | None = Field(
+        None,
+        ge=-180,
+        le=180,
+        description="rho: how far the camera is turned about its axis, and sees angles as phi + rho; only a check of phi_M",
+        json_schema_extra={
+            "hint": ": positive where what stands at 3 o'clock on the rig is seen further down in the image"
+        },
+    )
+    roll_u_deg: Uncertainty = Field(
+        0.0, description="its standard uncertainty; left out, rho is by eye", json_schema_extra={"limit": NOT_NEGATIVE}
+    )
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Camera":
@@ -252,6 +265,7 @@ class _Camera(Part):
             else Measured(self.focal_length_px, self.focal_length_u_px),
             lens_centre_px=None if centre is None else (Measured(centre[0], u_centre), Measured(centre[1], u_centre)),
             calibration=self._calibration(),
+            roll_rad=None if self.roll_deg is None else _measured(self, "roll", unit="deg"),
         )
         if self.distortion is None:
             return optics

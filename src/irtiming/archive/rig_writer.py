@@ -62,6 +62,7 @@ def _camera_lines(camera: CameraOptics) -> list[str]:
         *([] if camera.window_tail is None else _tail_lines(camera.window_tail)),
         *([] if camera.frame_memory is None else _plain_lines("frame_memory", camera.frame_memory)),
         *_lens_lines(camera),
+        *([] if camera.roll_rad is None else _lines("roll", "deg", number=camera.roll_rad)),
     ]
 
 

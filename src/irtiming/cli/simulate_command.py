@@ -89,6 +89,12 @@ Blur = Annotated[float, typer.Option(min=0, max=20, help="Optical blur in pixels
 Counterclockwise = Annotated[bool, typer.Option("--counterclockwise", help="Mirror the rig: wheel, gates and image.")]
 Distortion = Annotated[float, typer.Option(min=-0.2, max=0.2, help="Radial distortion at the image corner, relative.")]
 MaskOffset = Annotated[float | None, typer.Option("--mask-offset-mm", help="Mask centre this far right of the axle.")]
+Roll = Annotated[
+    float,
+    typer.Option(
+        "--roll-deg", min=-180, max=180, help="Camera turned about its axis, clockwise angles of its image grow by it."
+    ),
+]
 FreeRunning = Annotated[
     Literal["strobe", "stamp", "arrival"] | None,
     typer.Option(help="A camera that runs free instead of a triggered one, and what its frames' delays count from."),
@@ -180,6 +186,7 @@ def simulate(
     counterclockwise: Counterclockwise = False,
     distortion: Distortion = 0.0,
     mask_offset_mm: MaskOffset = None,
+    roll_deg: Roll = 0.0,
     lost_frames: LostFrames = 0,
     free_running: FreeRunning = None,
     late_application_gate: LateApplication = None,
@@ -239,6 +246,7 @@ def simulate(
         camera=filled(CameraOrder, given),
         defects=defects,
         rotation="counterclockwise" if counterclockwise else "clockwise",
+        roll_rad=math.radians(roll_deg),
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
     )
     with shown("frames") as told:

@@ -24,6 +24,9 @@ DISTANCE, HEIGHT, BESIDE = (
 _LARGEST_ROLL_RAD = np.radians(
     5.0
 )  # a camera that is set up by eye stands straighter; a bubble level tells a tenth of it
+_BY_CHANCE = (
+    4.0  # standard uncertainties of an angle that an instrument told: by chance once in the life of a laboratory
+)
 _RULER_M = 2e-3  # half of what one slot more between the gates makes; a ruler in a hand is better
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
@@ -122,17 +125,31 @@ def _doubts(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:
                 "small",
             )
         )
-    if roll_rad is not None and abs(roll_rad) > _LARGEST_ROLL_RAD:
-        doubts.append(
-            Finding(
-                code="mask-not-where-stated",
-                severity="doubt",
-                what=f"the mask stands {np.degrees(roll_rad):+.1f} deg beside its place in rig.toml: the camera is rolled "
-                f"by more than {np.degrees(_LARGEST_ROLL_RAD):g} deg, or centre_angle_deg is as wrong, and the delay with it",
-                cure="set the camera upright, check [mask] centre_angle_deg, [wheel] rotation and that the image is not mirrored",
-            )
-        )
-    return tuple(doubts)
+    return (*doubts, *_of_roll(rig, roll_rad))
+
+
+def _of_roll(rig: Rig, roll_rad: float | None) -> tuple[Finding, ...]:
+    """Where the image shows the mask turned by another angle than the camera is said to be.
+
+    An angle by an instrument, which has an uncertainty, is off by chance where the mask's own has one too; one by eye is none.
+    """
+    stated, centre = rig.camera.roll_rad or Measured(0.0), rig.mask_opening.centre_angle_rad
+    u_rad = np.hypot(stated.standard_uncertainty, centre.standard_uncertainty)
+    most_rad = _BY_CHANCE * u_rad if stated.standard_uncertainty else _LARGEST_ROLL_RAD
+    beside_rad = 0.0 if roll_rad is None else float(np.angle(np.exp(1j * (roll_rad - stated.value))))
+    if abs(beside_rad) <= most_rad:
+        return ()
+    beyond = "" if rig.camera.roll_rad is None else f" beside roll_deg = {np.degrees(stated.value):g}"
+    return (
+        Finding(
+            code="mask-not-where-stated",
+            severity="doubt",
+            what=f"the mask stands {np.degrees(beside_rad):+.1f} deg beside its place in rig.toml: the camera is rolled by more "
+            f"than {np.degrees(most_rad):.2g} deg{beyond}, or centre_angle_deg is as wrong, and the delay with it",
+            cure="set the camera upright or state [camera] roll_deg, check [mask] centre_angle_deg, [wheel] rotation and that "
+            "the image is not mirrored",
+        ),
+    )
 
 
 def _of_height(beams: LightGates, gates: GateAngles) -> tuple[Finding, ...]:

@@ -124,7 +124,8 @@ class CameraOptics:
     knows it. ``window_tail`` is what comes after it; None where nobody knows. ``frame_memory`` is the share of the frame
     before that each frame holds, by a noise filter or the detector; None where the frames alone tell it. ``lens_centre_px``,
     column and row, and ``focal_length_px`` are None where rig.toml does not state them. A ``calibration`` holds what is known
-    of the lens, and then stands alone.
+    of the lens, and then stands alone. ``roll_rad`` is by how much the camera is turned about its axis, an image angle less the
+    rig's: it only checks where the mask is in the image; None of a camera that was set upright by eye.
     """
 
     distortion: Measured | None = None
@@ -134,6 +135,7 @@ class CameraOptics:
     lens_centre_px: tuple[Measured, Measured] | None = None
     focal_length_px: Measured | None = None
     calibration: LensCalibration | None = None
+    roll_rad: Measured | None = None
 
 
 @final

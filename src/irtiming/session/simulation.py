@@ -123,6 +123,7 @@ class SimulationOrder:
     rotation: Rotation = "clockwise"
     distortion: float = 0.0
     mask_offset_m: float | None = None
+    roll_rad: float = 0.0
     lost_frames: int = 0
     defects: Defects = field(default_factory=Defects)
     laboratory: bool = False
@@ -225,7 +226,7 @@ def _nominal(order: SimulationOrder) -> Scene:
     return replace(
         scene,
         wheel=replace(scene.wheel, rotation=order.rotation),
-        optics=replace(scene.optics, blur_px=order.blur_px, distortion=order.distortion),
+        optics=replace(scene.optics, blur_px=order.blur_px, distortion=order.distortion, roll_rad=order.roll_rad),
         faults=replace(scene.faults, lost_frames=order.lost_frames),
         radiance=replace(scene.radiance, reference_frames=frames),
         correction=SelfCorrection(events=events),

@@ -111,7 +111,11 @@ def draw(nominal: Scene, *, seed: int, tolerances: Tolerances | None = None) -> 
         timing=_drawn_timing(nominal.timing, spread, random),
         detector=replace(nominal.detector, pattern_seed=int(random.integers(2**31))),
     )
-    return SimulatedRig(scene=scene, measured=_measured(scene, spread, random))
+    measured = _measured(scene, spread, random)
+    if nominal.optics.roll_rad:  # a camera that was rolled on purpose
+        roll = Measured(nominal.optics.roll_rad, spread.roll_rad)
+        measured = replace(measured, camera=replace(measured.camera, roll_rad=roll))
+    return SimulatedRig(scene=scene, measured=measured)
 
 
 def _drawn_timing(nominal: Timing, spread: Tolerances, random: np.random.Generator) -> Timing:

@@ -309,6 +309,27 @@ def test_what_is_known_of_a_lens_is_read(tmp_path: Path) -> None:
     assert read_rig(tmp_path / "again.toml").camera == rig.camera
 
 
+def test_a_roll_is_read_in_degrees_and_written_again(tmp_path):
+    """Oracle: pi / 15 rad are 12 degrees; one by eye has no uncertainty."""
+    path = tmp_path / "rig.toml"
+    for text, expected in (
+        ("roll_deg = 12\nroll_u_deg = 0.3", Measured(math.pi / 15, math.pi / 600)),
+        ("roll_deg = -90", Measured(-math.pi / 2)),
+        ("", None),
+    ):
+        path.write_text(f"{RIG}\n[camera]\n{text}\n")
+        rig = read_rig(path)
+        if expected is None:
+            assert rig.camera.roll_rad is None
+        else:
+            assert rig.camera.roll_rad.value == pytest.approx(expected.value)
+            assert rig.camera.roll_rad.standard_uncertainty == pytest.approx(expected.standard_uncertainty)
+        write_rig(rig, tmp_path / "again.toml")
+        again = read_rig(tmp_path / "again.toml").camera.roll_rad
+        assert (again is None) == (expected is None)
+        assert again is None or again.value == pytest.approx(expected.value, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -318,6 +339,8 @@ def test_what_is_known_of_a_lens_is_read(tmp_path: Path) -> None:
         ("camera_matrix = [735, 735, 80, 60]\ndistortion = 0.1", "distortion stands beside camera_matrix"),
         ("lens_centre_px = [80]", "it must be a list of two numbers, column and row"),
         ("focal_length_px = -3", r"focal_length_px = -3; it must be"),
+        ("roll_deg = 200", r"\[camera\] roll_deg = 200 deg; it must be from -180 to 180 deg"),
+        ("roll_u_deg = 0.2", r"\[camera\] roll_u_deg stands without roll_deg"),
     ],
 )
 def test_half_a_calibration_is_refused(tmp_path: Path, text: str, message: str) -> None:

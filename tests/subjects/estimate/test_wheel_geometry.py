@@ -211,6 +211,33 @@ def test_a_mask_that_no_upright_camera_sees_there_is_a_doubt(rig, recording, off
         assert [one.code for one in found if one.severity == "doubt"] == codes
 
 
+@pytest.mark.parametrize(
+    ("roll", "off_deg", "codes"),
+    [
+        (Measured(radians(12), radians(0.3)), 12 + 1.9, []),
+        (Measured(radians(12), radians(0.3)), 12 - 1.9, []),
+        (Measured(radians(12), radians(0.3)), 12 + 2.1, ["mask-not-where-stated"]),
+        (Measured(radians(12), radians(0.3)), 0.0, ["mask-not-where-stated"]),
+        (Measured(radians(12)), 12 + 4.9, []),
+        (Measured(radians(12)), 12 - 5.1, ["mask-not-where-stated"]),
+        (Measured(radians(-179), radians(0.3)), 180.0, []),
+        (Measured(radians(0), radians(0.3)), 2.1, ["mask-not-where-stated"]),
+    ],
+)
+def test_the_mask_is_sought_where_a_rolled_camera_sees_it(rig, recording, roll, off_deg, codes):
+    """Oracle: by hand; the image has it at -1.5 rad, and four of hypot(0.3, 0.4) = 0.5 degrees are 2, of a roll by eye 5."""
+    stated = Measured(-1.5 - radians(off_deg), radians(0.4))
+    known = replace(
+        rig,
+        camera=replace(rig.camera, roll_rad=roll),
+        mask_opening=replace(rig.mask_opening, centre_angle_rad=stated),
+        wheel=Wheel(cutout_edges_rad=EDGES),
+    )
+    found = geometry([recording(axle=_axle(0.0))], known, slots="learned", off_axle_mask=True)
+    assert [one.code for one in found.findings if one.severity == "doubt"] == codes
+    assert np.exp(1j * found.camera_roll_rad) == pytest.approx(np.exp(1j * radians(off_deg)))
+
+
 @pytest.mark.parametrize(("ruler_m", "codes"), [(H, []), (H + 1.9e-3, []), (H - 2.1e-3, ["height-contradicts-ruler"])])
 def test_a_ruler_that_says_otherwise_is_a_doubt(rig, recording, ruler_m, codes):
     """Oracle: two 3-4-5 triangles give 16 mm, and slots of 45 degrees leave no other number."""

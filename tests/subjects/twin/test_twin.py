@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import GeometryError, PlanError, ReductionError
+from irtiming.records.rig import Measured
 from irtiming.twin import rig as twin
 from irtiming.twin.pixels import expose, picture
 from irtiming.twin.scene import ChopperWheel, Faults, Scene, paper_scene, with_wheel_speed
@@ -167,3 +168,13 @@ def test_opening_follows_the_other_simulator(shared_recordings: Path) -> None:
         sums -= np.percentile(sums, 1)
         sums /= np.percentile(sums, 99)
     assert np.abs(ours - theirs).max() < 0.02
+
+
+def test_the_owner_of_a_rolled_camera_says_so():
+    """Oracle: the nominal angle, which the drawn one differs from by some of its half degree; an upright camera states none."""
+    upright = paper_scene()
+    rolled = replace(upright, optics=replace(upright.optics, roll_rad=math.radians(12)))
+    rig = twin.draw(rolled, seed=3)
+    assert rig.measured.camera.roll_rad == Measured(math.radians(12), math.radians(0.5))
+    assert 0 < abs(rig.scene.optics.roll_rad - math.radians(12)) < math.radians(2)
+    assert twin.draw(upright, seed=3).measured.camera.roll_rad is None
