@@ -58,6 +58,11 @@ def ticks_to_seconds(ticks: int, clock_frequency_hz: float) -> float:
     return ticks / clock_frequency_hz
 
 
+def plain_integer(text: str) -> int | None:
+    """Number that is written in nine digits or fewer; None of anything else, such as a raised two, which is a digit to Python."""
+    return int(text) if re.fullmatch("[0-9]{1,9}", text) else None
+
+
 def counted(n: int, noun: str) -> str:
     """So many of something: ``"1 recording"``, ``"2 recordings"``."""
     return f"{n} {noun}{'' if n == 1 else 's'}"

@@ -20,7 +20,7 @@ from irtiming.instruments.genicam.frame_numbers import FrameNumbers
 from irtiming.instruments.genicam.gige_assembly import FrameAssembly
 from irtiming.instruments.genicam.gige_control import parse_place, unpacked
 from irtiming.instruments.genicam.gige_discovery import _identity
-from irtiming.instruments.thorlabs_mc2000b import MC2000B
+from irtiming.instruments.thorlabs_mc2000b import MC2000B, _read
 from irtiming.instruments.visa_line import Pace, Speech, TextAdapter
 from irtiming.twin.devices.camera_faults import CameraFaults
 from irtiming.twin.devices.console import obey
@@ -107,7 +107,7 @@ def _told(kind: Any, names: tuple[str, ...], speech: dict[str, Any], **options: 
         device._pace = device._stable_pace = Pace(0.0)
         for name in names:
             try:
-                getattr(device, name)
+                _read(device, name)
             except InstrumentError as error:
                 require_sane(error)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import get_args
 from xml.etree import ElementTree
 
+import documents as written
 from target import OF_JSON, OF_TEXT, Target, in_file
 
 from irtiming.apply import camera_timing, export, handover
@@ -32,15 +33,13 @@ _STAMPS = "\n".join(f"{1 + 0.033 * k:.6f}" for k in range(20))
 
 
 @cache
-def _documents() -> dict[str, bytes]:
+def documents() -> dict[str, bytes]:
     """Results, written by hand."""
-    from documents import documents
-
-    return documents()
+    return written.documents()
 
 
 def _results() -> list[bytes]:
-    return [_documents()[name] for name in ("result", "lagging", "integrating")]
+    return [documents()[name] for name in ("result", "lagging", "integrating")]
 
 
 def _hand_over(path: Path) -> None:
@@ -86,7 +85,7 @@ def _certificate() -> bytes:
     """Of the result among the documents."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "r.json"
-        path.write_bytes(_documents()["result"])
+        path.write_bytes(documents()["result"])
         return dcc.xml(_certified(path)).encode()
 
 
@@ -94,7 +93,7 @@ def _certificate() -> bytes:
 def _register() -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "r.json"
-        path.write_bytes(_documents()["integrating"])
+        path.write_bytes(documents()["integrating"])
         _entered(path)
         return path.with_name("r.sqlite").read_bytes()
 

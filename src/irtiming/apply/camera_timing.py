@@ -251,12 +251,17 @@ def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:
 
 def _correlation(result: Result, names: tuple[str, ...]) -> Array:
     """Of these parameters; those that the matrix of the result lacks count as uncorrelated with the others."""
-    known = result.correlation.names
+    known, matrix = result.correlation.names, result.correlation.matrix
+    if len(matrix) != len(known) or any(len(row) != len(known) for row in matrix):
+        raise EstimationError(
+            f"the correlation matrix does not have the {len(known)} rows and columns of its names; write the result anew with "
+            "irtiming analyse --json"
+        )
     found = np.eye(len(names))
     for i, one in enumerate(names):
         for k, other in enumerate(names):
             if i != k and one in known and other in known:
-                coefficient = result.correlation.matrix[known.index(one)][known.index(other)]
+                coefficient = matrix[known.index(one)][known.index(other)]
                 if coefficient is None or not -1.0001 <= coefficient <= 1.0001:
                     raise EstimationError(f"the correlation of {one} and {other} is {coefficient}, must be within ±1")
                 found[i, k] = coefficient

@@ -24,7 +24,7 @@ from irtiming.instruments.visa_line import (
     split_options,
 )
 from irtiming.records.instrument_state import BlackbodyState
-from irtiming.units import ZERO_CELSIUS_K
+from irtiming.units import ZERO_CELSIUS_K, plain_integer
 
 _MODEL = "SR-800R"
 _SPEECH = Speech(baud=9600, quiet_s=0.1)  # the end of its answers is not known for every line
@@ -295,12 +295,13 @@ async def connected(address: str) -> AsyncIterator[SR800RBlackbody]:
     line, given = split_options(address, ("reply_port", "speed"))
     speed = speed_of(given)
     port = given.get("reply_port", "5100")
-    if not port.isdigit() or int(port) >= 2**16:
+    number = plain_integer(port)
+    if number is None or number >= 2**16:
         raise InstrumentError(f"reply_port={port} is no port; write a number from 0 to 65535")
     speech = replace(_SPEECH, quiet_s=0.1 if speed == 1 else 0.03)
     worker = Worker(f"opens {line}")
     try:
-        adapter = await worker.do(lambda: open_text_line(line, speech, reply_port=int(port)))
+        adapter = await worker.do(lambda: open_text_line(line, speech, reply_port=number))
     finally:
         await worker.close()
     blackbody = SR800RBlackbody(SR800R(adapter, f"blackbody at {line}", speed=speed))

@@ -24,6 +24,7 @@ from irtiming.instruments.visa_line import (
     split_options,
 )
 from irtiming.records.instrument_state import ChopperState
+from irtiming.units import plain_integer
 
 BLADES = (
     "MC1F2", "MC1F10", "MC1F15", "MC1F30", "MC1F60", "MC1F100", "MC1F10HP", "MC1F2P10", "MC1F6P10", "MC1F10A",
@@ -343,8 +344,9 @@ async def connected(address: str) -> AsyncIterator[MC2000BChopper]:
 def _blade(text: str) -> str:
     if text.upper() in BLADES:
         return text.upper()
-    if text.isdigit() and int(text) < len(BLADES):
-        return BLADES[int(text)]
+    number = plain_integer(text)
+    if number is not None and number < len(BLADES):
+        return BLADES[number]
     raise InstrumentError(
         f"blade={text} is no blade; write a number from 0 to {len(BLADES) - 1} or one of {', '.join(BLADES)}"
     )

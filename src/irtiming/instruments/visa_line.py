@@ -22,6 +22,7 @@ from pymeasure.adapters import Adapter, VISAAdapter
 
 from irtiming.errors import InstrumentError, InstrumentSilent
 from irtiming.instruments.serial_line import allow_others, not_opened, refuse_others
+from irtiming.units import plain_integer
 
 T = TypeVar("T")
 _CONNECT_S = 5.0
@@ -231,9 +232,9 @@ def _plain(line: str) -> str:
     """Serial ports and sockets among the VISA names in our own words."""
     port = re.fullmatch(r"ASRL(.+?)(::INSTR)?", line, re.IGNORECASE)
     if port is not None:
-        name = port[1]
-        if name.isdigit():
-            name = f"COM{name}" if sys.platform == "win32" else f"/dev/ttyS{int(name) - 1}"
+        name, number = port[1], plain_integer(port[1])
+        if number is not None:
+            name = f"COM{number}" if sys.platform == "win32" else f"/dev/ttyS{number - 1}"
         return f"serial:{name}"
     host = re.fullmatch(r"TCPIP\d*::(.+)::(\d+)::SOCKET", line, re.IGNORECASE)
     return f"tcp:{host[1]}:{host[2]}" if host is not None else line
@@ -241,7 +242,7 @@ def _plain(line: str) -> str:
 
 def _host_and_port(text: str, line: str) -> tuple[str, int]:
     host, _, port = text.rpartition(":")
-    if not host or not port.isdigit() or not 0 < int(port) < 2**16:
+    if not host or not 0 < (plain_integer(port) or 0) < 2**16:
         raise InstrumentError(f"{line!r} is no line; write {_NAMES}, with a port from 1 to 65535")
     return host.strip("[]"), int(port)
 

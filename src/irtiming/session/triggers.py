@@ -9,6 +9,7 @@ from irtiming.plan.search import search
 from irtiming.plan.wishes import as_text, exact_number, exact_seconds, ratio, whole_number
 from irtiming.records.series_plan import SeriesPlan, TriggerWishes
 from irtiming.records.trigger_plan import TriggerPlan, Wish, Wishes
+from irtiming.units import plain_integer
 
 _DOUBLE = (Fraction(1, 2), Fraction(2))
 """Limits of the samples per turn, relative, where an exact frame rate leaves little choice."""
@@ -98,9 +99,10 @@ def chosen_runs(text: str, n_runs: int) -> set[int]:
     chosen: set[int] = set()
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
-        if not first.isdigit() or (dash and not last.isdigit()):
+        begin, end = plain_integer(first), plain_integer(last if dash else first)
+        if begin is None or end is None:
             raise PlanError(f"--runs '{text}' cannot be read; write numbers such as 1,3-5")
-        chosen |= set(range(int(first), int(last if dash else first) + 1))
+        chosen |= {begin, end, *range(begin, min(end, n_runs) + 1)} if begin <= end else set()
     strangers = sorted(number for number in chosen if not 1 <= number <= n_runs)
     if strangers or not chosen:
         raise PlanError(

@@ -102,6 +102,18 @@ def test_a_folder_is_read_in_the_order_of_its_numbers(tmp_path):
     assert np.array_equal(_all(open_frames(tmp_path)), many)
 
 
+def test_a_digit_that_is_no_number_orders_nothing(tmp_path):
+    """Oracle: the raised two is a digit to Python and no number; a number of 5000 digits is none that Python makes."""
+    (tmp_path / "few").mkdir()
+    for name, frame in zip(("frame²a", "frame²b"), STACK, strict=False):
+        tifffile.imwrite(tmp_path / "few" / f"{name}.tif", frame)
+    assert np.array_equal(_all(open_frames(tmp_path / "few")), STACK[:2])
+    long, short = "9" * 200, "10"
+    for name, frame in zip((short, long), STACK, strict=False):
+        np.save(tmp_path / f"{name}.npy", frame[np.newaxis])
+    assert np.array_equal(_all(open_frames(tmp_path)), STACK[:2])
+
+
 def test_pictures_are_frames(tmp_path):
     """Oracle: the array; PGM written by hand after its description, PNG by imagecodecs."""
     imagecodecs = pytest.importorskip("imagecodecs")

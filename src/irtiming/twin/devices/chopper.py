@@ -4,6 +4,8 @@ import random
 from dataclasses import dataclass
 from typing import final
 
+from irtiming.units import plain_integer
+
 CLOCK_HZ = 1_000_000
 IDENTITY = "THORLABS MC2000B Optical Chopper 1.10"
 _LATENCY_CYCLES = 10_000
@@ -188,12 +190,13 @@ class SimulatedChopper:
         return self._set(word, number)
 
     def _set(self, word: str, number: str) -> str:
-        if not number.isdigit() or not _LOWEST.get(word, 0) <= int(number) <= self._highest(word):
+        wanted = plain_integer(number)
+        if wanted is None or not _LOWEST.get(word, 0) <= wanted <= self._highest(word):
             return "Command error CMD_ARG_RANGE_ERR"
         if word in _AT_REST_ONLY and self.is_enabled:
             self.broken_rules.append(f"{word} while the wheel turns")
             return ""  # not taken, which only reading it back reveals
-        self._values[word] = int(number)
+        self._values[word] = wanted
         if word == "blade":
             self._values |= {"ref": 0, "output": 0}
         self._steer()

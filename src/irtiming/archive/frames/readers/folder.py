@@ -24,11 +24,13 @@ def _files(path: Path) -> list[Path]:
     kinds = {one.suffix.lower() for one in found}
     if len(kinds) > 1:
         raise ArchiveError(f"holds files of {', '.join(sorted(kinds))}; keep those of one kind", where=str(path))
-    return sorted(found, key=lambda one: [int(part) if part.isdigit() else part for part in _parts(one.name)])
+    return sorted(found, key=lambda one: _order(one.name))
 
 
-def _parts(name: str) -> list[str]:
-    return re.split(r"(\d+)", name)
+def _order(name: str) -> list[tuple[int, str]]:
+    """What stands between numbers as text, numbers by their size: those of more digits are larger."""
+    parts = re.split(r"([0-9]+)", name)
+    return [(len(part.lstrip("0")), part.lstrip("0")) if k % 2 else (0, part) for k, part in enumerate(parts)]
 
 
 def _open(path: Path) -> FrameSource:
