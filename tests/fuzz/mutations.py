@@ -65,7 +65,7 @@ def of_words(rng: random.Random, seed: bytes, others: Sequence[bytes]) -> bytes:
 
 def of_json(rng: random.Random, seed: bytes, others: Sequence[bytes]) -> bytes:
     """The same document with one to four values in whose place others stand, or keys that are gone or new."""
-    content = json.loads(seed)
+    content, many = json.loads(seed), 500
     for _ in range(rng.choice((1, 1, 2, 4))):
         place, key = _somewhere(rng, content)
         if place is None:
@@ -74,7 +74,11 @@ def of_json(rng: random.Random, seed: bytes, others: Sequence[bytes]) -> bytes:
             case 0:
                 place[key] = rng.choice((None, True, [], {}, *NUMBERS[:-1], *TEXTS[:-1]))
             case 1:
-                place[key] = [place[key]] * rng.choice((1, 2, 500))
+                n = rng.choice((1, 2, many))
+                place[key], many = (
+                    [place[key]] * n,
+                    many if n < many else 3,
+                )  # many of many are no file that anybody has
             case 2:
                 del place[key]
             case _ if isinstance(place, dict):

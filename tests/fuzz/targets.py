@@ -30,9 +30,14 @@ def _short_matrix() -> bytes:
     return json.dumps(content).encode()
 
 
+def _odd_share() -> bytes:
+    """A result with a quantile of something that is no number."""
+    return result_files.documents()["lagging"].replace(b'"0.05":', b'"0g5":')
+
+
 FOUND: dict[str, list[bytes]] = {
     "rig.toml": [b"a = " + b"9" * 5000, b"a = " + b"[" * 5000],
-    "result.json": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000, _short_matrix()],
+    "result.json": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000, _short_matrix(), _odd_share()],
     "plan.json": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000],
     "journal": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000],
     "state of a campaign": [b'{"a": ' + b"9" * 5000 + b"}", b"[" * 100_000],

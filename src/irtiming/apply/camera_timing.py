@@ -4,6 +4,7 @@ Moments of a row are sums of parameters; `Moment` has the factor of each, so tha
 covariance alone.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -39,6 +40,7 @@ _TAKEN = (
 )  # fmt: skip
 _SHARES = ("recursive_filter", "pixel_memory")
 _MOST_SHARE, _LONGEST_S, _MOST_ROWS = 0.9, 60.0, 2**16
+_SHARE = re.compile(r"0?\.[0-9]{1,9}")
 _SURE = 2.0  # standard uncertainties, from which a share of the frame before counts as there
 
 
@@ -292,6 +294,10 @@ def _scatter(result: Result) -> Scatter | None:
             f"stamps scatter by {spread_s:g} s about {mean_s:g} s, must be within {_LONGEST_S:g} s; write it anew"
         )
     shares = set.intersection(*(set(one.quantiles) for one in jitters))
+    if odd := [share for share in shares if _SHARE.fullmatch(share) is None]:
+        raise EstimationError(
+            f"a quantile of the stamps' jitter is that of '{odd[0]}', must be of a share such as 0.95; write it anew"
+        )
     return Scatter(
         mean_s=mean_s,
         standard_deviation_s=spread_s,
