@@ -320,6 +320,35 @@ def half_of_the_opening_hidden(c: Case) -> Case:
     return c.seen(frames)
 
 
+def _covered(c: Case, where: str, *, from_frame: int = 0) -> Case:
+    """Something as warm as the covered wheel before a part of the opening, a little out of focus."""
+    frames = c.frames
+    covered, open_ = np.percentile(frames[:100], (2, 98), axis=0)
+    step = ndimage.gaussian_filter(open_ - covered, 1)
+    row, column = np.indices(step.shape)
+    y, x = np.nonzero(step > 0.5 * np.percentile(step, 99))
+    if where == "side":  # as straight as the mask's own edge, and beside it
+        right = [x[y == one].max() for one in np.unique(y)]
+        slope, at = np.polyfit(np.unique(y), right, 1)
+        part = column > at + slope * row - 2
+    elif where == "end":
+        part = column > np.percentile(x, 90)
+    else:
+        part = np.abs(column - np.percentile(x, 75 if where == "cable aside" else 50)) < 2
+    share = ndimage.gaussian_filter(part.astype(float), 0.7)
+    noise = np.random.default_rng(5).normal(0, np.std(np.diff(frames[:, 0], axis=0)) / 2**0.5, frames.shape)
+    hidden = (1 - share) * frames + share * (covered + noise)
+    return c.seen(np.where(np.arange(len(frames))[:, None, None] >= from_frame, hidden, frames))
+
+
+put("opening-covered-by-a-finger-along-its-side", lambda c: _covered(c, "side"))
+put("opening-covered-by-a-finger-at-its-end", lambda c: _covered(c, "end"))
+put("opening-covered-by-a-cable", lambda c: _covered(c, "cable"))
+put("opening-covered-by-a-cable-aside", lambda c: _covered(c, "cable aside"))
+put("opening-covered-by-a-finger-from-the-middle-on", lambda c: _covered(c, "side", from_frame=c.half))
+put("opening-covered-by-a-cable-from-the-middle-on", lambda c: _covered(c, "cable aside", from_frame=c.half))
+
+
 @mistake()
 def blackbody_as_cold_as_the_wheel(c: Case) -> Case:
     """Next to no contrast is left."""

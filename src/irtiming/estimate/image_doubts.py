@@ -17,12 +17,17 @@ from scipy import special
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
+from irtiming.records.rig import Measured
 from irtiming.records.row_timing import SectorFit
 
 _CELL_PX = 3  # pixels that share a burr
 _REACH = 5.0  # blurs on either side of the border
 _BY_CHANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
+_OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
+_PROTRACTOR_RAD = np.radians(
+    0.5
+)  # an angle that nobody measured better; its bisector is off by a quarter of a degree then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
@@ -93,6 +98,33 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
             severity="doubt",
             what=f"the contrast image is no blurred sector behind this lens: {reason}; its light may lie elsewhere",
             cure="focus the camera on the mask, shade it from stray light, and look at the contrast image in the report",
+        ),
+    )
+
+
+def of_opening(sector: SectorFit, stated: Measured) -> tuple[Finding, ...]:
+    """Where the opening in the image is not as wide as its mask: what covers one side of it turns its bisector by half as much.
+
+    Parameters
+    ----------
+    sector
+        The opening in the image.
+    stated
+        Opening angle of the mask, rad.
+    """
+    beside_rad = sector.shape.opening_angle_rad - stated.value
+    u_rad = np.hypot(stated.standard_uncertainty, sector.u("opening_angle_rad"))
+    if abs(beside_rad) <= np.hypot(_PROTRACTOR_RAD, _OPENING_APART * u_rad):
+        return ()
+    return (
+        Finding(
+            code="opening-not-as-wide",
+            severity="doubt",
+            what=f"the opening is {np.degrees(sector.shape.opening_angle_rad):.2f} deg wide in the image (u = "
+            f"{np.degrees(sector.u('opening_angle_rad')):.2f} deg), rig.toml says {np.degrees(stated.value):.2f} deg: something "
+            "covers a part of it, or opening_angle_deg is wrong; its middle is then not where centre_angle_deg has it, and the "
+            "delay is wrong by as much",
+            cure="look for a cable, a finger or an edge before the mask, and check [mask] opening_angle_deg",
         ),
     )
 

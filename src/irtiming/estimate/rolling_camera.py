@@ -96,7 +96,11 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
         replace(
             one,
             axle=shape.view(view.sector, one.opening.summed),
-            findings=(*one.findings, *_at_once(view, recordings, fits=fits, model=bare, rig=rig)),
+            findings=(
+                *one.findings,
+                *image_doubts.of_opening(view.sector, rig.mask_opening.opening_angle_rad),
+                *_at_once(view, recordings, fits=fits, model=bare, rig=rig),
+            ),
         )
         for one, view in zip(recordings, view_of, strict=True)
     )

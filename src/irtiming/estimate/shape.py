@@ -68,7 +68,11 @@ def seen(
             with one_thread():
                 sector, by_rows = _sector(group, wheel, rig=rig)
                 axle = view(sector, group[0].opening.summed)
-            doubts = (*image_doubts.of_image(sector), *image_doubts.of_rows(by_rows))
+            doubts = (
+                *image_doubts.of_image(sector),
+                *image_doubts.of_opening(sector, rig.mask_opening.opening_angle_rad),
+                *image_doubts.of_rows(by_rows),
+            )
         except EstimationError as error:
             doubts = (_no_sector(error),)
         for k in members:

@@ -7,6 +7,7 @@ import pytest
 
 from irtiming.estimate import image_doubts
 from irtiming.physics import blurred_sector
+from irtiming.records.rig import Measured
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +75,18 @@ def test_rows_that_are_read_one_after_the_other_are_a_doubt(sector, row_delay_us
     """Oracle: by hand; 0.2 us times the limit of six is 1.2 us, either way."""
     found = image_doubts.of_rows(replace(sector, row_delay_s=1e-6 * row_delay_us, u_row_delay_s=0.2e-6))
     assert [(one.code, one.severity) for one in found] == [("rows-not-at-once", "doubt")] * is_told
+
+
+@pytest.mark.parametrize(
+    ("beside_deg", "u_stated_deg", "u_seen_deg", "is_doubt"),
+    [(0.49, 0.0, 0.0, False), (-0.51, 0.0, 0.0, True), (1.2, 0.3, 0.0, False), (-1.31, 0.3, 0.0, True),
+     (2.0, 0.3, 0.4, False), (-2.1, 0.3, 0.4, True)],
+)  # fmt: skip
+def test_an_opening_that_is_not_as_wide_as_its_mask_is_a_doubt(sector, beside_deg, u_stated_deg, u_seen_deg, is_doubt):
+    """Oracle: by hand; half a degree, four of 0.3 degrees with it are 1.3, four of a 3-4-5 triangle with it 2.06."""
+    covariance = np.zeros((len(sector.names), len(sector.names)))
+    k = sector.names.index("opening_angle_rad")
+    covariance[k, k] = np.radians(u_seen_deg) ** 2
+    stated = Measured(sector.shape.opening_angle_rad - np.radians(beside_deg), np.radians(u_stated_deg))
+    found = image_doubts.of_opening(replace(sector, covariance=covariance), stated)
+    assert [(one.code, one.severity) for one in found] == [("opening-not-as-wide", "doubt")] * is_doubt
