@@ -289,7 +289,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--moments", type=int, default=100, help="of each command and fault")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--only", default="", help="commands whose names begin so")
+    parser.add_argument("--only", nargs="+", default=[""], metavar="COMMAND", help="those whose names begin so")
     options = parser.parse_args()
     importlib.import_module("irtiming.cli.main")
     load()
@@ -301,7 +301,7 @@ def main() -> int:
     try:
         prepare(top)
         for command, words in COMMANDS.items():
-            if command.startswith(options.only):
+            if command.startswith(tuple(options.only)):
                 chance, said = random.Random(f"{command} {options.seed}"), list[str]()
                 here = tuple(word.replace("../", f"{top}/", 1) if word.startswith("../") else word for word in words)
                 count = tried(here, top / "place", moments=options.moments, chance=chance, tell=said.append)

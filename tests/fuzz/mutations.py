@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable, Sequence
 from typing import Any
 
+_LONG = 10_000
 NUMBERS = (
     0, 1, -1, 2**31, 2**32 - 1, 2**62, 2**63, 2**64, 10**12, -(10**18), 1e308, -1e308, 5e-324, 1e-9, 0.1,
     float("nan"), float("inf"), float("-inf"), 10**400,
@@ -59,7 +60,7 @@ def of_words(rng: random.Random, seed: bytes, others: Sequence[bytes]) -> bytes:
             case 3:
                 lines.insert(rng.randrange(len(lines)), list(words))
             case _:
-                words[at] = words[at] * rng.choice((2, 400))
+                words[at] = words[at] * (rng.choice((2, 400)) if len(words[at]) < _LONG else 2)
     return b"\n".join(b" ".join(words) for words in lines)
 
 

@@ -1,13 +1,16 @@
 """Results, and everything that is made of them: certificates, plain words, times of frames, a register."""
 
+import random
+import sqlite3
 import tempfile
-from contextlib import suppress
+from contextlib import closing, suppress
 from functools import cache
 from pathlib import Path
 from typing import get_args
 from xml.etree import ElementTree
 
 import documents as written
+import mutations
 from target import OF_JSON, OF_TEXT, Target, in_file
 
 from irtiming.apply import camera_timing, export, handover
@@ -106,6 +109,23 @@ def _known(path: Path) -> None:
         )
 
 
+def _of_register(rng: random.Random, seed: bytes, _: object) -> bytes:
+    """The register with one to four cells in whose place something else stands, of whatever type."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "r.sqlite"
+        path.write_bytes(seed)
+        with closing(sqlite3.connect(path, isolation_level=None)) as register:
+            for _ in range(rng.choice((1, 1, 2, 4))):
+                (table,) = rng.choice(
+                    register.execute("select name from sqlite_master where type = 'table'").fetchall()
+                )
+                columns = [one[1] for one in register.execute(f'pragma table_info("{table}")')]
+                odd = rng.choice((b"\xa6", "", "nan", 1e308, -1, 2**62, "x" * 3000, "\x1b[31m", 0.1))
+                with suppress(sqlite3.Error):
+                    register.execute(f'update "{table}" set "{rng.choice(columns)}" = ?', (odd,))
+        return path.read_bytes()
+
+
 TARGETS = {
     "result.json": Target(
         seeds=_results,
@@ -114,7 +134,12 @@ TARGETS = {
     ),
     "results over settings": Target(seeds=_results, take=in_file("r.json", _compared), changes=OF_JSON),
     "result into a register": Target(seeds=_results, take=in_file("r.json", _entered), changes=OF_JSON, round=32),
-    "register": Target(seeds=lambda: [_register()], take=in_file("r.sqlite", _known), round=16),
+    "register": Target(
+        seeds=lambda: [_register()],
+        take=in_file("r.sqlite", _known),
+        changes=(mutations.of_bytes, _of_register),
+        round=16,
+    ),
     "certificate.toml": Target(
         seeds=lambda: [(EXAMPLES / "certificate.toml").read_bytes()],
         take=in_file(

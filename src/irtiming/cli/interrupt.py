@@ -5,6 +5,7 @@ tells how far it is.
 """
 
 import signal
+import sys
 from types import FrameType
 from typing import Never, final
 
@@ -26,6 +27,18 @@ class Interrupt:
         """
         self.is_pressed = True
         raise KeyboardInterrupt
+
+
+def say_nothing_of_dropped(what: "sys.UnraisableHookArgs") -> None:
+    """Hook for what Python itself drops, such as in a destructor: of a Ctrl-C, which is remembered, it says nothing.
+
+    Parameters
+    ----------
+    what
+        As Python gives it to ``sys.unraisablehook``.
+    """
+    if not issubclass(what.exc_type, KeyboardInterrupt):
+        sys.__unraisablehook__(what)
 
 
 def raise_dropped() -> None:

@@ -32,7 +32,7 @@ from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.history_command import history
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.info_command import info
-from irtiming.cli.interrupt import Interrupt
+from irtiming.cli.interrupt import Interrupt, say_nothing_of_dropped
 from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
@@ -82,6 +82,7 @@ def run() -> None:
     try:
         if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
             signal.signal(signal.SIGINT, Interrupt())
+            sys.unraisablehook = say_nothing_of_dropped
         with _words_aside(sys.argv[1:]):
             app()
     except BrokenPipeError:

@@ -2,12 +2,13 @@
 
 import io
 import signal
+import sys
 from contextlib import suppress
 
 import pytest
 from rich.console import Console
 
-from irtiming.cli.interrupt import Interrupt, raise_dropped
+from irtiming.cli.interrupt import Interrupt, raise_dropped, say_nothing_of_dropped
 from irtiming.cli.progress import shown
 
 
@@ -36,3 +37,22 @@ def test_nothing_is_raised_where_nothing_was_pressed_or_another_handler_is_set(h
         handled(signal.SIGINT, None)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     raise_dropped()
+
+
+def test_what_python_itself_drops_is_remembered_without_a_word(handled, capsys, monkeypatch):
+    """Oracle: a destructor in which Ctrl-C is pressed, whose exception Python drops and would print; another is printed still."""
+
+    class Mortal:
+        def __init__(self, act):
+            self.act = act
+
+        def __del__(self):
+            self.act()
+
+    monkeypatch.setattr(sys, "unraisablehook", say_nothing_of_dropped)
+    Mortal(lambda: signal.raise_signal(signal.SIGINT))
+    assert capsys.readouterr().err == ""
+    with pytest.raises(KeyboardInterrupt):
+        raise_dropped()
+    Mortal(lambda: 1 / 0)
+    assert "ZeroDivisionError" in capsys.readouterr().err

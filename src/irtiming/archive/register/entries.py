@@ -10,6 +10,9 @@ from irtiming.archive.nexus import program_version
 from irtiming.archive.register.tables import library, metadata, opened, unusable
 from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint
 
+_NOT_OURS = (UnicodeDecodeError, TypeError, ValueError, OverflowError)
+"""Raised by cells that no irtiming wrote."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +126,7 @@ def cameras(register: str) -> list[KnownCamera]:
                 KnownCamera(serial_number=serial, model=model, n_results=n)
                 for serial, model, n in sorted(map(tuple, line.execute(asked).all()))
             ]
-    except sql.exc.SQLAlchemyError as error:
+    except (sql.exc.SQLAlchemyError, *_NOT_OURS) as error:
         raise unusable(register, error) from error
     finally:
         engine.dispose()
@@ -149,35 +152,53 @@ def of_camera(register: str, serial_number: str) -> tuple[SettingPoint, ...]:
                 ).mappings().all()
                 for name in ("setting", "value", "common_input", "finding")
             }  # fmt: skip
-    except sql.exc.SQLAlchemyError as error:
+        points = [
+            _point(one, {name: [row for row in each if row["result_id"] == one["id"]] for name, each in rows.items()})
+            for one in found
+        ]
+    except (sql.exc.SQLAlchemyError, *_NOT_OURS) as error:
         raise unusable(register, error) from error
     finally:
         engine.dispose()
-    points = [_point(one, {name: [row for row in each if row["result_id"] == one["id"]] for name, each in rows.items()})
-              for one in found]  # fmt: skip
     return tuple(sorted(points, key=lambda one: (one.start_time, one.label)))
 
 
 def _point(one: Any, rows: Mapping[str, Sequence[Any]]) -> SettingPoint:
     common: dict[str, dict[str, float]] = {}
     for row in rows["common_input"]:
-        common.setdefault(row["parameter"], {})[row["source"]] = row["contribution"]
+        common.setdefault(_text(row, "parameter"), {})[_text(row, "source")] = _real(row, "contribution")
     return SettingPoint(
-        label=one["file"],
+        label=_text(one, "file"),
         camera=CameraKey(
-            manufacturer=one["manufacturer"], model=one["model"], serial_number=one["serial_number"],
+            manufacturer=_text(one, "manufacturer"), model=_text(one, "model"), serial_number=_text(one, "serial_number"),
             camera_type=one["camera"], readout_mode=one["readout_mode"], event=one["reference_event"],
         ),
-        settings={row["name"]: row["number"] if row["words"] is None else row["words"] for row in rows["setting"]},
+        settings={
+            one["name"]: _real(one, "number") if one["words"] is None else _text(one, "words") for one in rows["setting"]
+        },
         parameters={
-            row["parameter"]: PointParameter(
-                value=row["value"], standard_uncertainty=row["standard_uncertainty"], unit=row["unit"],
-                expanded_uncertainty=row["expanded_uncertainty"],
-                degrees_of_freedom=inf if row["degrees_of_freedom"] is None else row["degrees_of_freedom"],
-                event=row["reference_event"], common=common.get(row["parameter"], {}),
+            _text(row, "parameter"): PointParameter(
+                value=_real(row, "value"), standard_uncertainty=_real(row, "standard_uncertainty"), unit=_text(row, "unit"),
+                expanded_uncertainty=_real(row, "expanded_uncertainty"),
+                degrees_of_freedom=inf if row["degrees_of_freedom"] is None else _real(row, "degrees_of_freedom"),
+                event=_text(row, "reference_event"), common=common.get(row["parameter"], {}),
             )
             for row in rows["value"]
         },
-        start_time=one["measured_at"], n_recordings=one["recordings"],
-        findings=tuple(row["code"] for row in rows["finding"]), simulated=bool(one["simulated"]),
+        start_time=_text(one, "measured_at"), n_recordings=int(_real(one, "recordings")),
+        findings=tuple(_text(row, "code") for row in rows["finding"]), simulated=bool(one["simulated"]),
     )  # fmt: skip
+
+
+def _text(row: Any, name: str) -> str:
+    """Words of a cell: a database that somebody else wrote may hold anything in any column."""
+    if not isinstance(row[name], str):
+        raise TypeError(f"{name} is {row[name]!r:.40}, must be text")
+    return str(row[name])
+
+
+def _real(row: Any, name: str) -> float:
+    """Number of a cell."""
+    if not isinstance(row[name], int | float):
+        raise TypeError(f"{name} is {row[name]!r:.40}, must be a number")
+    return float(row[name])

@@ -49,10 +49,10 @@ def opened(register: str, *, must_exist: bool = False) -> Any:
         raise ArchiveError(
             f"this register needs the driver {error.name}; install it with pip install {error.name}"
         ) from error
-    except sql.exc.SQLAlchemyError as error:
+    except (sql.exc.SQLAlchemyError, UnicodeDecodeError) as error:
         raise unusable(register, error) from error
-    if found is not None and found > VERSION:
-        raise ArchiveError(f"the register is of version {found}, this irtiming knows {VERSION}; update it")
+    if found is not None and not (isinstance(found, int) and found <= VERSION):
+        raise ArchiveError(f"the register is of version {found!s:.40}, this irtiming knows {VERSION}; update it")
     return engine
 
 

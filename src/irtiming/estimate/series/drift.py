@@ -56,12 +56,12 @@ def day_of(point: SettingPoint) -> date:
     """
     try:
         when = datetime.fromisoformat(point.start_time)
-    except ValueError as error:
+        return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC).date()
+    except (ValueError, OverflowError) as error:
         raise EstimationError(
             f"was measured at '{point.start_time:.40}', which is no time of ISO 8601; correct start_time of its recordings",
             where=point.label,
         ) from error
-    return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC).date()
 
 
 def _of_setting(group: Sequence[SettingPoint], since: date | None) -> Iterator[Drift]:
