@@ -1,5 +1,6 @@
 """Times of frames and rows written: as CSV, as Parquet, or into a copy of the recording as NeXus fields."""
 
+import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from irtiming.archive.hdf5_output import whole_hdf5
 from irtiming.archive.layout import ENTRY
 from irtiming.archive.parquet import require_parquet
-from irtiming.archive.whole_file import whole_file
+from irtiming.archive.whole_file import text_output, whole_file
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Array, Ticks
 
@@ -42,15 +43,19 @@ class TimesToWrite:
 
 
 def write_csv(times: TimesToWrite, path: str | Path) -> None:
-    """One line per frame and row, to the nanosecond; a file of that name is replaced when the new one is whole.
+    """One line per frame and row, to the nanosecond, into a place as `text_output` has it.
 
     Raises
     ------
     ArchiveError
         If it cannot be written.
     """
-    with whole_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
-        _write_lines(times, file)
+    with text_output(path) as output:
+        file = io.TextIOWrapper(output, encoding="utf-8", newline="\n")
+        try:
+            _write_lines(times, file)
+        finally:
+            file.detach()
 
 
 def write_parquet(times: TimesToWrite, path: str | Path) -> None:

@@ -3,18 +3,14 @@
 import json
 import math
 import os
-import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from irtiming.archive.whole_file import unwritable, whole_file
+from irtiming.archive.whole_file import place_of, stays_as_it_is, text_output, unwritable
 from irtiming.errors import ArchiveError
-
-STANDARD_OUTPUT = Path("-")
-"""What a person writes for the standard output in place of a file."""
 
 
 def write_json(content: Mapping[str, Any], path: str | Path) -> None:
@@ -65,34 +61,8 @@ def write_atomically(content: str | bytes, path: str | Path) -> None:
     ArchiveError
         If the folder does not exist, or the file cannot be written.
     """
-    target, stored = Path(path), content.encode() if isinstance(content, str) else content
-    if target == STANDARD_OUTPUT:
-        _print(stored)
-    elif target.is_dir():
-        raise ArchiveError(f"{target}: is a folder; name a file to write")
-    elif target.exists() and not target.is_file():
-        _write_into(stored, target)
-    else:
-        with whole_file(target) as part:
-            part.write_bytes(stored)
-
-
-def _print(content: bytes) -> None:
-    """To what was the standard output when the program began, wherever its other words go."""
-    stream = sys.__stdout__
-    if stream is None:
-        raise ArchiveError("there is no standard output to write to; name a file")
-    stream.flush()
-    stream.buffer.write(content)
-    stream.buffer.flush()
-
-
-def _write_into(content: bytes, target: Path) -> None:
-    try:
-        with target.open("wb") as file:
-            file.write(content)
-    except OSError as error:
-        raise unwritable(target, error) from error
+    with text_output(path) as file:
+        file.write(content.encode() if isinstance(content, str) else content)
 
 
 def make_folder(path: str | Path) -> None:
@@ -109,7 +79,7 @@ def make_folder(path: str | Path) -> None:
         raise ArchiveError(f"{path} cannot be made ({error.strerror}); give another folder") from error
 
 
-def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> None:
+def require_place(path: str | Path, *, besides: Iterable[str | Path] = (), is_text: bool = True) -> None:
     """Refuse a place where no result may be written, before the long work whose result should go there.
 
     Parameters
@@ -118,20 +88,22 @@ def require_place(path: str | Path, *, besides: Iterable[str | Path] = ()) -> No
         Where the result should go.
     besides
         Files that are read or written too: none of them may be overwritten.
+    is_text
+        The result is text, which the standard output, a pipe or a device takes too.
 
     Raises
     ------
     ArchiveError
-        If the path is a folder or one of the other files, or its folder does not exist or may not be written to.
+        If the path is a folder or one of the other files, its folder does not exist or may not be written to, or it is no file
+        where it must be one.
     """
     target = Path(path)
-    if target == STANDARD_OUTPUT:
-        return
-    if target.is_dir():
-        raise ArchiveError(f"{target}: is a folder; name a file to write")
     if target.resolve() in {Path(other).resolve() for other in besides}:
         raise ArchiveError(
             f"{target}: is another file of this command and would be overwritten; name a new file to write"
         )
-    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK):
-        raise unwritable(target, PermissionError("no permission"))
+    if is_text and stays_as_it_is(target):
+        return
+    place = place_of(target)
+    if not place.parent.is_dir() or not os.access(place.parent, os.W_OK):
+        raise unwritable(place, PermissionError("no permission"))

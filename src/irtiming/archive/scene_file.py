@@ -15,7 +15,7 @@ from irtiming.archive.frames.source import FrameValues
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import Output, writing
 from irtiming.archive.nexus import bring_to_disk, group, program_version
-from irtiming.archive.whole_file import unwritable
+from irtiming.archive.whole_file import part_of, place_of, unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks, read_only
 
@@ -48,12 +48,13 @@ class SceneHead:
 class SceneWriter:
     """Streams a scene into a new file; use it in a ``with`` statement.
 
-    The file has the suffix ``.part`` until everything is in it; if the ``with`` block raises, nothing is left behind.
+    The file has the suffix ``.part`` until everything is in it; if the ``with`` block raises, nothing is left behind. What is
+    no file, such as a device, is refused.
     """
 
     def __init__(self, path: str | Path, head: SceneHead) -> None:
-        self._path, self._head = Path(path), head
-        self._part = self._path.with_name(f"{self._path.name}{layout.PART}")
+        self._path, self._head = place_of(path), head
+        self._part = part_of(self._path)
         self._held = ExitStack()
         self._file: h5py.File | None = None
         self._output: Output | None = None

@@ -22,7 +22,7 @@ from irtiming.archive.nexus import (
     set_temperature,
     set_units,
 )
-from irtiming.archive.whole_file import unwritable
+from irtiming.archive.whole_file import part_of, place_of, unwritable
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Pixels
 from irtiming.records.camera_frame import CameraIdentity
@@ -93,8 +93,8 @@ class RecordingWriter:
     """
 
     def __init__(self, path: str | Path, *, overwrite: bool = False) -> None:
-        self._path = Path(path)
-        self._part = self._path.with_name(f"{self._path.name}{layout.PART}")
+        self._path = place_of(path)
+        self._part = part_of(self._path)
         self._overwrite = overwrite
         self._described = False
         self._temperatures: dict[Field, float | None] = {}
@@ -230,8 +230,7 @@ class RecordingWriter:
         return self._file
 
     def _refuse_existing(self) -> None:
-        if self._path.is_dir():
-            raise ArchiveError(f"{self._path}: is a folder; name a file in it")
+        place_of(self._path)
         if self._path.exists() and not self._overwrite:
             raise ArchiveError(f"{self._path}: exists already; choose another name, or allow it to be overwritten")
 

@@ -30,7 +30,7 @@ def convert(
     """
     from irtiming.session.frame_files import convert as convert_frames
 
-    require_place(out, besides=[file])
+    require_place(out, besides=[file], is_text=False)
     with shown("frames") as told:
         lost = convert_frames(file, out, progress=partial(told, escape(file.name)))
     say(f"{out}: written" + (f"; this format has no place for {', '.join(lost)}" if lost else ""))

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext, redirect_stdout
 from importlib import metadata
-from itertools import pairwise
 from typing import Annotated, NoReturn
 
 import typer
@@ -74,6 +73,7 @@ def irtiming(
         raise typer.Exit
 
 
+_STANDARD_OUTPUT = ("-", "/dev/stdout")
 _STOPPED = "stopped; files not yet finished were removed or end in .part"
 
 
@@ -104,8 +104,8 @@ def run() -> None:
 
 @contextmanager
 def _words_aside(arguments: list[str]) -> Iterator[None]:
-    """With ``--json -`` the standard output is JSON alone, and what is said to people goes to standard error."""
-    asked = "--json=-" in arguments or ("--json", "-") in pairwise(arguments)
+    """Where ``-`` is to be written, as in ``--json -``, the standard output is that alone, and words go to standard error."""
+    asked = any(one.rpartition("=")[2] in _STANDARD_OUTPUT for one in arguments)
     with redirect_stdout(sys.stderr) if asked else nullcontext():
         yield
 

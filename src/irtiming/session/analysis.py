@@ -104,7 +104,7 @@ def _require_places(order: AnalysisOrder) -> None:
         )
     for place in (order.result, order.report, order.maps, order.picture):
         if place is not None:
-            require_place(place, besides=taken)
+            require_place(place, besides=taken, is_text=place in (order.result, order.report))
             taken.append(place)
 
 

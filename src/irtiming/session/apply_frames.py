@@ -89,7 +89,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     IrTimingError
         If a file cannot be read or written, the frames tell no times, or the result does not hold for them.
     """
-    require_place(order.out, besides=[order.result, order.source])
+    require_place(order.out, besides=[order.result, order.source], is_text=False)
     if order.out.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)

@@ -77,8 +77,9 @@ def apply_time(order: TimeOrder) -> FrameTimes:
         If a file cannot be read or written, or the result does not hold for these frames.
     """
     taken = [order.result, order.stamps.source, *order.series]
-    require_place(order.out, besides=[*taken, *([order.stamps.calibrated_by] if order.stamps.calibrated_by else [])])
-    is_copy = order.out.suffix.lower() == layout.SUFFIX
+    taken += [order.stamps.calibrated_by] if order.stamps.calibrated_by else []
+    is_copy, is_parquet = (order.out.suffix.lower() == suffix for suffix in (layout.SUFFIX, ".parquet"))
+    require_place(order.out, besides=taken, is_text=not is_copy and not is_parquet)
     if is_copy and order.stamps.source.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             "holds frames with their times, so the stamps must be those of a recording; write a .csv",
@@ -93,7 +94,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     written = _to_write(times, stamped, order)
     if is_copy:
         write_into_copy(written, order.stamps.source, path=order.out)
-    elif order.out.suffix.lower() == ".parquet":
+    elif is_parquet:
         write_parquet(written, order.out)
     else:
         write_csv(written, order.out)

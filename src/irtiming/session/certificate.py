@@ -53,7 +53,7 @@ def certify(order: CertificateOrder) -> Sheet:
     """
     taken = [*order.results, order.form]
     for place in (*order.out, *([] if order.crate is None else [order.crate])):
-        require_place(place, besides=taken)
+        require_place(place, besides=taken, is_text=place is not order.crate)
         taken.append(place)
     form = _in_language(read_certificate_file(order.form), order.language)
     sheet = collect(read_results(order.results), form)

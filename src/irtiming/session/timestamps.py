@@ -88,7 +88,7 @@ async def record(order: TimestampOrder, *, progress: Callable[[int, int], None] 
     IrTimingError
         If the run cannot be made, or timestamps were lost: what arrived is in the file then, marked as not whole.
     """
-    require_place(order.out, besides=[order.plan])
+    require_place(order.out, besides=[order.plan], is_text=False)
     plan = read_plan(order.plan)
     if order.run > len(plan.runs):
         raise PlanError(
@@ -140,7 +140,7 @@ def combine(order: FramesOrder) -> list[Finding]:
     ArchiveError
         If a file cannot be read or written, or frames and timestamps contradict each other.
     """
-    require_place(order.out, besides=[order.timestamps, order.frames])
+    require_place(order.out, besides=[order.timestamps, order.frames], is_text=False)
     stamped = read_timestamps(order.timestamps)
     facts = None
     if order.camera is not None:

@@ -1,7 +1,10 @@
 """`irtiming apply time` from files to files: numbers by hand, copies of recordings, and what is refused."""
 
 import csv
+import io
 import json
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -38,7 +41,7 @@ def _result(tmp_path, *camera, **fields):
 
 
 def _lines(path):
-    with path.open() as file:
+    with io.StringIO(path) if isinstance(path, str) else path.open() as file:
         text = [line for line in file if not line.startswith("#")]
     return [{name: float(value) for name, value in line.items()} for line in csv.DictReader(text)]
 
@@ -165,3 +168,20 @@ def test_stamps_of_the_camera_go_onto_the_counter_by_a_calibration(tmp_path, han
     for line, true_s in zip(found, later_s, strict=True):
         assert line["start_s"] == pytest.approx(true_s + 4e-4, abs=4 * line["u_start_s"])
         assert 1.5e-5 < line["u_start_s"] < 6e-5
+
+
+def test_times_on_the_standard_output_are_csv_alone(tmp_path):
+    """Oracle: a CSV parser; words go to standard error, and no file is made, for the file - or what no text is."""
+    stamps = tmp_path / "stamps.csv"
+    stamps.write_text("stamp_s\n1.0\n1.033\n")
+    result = _result(tmp_path, "photon", "snapshot", COOLED, window_s=2.5e-4)
+    before = sorted(tmp_path.iterdir())
+    words = [sys.executable, "-m", "irtiming", "apply", "time", str(result), str(stamps), "--out"]
+    done = subprocess.run([*words, "-"], cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, [line["frame"] for line in _lines(done.stdout)]) == (0, [0, 1]), done.stderr
+    assert "times of 2 frames" in done.stderr
+    words = [sys.executable, "-m", "irtiming", "apply", "frames", str(result), str(stamps), "-"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "is the standard output, which takes text alone" in done.stderr
+    assert sorted(tmp_path.iterdir()) == before

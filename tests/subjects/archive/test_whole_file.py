@@ -6,6 +6,7 @@ import pytest
 
 from irtiming.archive.json_file import write_atomically
 from irtiming.archive.whole_file import final_name, whole_file
+from irtiming.archive.writer import RecordingWriter
 from irtiming.errors import ArchiveError
 
 
@@ -46,6 +47,8 @@ def test_an_interrupted_recording_of_that_name_stays(tmp_path: Path) -> None:
     write_atomically("new", tmp_path / "run.nxs")
     with whole_file(tmp_path / "run.nxs") as part:
         part.write_text("newer")
+    with pytest.raises(ArchiveError, match="never called"), RecordingWriter(tmp_path / "run.nxs", overwrite=True):
+        pass
     assert interrupted.read_text() == "frames"
 
 

@@ -12,6 +12,7 @@ from irtiming.archive.frame_status import with_untimed
 from irtiming.archive.hdf5_file import opened
 from irtiming.archive.live.growing_file import EXCHANGES, set_ending
 from irtiming.archive.nexus import bring_to_disk
+from irtiming.archive.whole_file import place_of
 from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks
 
@@ -67,10 +68,9 @@ def require_free_name(path: Path) -> None:
     Raises
     ------
     ArchiveError
-        If there is a file or folder of this name.
+        If there is a file, a folder or whatever else of this name, or it is ``-``.
     """
-    if path.is_dir():
-        raise ArchiveError(f"{path}: is a folder; name a file in it")
+    place_of(path)
     if path.exists():
         raise ArchiveError(f"{path}: exists already; choose another name")
 

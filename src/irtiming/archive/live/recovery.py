@@ -65,7 +65,7 @@ def recover(
     if path is None and not str(source).endswith(layout.PART):
         raise ArchiveError(f"{source}: is not called NAME{layout.SUFFIX}{layout.PART}; say which file to make (--out)")
     target = source.with_suffix("") if path is None else Path(path)
-    require_place(target, besides=[source])
+    require_place(target, besides=[source], is_text=False)
     require_free_name(target)
     made = target.with_name(f"{target.name}.recovering")
     if is_claimed(source):
