@@ -34,6 +34,32 @@ def seconds(text: str) -> float:
     return found
 
 
+def require_uncertainty(u: float, *, of: float | None, fields: tuple[str, str]) -> None:
+    """Refuse a standard uncertainty that cannot be one.
+
+    Parameters
+    ----------
+    u
+        The standard uncertainty.
+    of
+        The number that it belongs to, in the same unit; None: nobody gave it.
+    fields
+        What both are called: the number, its uncertainty.
+
+    Raises
+    ------
+    UnitError
+        If it is negative or no number, or belongs to a number that nobody gave.
+    """
+    of_name, name = fields
+    if not u >= 0:
+        raise UnitError(f"{{{name}}} is {u:g}, must be 0 or more: it is a standard uncertainty", name)
+    if u > 0 and of is None:
+        raise UnitError(
+            f"{{{name}}} is the standard uncertainty of {{{of_name}}}, which is not given; give both, or none", *fields
+        )
+
+
 def kelvin(text: str) -> float:
     """Kelvin from text such as ``"303 K"`` or ``"30 °C"`` (or C, degC).
 

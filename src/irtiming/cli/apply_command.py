@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from irtiming.cli.options import filled, in_options
 from irtiming.cli.screen import say
 from irtiming.errors import UnitError
 from irtiming.records.application import Program, StampKind
@@ -24,6 +25,7 @@ Series = Annotated[
 
 
 @app.command()
+@in_options
 def time(
     result: ResultFile,
     stamps: Annotated[
@@ -79,14 +81,11 @@ def time(
     Start, middle and end of the integration of a photon camera; of a lagging one the moment of reading; and the effective moment:
     the scene is seen as it was then. A result for another camera, integration time, readout mode or image size is refused.
     """
-    from irtiming.apply.stamps import Latency
+    given = locals()
     from irtiming.session.apply_time import TimeOrder, apply_time
     from irtiming.session.frame_stamps import StampsWanted
 
-    late = None if latency is None else Latency(value_s=seconds(latency), u_s=seconds(latency_u))
-    wanted = StampsWanted(
-        source=stamps, kind=kind, column=column, unit=unit, latency=late, alone=alone, calibrated_by=calibrated_by
-    )
+    wanted = filled(StampsWanted, given, source=stamps)
     found = apply_time(TimeOrder(result=result, stamps=wanted, out=out, rows=_rows(rows), series=tuple(series or ())))
     n_frames, n_rows = found.events.time_s.size, found.rows_px.size
     say(f"{out}: times of {n_frames} frames, {n_rows} rows each, in {found.events.scale}")
@@ -149,6 +148,7 @@ def frames(
 
 
 @app.command()
+@in_options
 def export(
     result: ResultFile,
     to: Annotated[Program, typer.Option(..., help="The program that is to read it.")],
@@ -167,12 +167,10 @@ def export(
     Each file says which event and which sign it uses, and what that program cannot express: none has a time constant, so the
     effective moment stands for it, with the frequency up to which it does.
     """
+    given = locals()
     from irtiming.session.hand_over import ExportOrder, hand_over
 
-    order = ExportOrder(
-        result=result, program=to, out=out, stamp_latency_s=seconds(stamp_latency), stamp_latency_u_s=seconds(stamp_latency_u)
-    )  # fmt: skip
-    found = hand_over(order)
+    found = hand_over(filled(ExportOrder, given, program=to))
     event = found.middle_row
     say(f"{out}: effective moment {1e3 * event.value_s:+.4f} ms after the stamp, u = {1e6 * event.u_s:.3g} µs")
     if found.validity is not None:

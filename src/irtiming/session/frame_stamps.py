@@ -21,7 +21,7 @@ from irtiming.records.arrays import Ticks
 from irtiming.records.frame_events import NOUNS
 from irtiming.records.recording import Recording
 from irtiming.reduce.events import numbering, placing
-from irtiming.units import readable_time
+from irtiming.units import readable_time, require_uncertainty
 
 _CSV = (".csv", ".txt", ".tsv")
 _SCALES: Mapping[StampKind, str] = {
@@ -41,18 +41,22 @@ _WORDS: Mapping[StampKind, str] = {
 class StampsWanted:
     """Which stamps of a file count, and how late they are.
 
-    ``column`` and ``unit`` are for CSV. ``latency`` is by how much later than the event a stamp is; None: nobody said. ``alone``
-    takes each stamp by itself in place of the regular grid of all. ``calibrated_by`` is a recording in which the same camera, not
-    switched off since, got triggers that were stamped.
+    ``column`` and ``unit`` are for CSV. ``latency_s`` is by how much later than the event a stamp is, None: nobody said, and
+    ``latency_u_s`` its standard uncertainty. ``alone`` takes each stamp by itself in place of the regular grid of all.
+    ``calibrated_by`` is a recording in which the same camera, not switched off since, got triggers that were stamped.
     """
 
     source: Path
     kind: StampKind | None = None
     column: str | None = None
     unit: str | None = None
-    latency: Latency | None = None
+    latency_s: float | None = None
+    latency_u_s: float = 0.0
     alone: bool = False
     calibrated_by: Path | None = None
+
+    def __post_init__(self) -> None:
+        require_uncertainty(self.latency_u_s, of=self.latency_s, fields=("latency_s", "latency_u_s"))
 
 
 @final
@@ -229,9 +233,9 @@ def _conditions(facts: FrameFacts, camera: CameraTiming) -> Conditions:
 def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: StampKind) -> EventTimes:
     """Events that follow from stamps: latency taken off, on a grid where they scatter, or by a clock of another recording."""
     is_own = kind == KIND_OF[camera.event]
-    late, scale = wanted.latency or Latency(value_s=0.0, u_s=0.0), _SCALES[kind]
+    late, scale = Latency(value_s=wanted.latency_s or 0.0, u_s=wanted.latency_u_s), _SCALES[kind]
     remarks: tuple[str, ...] = ()
-    if wanted.latency is None and not is_own:
+    if wanted.latency_s is None and not is_own:
         if camera.event != "trigger":
             raise ConditionError(
                 f"the result counts from {NOUNS[camera.event]}, these are {_WORDS[kind]}; give {_WORDS[KIND_OF[camera.event]]}, "
@@ -245,7 +249,7 @@ def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: Stamp
         return replace(stamps.each_exact(raw, scale=scale, latency=late), remarks=remarks)
     is_few = is_own and camera.scatter is not None and raw.time_s.size < stamp_line.FEWEST
     if wanted.alone or is_few:
-        if not is_own or camera.scatter is None or wanted.latency is not None:
+        if not is_own or camera.scatter is None or wanted.latency_s is not None:
             raise ConditionError(
                 f"the result does not know how {_WORDS[kind]} scatter, which it must where each counts by itself; leave out "
                 "--alone, or measure the camera by such stamps",

@@ -13,7 +13,7 @@ from irtiming.archive.result_file import read_result
 from irtiming.records.application import Program
 from irtiming.records.frame_events import NOUNS
 from irtiming.report.rounding import significant, time_text
-from irtiming.units import readable_time
+from irtiming.units import readable_time, require_uncertainty
 
 
 @final
@@ -26,6 +26,11 @@ class ExportOrder:
     out: Path
     stamp_latency_s: float = 0.0
     stamp_latency_u_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_uncertainty(
+            self.stamp_latency_u_s, of=self.stamp_latency_s, fields=("stamp_latency_s", "stamp_latency_u_s")
+        )
 
 
 def hand_over(order: ExportOrder) -> HandOver:

@@ -19,6 +19,7 @@ from irtiming.records.latency_check import GateRegister, LatencyDifference, Loop
 from irtiming.records.rig import Latency, Measured
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 from irtiming.reduce.wheel.gate_register import register
+from irtiming.units import require_uncertainty
 
 _USUAL_SLOTS = 100
 LoopLine = Literal["spare", "camera_input"]
@@ -47,6 +48,9 @@ class GatesOrder:
     json: Path | None = None
 
     def __post_init__(self) -> None:
+        for name in ("photodiode", "application_gate"):
+            value, u = (f"{name}_s", f"{name}_u_s")
+            require_uncertainty(getattr(self, u), of=getattr(self, value), fields=(value, u))
         if self.exchanged and self.place_u_rad is None:
             raise EstimationError(
                 "{exchanged} wants {place_u_rad}: by how much the beams may stand elsewhere after the exchange; 1 um at 47 mm "

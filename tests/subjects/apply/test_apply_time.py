@@ -112,6 +112,11 @@ def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path,
         (("--out", "times.csv", "--rows", "a"), "--rows a are no image rows"),
         (("--out", "recording"), "would be overwritten"),
         (("--out", "times.csv", "--latency", "3"), "'3' has no unit"),
+        (
+            ("--out", "times.csv", "--latency-u", "1 ms"),
+            "--latency-u is the standard uncertainty of --latency, which is not",
+        ),
+        (("--out", "times.csv", "--latency", "0", "--latency-u", "-1ms"), "--latency-u is -0.001, must be 0 or more"),
     ],
 )
 def test_what_cannot_be_applied_ends_in_one_line(tmp_path, hand_made, told, arguments, said):

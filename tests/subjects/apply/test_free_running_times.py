@@ -106,7 +106,7 @@ def test_stamps_of_another_event_are_refused_unless_their_latency_is_said():
     with pytest.raises(ConditionError, match=r"counts from the frame's stamp \(median\), these are arrivals"):
         frame_stamps.of_recording(run, wanted, camera=camera)
     late_s = free_camera.usual_latency_s(free) - free.stamp_after_s
-    said = replace(wanted, latency=Latency(value_s=late_s, u_s=1e-6))
+    said = replace(wanted, latency_s=late_s, latency_u_s=1e-6)
     events = frame_stamps.of_recording(run, said, camera=camera).events
     stamped_s = free_camera.begun_s(SCENE.trigger, free, number=run.frame_number) + free.stamp_after_s
     off_s = events.time_s + events.origin_s - stamped_s * (1 + free.computer_rate_error) - free.computer_zero_s

@@ -13,7 +13,7 @@ from made_up_result import BOLOMETER, COOLED, made_up_result
 
 from irtiming.apply import camera_timing, export, handover
 from irtiming.archive.result_file import write_result
-from irtiming.errors import EstimationError
+from irtiming.errors import EstimationError, UnitError
 from irtiming.records.application import Program
 from irtiming.session import hand_over
 
@@ -142,6 +142,14 @@ def test_a_latency_of_the_stamps_is_taken_off():
     alone = _given(ROLLING)
     assert given.middle_row.value_s == pytest.approx(MIDDLE_S - 2e-3)
     assert given.middle_row.u_s == pytest.approx(np.hypot(alone.middle_row.u_s, 3e-5))
+
+
+@pytest.mark.parametrize("u_s", [-3e-5, float("nan")])
+def test_no_standard_uncertainty_is_negative(u_s):
+    """Oracle: its definition, GUM 2.3.1; at the boundary, 0, a latency is exact."""
+    hand_over.ExportOrder(result=Path("r"), program="vins", out=Path("o"), stamp_latency_u_s=0.0)
+    with pytest.raises(UnitError, match="stamp_latency_u_s is .*, must be 0 or more"):
+        hand_over.ExportOrder(result=Path("r"), program="vins", out=Path("o"), stamp_latency_u_s=u_s)
 
 
 @pytest.mark.parametrize(("result", "direction"), [(ROLLING, "TopToBottom"), (UPWARDS, "BottomToTop")])

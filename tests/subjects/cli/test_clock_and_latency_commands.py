@@ -9,8 +9,10 @@ from typer.testing import CliRunner
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.timestamps_file import write_timestamps
 from irtiming.cli.main import app
+from irtiming.errors import UnitError
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
+from irtiming.session.latency import GatesOrder
 
 CLOCK_HZ = 48_000_000
 E, L_A, L_C, L_P = 12e-6, 5e-6, 3e-6, 0.05e-6
@@ -99,6 +101,14 @@ def test_a_photodiode_puts_both_latencies_into_rig_toml(place):
     for number, truth in ((found.application_gate_s, L_A), (found.control_gate_s, L_C)):
         assert number.value == pytest.approx(truth, abs=4 * number.standard_uncertainty)
         assert number.standard_uncertainty < 0.1e-6
+
+
+def test_an_uncertainty_of_nothing_is_refused():
+    """Oracle: by hand; it was given for a photodiode of which nobody told a latency."""
+    with pytest.raises(
+        UnitError, match=r"photodiode_u_s is the standard uncertainty of photodiode_s, which is not given"
+    ):
+        GatesOrder(recordings=(), photodiode_u_s=1e-8)
 
 
 def test_without_a_photodiode_only_the_difference_is_told(place):
