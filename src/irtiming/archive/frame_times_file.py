@@ -27,8 +27,8 @@ _ROWS_TOGETHER = 2**18  # lines of Parquet that are written at once
 class TimesToWrite:
     """What is written: of each moment the time after the trigger edge, its uncertainty and correlations, all shape (row,).
 
-    ``trigger_s`` has the triggers, shape (n_frame,), since ``origin_s``; ``frames`` their numbers, ``rows`` the rows, both whole.
-    ``head`` are lines of what the numbers mean.
+    ``trigger_s`` has the triggers, shape (n_frame,), since ``origin_s``; ``frames`` their numbers as their file has them,
+    ``rows`` the rows, both whole. ``head`` are lines of what the numbers mean.
     """
 
     frames: Ticks

@@ -96,7 +96,12 @@ def _read(path: Path, lines: Iterator[list[str]], *, column: str | None, unit: s
             raise ArchiveError(f"{path}: has more than {_MOST_STAMPS} stamps; cut it into pieces")
         times.append(_number(path, values[names.index(chosen)], n, largest=_LARGEST_S / scale) * scale)
         if counted is not None:
-            numbers.append(int(_number(path, values[names.index(counted)], n, largest=Decimal(_LARGEST_NUMBER))))
+            numbers.append(_whole(path, values[names.index(counted)], n))
+        if len(numbers) > 1 and numbers[-1] <= numbers[-2]:
+            raise ArchiveError(
+                f"{path}: column '{counted}' numbers frames and must rise, data line {n + 1} has {numbers[-1]} after "
+                f"{numbers[-2]}; mend it, or give the column another name"
+            )
     if not times:
         raise ArchiveError(f"{path}: has no stamps; give one line per frame")
     origin = int(times[0])
@@ -130,3 +135,10 @@ def _number(path: Path, text: str, line: int, *, largest: Decimal) -> Decimal:
     if not value.is_finite() or not -largest <= value <= largest:
         raise ArchiveError(f"{path}: data line {line + 1} has {text[:40]}, which is no stamp; mend it")
     return value
+
+
+def _whole(path: Path, text: str, line: int) -> int:
+    value = _number(path, text, line, largest=Decimal(_LARGEST_NUMBER))
+    if value % 1:
+        raise ArchiveError(f"{path}: data line {line + 1} has {text[:40]}, which numbers no frame; mend it")
+    return int(value)

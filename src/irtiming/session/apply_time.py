@@ -104,7 +104,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
 def _to_write(times: FrameTimes, stamped: Stamped, order: TimeOrder) -> TimesToWrite:
     names = [one.name for one in times.moments]
     return TimesToWrite(
-        frames=stamped.frames,
+        frames=stamped.numbers,
         trigger_s=stamped.events.time_s,
         origin_s=stamped.events.origin_s,
         rows=times.rows_px.astype(np.int64),
@@ -125,6 +125,7 @@ def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
     yield f"camera: {told.camera_type}, {told.readout_mode}, {which}"
     yield f"scale: {times.events.scale}"
     yield f"reference event: {NOUNS[camera.event]}; a time is that event plus a delay, positive after it"
+    yield "frame: number of the frame as its file has it; its index from 0 where the file has none"
     for one in times.moments:
         yield f"{one.name}: {MEANINGS[one.name]}"
     if told.readout_mode == "snapshot":

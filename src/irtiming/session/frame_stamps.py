@@ -62,10 +62,14 @@ class StampsWanted:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stamped:
-    """Events of the frames of a file; ``frames`` their indices in it, shape (n_frame,), and what is said of the camera."""
+    """Events of the frames of a file, and what is said of the camera.
+
+    ``frames`` are their indices in the file, ``numbers`` what the file numbers them by, or the indices; shape (n_frame,) both.
+    """
 
     events: EventTimes
     frames: Ticks
+    numbers: Ticks
     found: Conditions | None
     recording: Recording | None = None
 
@@ -92,7 +96,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
         column = read_stamps(path, column=wanted.column, unit=wanted.unit)
         raw = Raw(time_s=column.time_s, origin_s=column.origin_s, step_s=1e-9, numbers=column.numbers)
         events = _events(raw, wanted, camera=camera, kind=wanted.kind or KIND_OF[camera.event])
-        return Stamped(events=events, frames=np.arange(raw.time_s.size), found=None)
+        return _all_of(raw, events, numbers=column.numbers, found=None)
     if path.suffix.lower() == layout.SUFFIX:
         return of_recording(reader.read(path), wanted, camera=camera, generator=generator)
     facts = open_frames(path).facts
@@ -103,7 +107,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
         kind = "camera"
     raw = _of_facts(facts, wanted, kind=kind)
     events = _events(raw, wanted, camera=camera, kind=kind)
-    stamped = Stamped(events=events, frames=np.arange(raw.time_s.size), found=found)
+    stamped = _all_of(raw, events, numbers=facts.frame_id, found=found)
     return _with(
         stamped, (*remarks, "detector and readout mode were not compared: the file does not tell them"), found, None
     )
@@ -140,13 +144,18 @@ def of_recording(
         remarks = (*remarks, "the recording's camera was triggered, the result measured it running free")
     raw = _of_recording(recording, kind)
     events = _events(raw, wanted, camera=camera, kind=kind)
-    kept = np.arange(raw.time_s.size)
-    return _with(Stamped(events=events, frames=kept, found=found), remarks, found, recording)
+    return _with(_all_of(raw, events, numbers=recording.frame_number, found=found), remarks, found, recording)
+
+
+def _all_of(raw: Raw, events: EventTimes, *, numbers: Ticks | None, found: Conditions | None) -> Stamped:
+    """All frames of a file that numbers them, or does not."""
+    frames = np.arange(raw.time_s.size)
+    return Stamped(events=events, frames=frames, numbers=frames if numbers is None else numbers, found=found)
 
 
 def _with(stamped: Stamped, remarks: tuple[str, ...], found: Conditions, recording: Recording | None) -> Stamped:
     events = replace(stamped.events, remarks=(*stamped.events.remarks, *remarks))
-    return Stamped(events=events, frames=stamped.frames, found=found, recording=recording)
+    return replace(stamped, events=events, found=found, recording=recording)
 
 
 def _of_triggers(recording: Recording, generator: Generator | None) -> Stamped:
@@ -160,7 +169,7 @@ def _of_triggers(recording: Recording, generator: Generator | None) -> Stamped:
         set_delay_s=recording.trigger_delay_time_set_s,
         generator=generator,
     )
-    return Stamped(events=found, frames=known, found=None)
+    return Stamped(events=found, frames=known, numbers=number[known], found=None)
 
 
 def _of_strobe(recording: Recording, generator: Generator | None) -> Stamped:
@@ -178,7 +187,8 @@ def _of_strobe(recording: Recording, generator: Generator | None) -> Stamped:
     )
     told = tuple(one.what for one in placed.findings[len(recording.findings) :])
     kept = np.arange(placed.frame_number.size)
-    return _with(Stamped(events=found, frames=kept, found=None), told, conditions.of_recording(recording), recording)
+    stamped = Stamped(events=found, frames=kept, numbers=recording.frame_number, found=None)
+    return _with(stamped, told, conditions.of_recording(recording), recording)
 
 
 def _of_recording(recording: Recording, kind: StampKind) -> Raw:

@@ -12,7 +12,7 @@ import pytest
 from made_up_result import BOLOMETER, COOLED, made_up_result
 from pyarrow import parquet
 
-from irtiming.archive import reader
+from irtiming.archive import layout, reader
 from irtiming.archive.result_file import write_result
 from irtiming.cli.main import run
 
@@ -103,6 +103,51 @@ def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path,
     since_s = int(whole) - 1_700_000_000 + int(nano) * 1e-9
     assert since_s == pytest.approx(0.033 * 7 + 4e-3 + 100 * 4e-5, abs=2e-5)
     assert float(text.split(",")[3]) == pytest.approx(np.sqrt(1e-4**2 + 3e-5**2 + (100 * 2e-7) ** 2), rel=0.05)
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet", "nxs"])
+def test_a_frame_keeps_the_number_that_its_file_gives_it(tmp_path, hand_made, told, ending):
+    """Oracle: by hand; the camera lost frames 5 and 6, so the frame at place 5 was made by trigger 7."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)
+    content = json.loads(result.read_text())
+    content["inputs"][0]["image"] = {"rows": 4, "columns": 6}
+    result.write_text(json.dumps(content))
+    kept = np.delete(np.arange(20), [5, 6])
+
+    def lost(file):
+        for field in (layout.FRAMES, layout.FRAME_NUMBER):
+            values = file[field.path][()][kept]
+            del file[field.path]
+            file[field.path] = values
+
+    out = tmp_path / f"times.{ending}"
+    status, _, error = told("apply", "time", result, hand_made(lost), "--out", out)
+    assert status == 0, error
+    start_s = (7_000_000 + 16_384_000 + 1_622_016 * 7) / CLOCK_HZ + 0.025 + 4e-4
+    if ending == "csv":
+        found = _lines(out)
+        numbers, at_s = [line["frame"] for line in found], found[5]["start_s"]
+    elif ending == "parquet":
+        table = parquet.read_table(out)
+        numbers, at_s = table["frame"].to_pylist(), 1e-9 * table["start_ns"][5].as_py()
+    else:
+        with h5py.File(out) as file:
+            numbers, at_s = file["entry/frame_times/frame"][()].tolist(), file["entry/frame_times/start_time"][5, 0]
+    assert numbers == kept.tolist()
+    assert at_s == pytest.approx(start_s, abs=2e-9)
+
+
+def test_a_frame_keeps_the_number_of_a_csv_and_of_a_file_of_frames(tmp_path, told):
+    """Oracle: by hand; the camera counted from 12 and lost 14 to 20."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)
+    (tmp_path / "stamps.csv").write_text("frame,stamp_s\n12,1.0\n13,1.033\n21,1.297\n")
+    np.save(tmp_path / "a.npy", np.zeros((3, 4, 160), np.uint16))
+    facts = {"trigger_times_s": [1.0, 1.033, 1.297], "frame_id": [12, 13, 21]}
+    (tmp_path / "a.npy.json").write_text(json.dumps(facts))
+    for source in ("stamps.csv", "a.npy"):
+        status, _, error = told("apply", "time", result, tmp_path / source, "--out", tmp_path / "times.csv")
+        assert status == 0, error
+        assert [line["frame"] for line in _lines(tmp_path / "times.csv")] == [12, 13, 21]
 
 
 @pytest.mark.parametrize(

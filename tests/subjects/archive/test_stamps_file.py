@@ -42,6 +42,8 @@ def test_the_column_and_its_unit_may_be_named(tmp_path):
         ("t_s\n1e10\n", "data line 1 has 1e10, which is no stamp"),
         ("t_s\n1e999999999\n", "which is no stamp"),
         ("t_s\nnan\n", "data line 1 has nan, which is no stamp"),
+        ("t_s,seq\n1,7\n2,7\n", "column 'seq' numbers frames and must rise, data line 2 has 7 after 7"),
+        ("t_s,seq\n1,7\n2,7.5\n", "data line 2 has 7.5, which numbers no frame"),
         ("t_s,a\n1\n", "data line 1 has 1 values, there are 2 columns"),
         ("t_s\n1\0\n", "is no CSV"),
         ("t_s\n" + "1" * 70000, "is no CSV"),
