@@ -5,9 +5,13 @@ import numpy as np
 from irtiming.apply.camera_timing import Conditions
 from irtiming.errors import ConditionError
 from irtiming.records.recording import Recording
+from irtiming.units import readable_time
 
 _FEWEST = 8
 _SAME_WINDOW = 1e-3  # relative, within which two integration times are one setting
+_OTHER_UNIT = 10.0
+"""Factor between two times between frames from which a unit is doubted. Units of stamps are 1000 apart, cameras' counters tick in
+1 µs or 0.1 µs, 10 apart; a camera that makes frames so much faster or slower than when it was measured is told, not refused."""
 
 
 def of_recording(recording: Recording) -> Conditions:
@@ -79,6 +83,25 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
             )
     wanted = [what for what, ours, theirs in told if not (ours and theirs) and what != "model"]
     return tuple(f"{what} was not compared" for what in wanted if what != "integration time" or is_photon)
+
+
+def doubted_unit(measured: Conditions, interval_s: float | None) -> tuple[str, ...]:
+    """What is to be said of a time between frames that differs so much from the measured one that its unit may be another.
+
+    Parameters
+    ----------
+    measured
+        For what the result holds.
+    interval_s
+        Median time between the frames to which it is applied; None for a single one.
+    """
+    period_s = measured.frame_period_s
+    if period_s is None or interval_s is None or 1 / _OTHER_UNIT <= interval_s / period_s <= _OTHER_UNIT:
+        return ()
+    return (
+        f"frames are {readable_time(interval_s)} apart by their stamps (median), those that were measured "
+        f"{readable_time(period_s)}: is the unit of the stamps right?",
+    )
 
 
 def _size(one: Conditions) -> str:

@@ -44,12 +44,12 @@ def read_stamps(path: str | Path, *, column: str | None = None, unit: str | None
     column
         Its name; None: the only one whose name ends in a unit.
     unit
-        One of `UNITS`; None: as the name says.
+        One of `UNITS`, which the name must not contradict; None: as the name says.
 
     Raises
     ------
     ArchiveError
-        If the file cannot be read, or a stamp is no number.
+        If the file cannot be read, its unit is in doubt, or a stamp is no number.
     """
     target = Path(path)
     try:
@@ -80,11 +80,7 @@ def _lines(path: Path, file: IO[str]) -> Iterator[str]:
 def _read(path: Path, lines: Iterator[list[str]], *, column: str | None, unit: str | None) -> StampColumn:
     names = [name.strip() for name in next(lines, [])]
     chosen = _column(path, names, column)
-    scale = UNITS.get(unit or chosen.rsplit("_", 1)[-1])
-    if scale is None:
-        raise ArchiveError(
-            f"{path}: column '{chosen}' does not say its unit; let its name end in _s, _ms, _us or _ns, or give the unit"
-        )
+    scale = _scale(path, chosen, unit)
     counted = next((name for name in names if name.lower() in _NUMBERS and name != chosen), None)
     times, numbers = [], []
     for n, values in enumerate(lines):
@@ -125,6 +121,23 @@ def _column(path: Path, names: list[str], column: str | None) -> str:
             "column of the stamps"
         )
     return fitting[0]
+
+
+def _scale(path: Path, column: str, unit: str | None) -> Decimal:
+    """Seconds that 1 in a column is: its name and a unit that somebody gave must not contradict each other."""
+    named = column.rsplit("_", 1)[-1]
+    if unit is not None and unit not in UNITS:
+        raise ArchiveError(f"{path}: '{unit}' is no unit of stamps; give {', '.join(UNITS)}")
+    if unit is not None and named in UNITS and named != unit:
+        raise ArchiveError(
+            f"{path}: column '{column}' says that its unit is {named}, {unit} was given; leave the unit out, or mend the name"
+        )
+    scale = UNITS.get(unit or named)
+    if scale is None:
+        raise ArchiveError(
+            f"{path}: column '{column}' does not say its unit; let its name end in _s, _ms, _us or _ns, or give the unit"
+        )
+    return scale
 
 
 def _number(path: Path, text: str, line: int, *, largest: Decimal) -> Decimal:

@@ -97,6 +97,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     result = read_result(order.result)
     camera, told = camera_at_setting(result, order.series, source=order.source)
     given = _given(order, camera, generator_of(result))
+    told += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
     given = replace(given, events=replace(given.events, remarks=(*told, *given.events.remarks)))
     of_value = _lag_of_value(order, camera, given.unit)
     readout = Readout(

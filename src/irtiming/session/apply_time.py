@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.apply import camera_timing, frame_times, settings
+from irtiming.apply import camera_timing, conditions, frame_times, settings
 from irtiming.apply.camera_timing import MEANINGS, CameraTiming
 from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
@@ -88,6 +88,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     result = read_result(order.result)
     camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
     stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
+    told += conditions.doubted_unit(camera.conditions, stamped.events.frame_period_s)
     stamped = replace(stamped, events=replace(stamped.events, remarks=(*told, *stamped.events.remarks)))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
     times = frame_times.apply(camera, stamped.events, rows_px=rows)

@@ -105,6 +105,20 @@ def test_stamps_of_arrival_are_denoised_and_their_latency_is_taken_off(tmp_path,
     assert float(text.split(",")[3]) == pytest.approx(np.sqrt(1e-4**2 + 3e-5**2 + (100 * 2e-7) ** 2), rel=0.05)
 
 
+@pytest.mark.parametrize(("column", "is_doubted"), [("stamp_ms", False), ("stamp_s", True), ("stamp_us", True)])
+def test_a_unit_that_cannot_be_right_is_told(tmp_path, told, column, is_doubted):
+    """Oracle: by hand; milliseconds of frames 33 ms apart, as they were measured, under the names of three units."""
+    stamps = tmp_path / "stamps.csv"
+    stamps.write_text(f"{column}\n" + "".join(f"{33 * n}\n" for n in range(10)))
+    result = _result(tmp_path, "photon", "snapshot", COOLED, window_s=2.5e-4)
+    status, said, _ = told("apply", "time", result, stamps, "--out", tmp_path / "times.csv")
+    assert status == 0
+    doubt = "apart by their stamps (median), those that were measured 33 ms: is the unit of the stamps right?"
+    assert (doubt in said) == is_doubted
+    assert (f"note: frames are {'33 s' if column == 'stamp_s' else '33 µs'} {doubt}" in said) == is_doubted
+    assert (doubt in (tmp_path / "times.csv").read_text()) == is_doubted
+
+
 @pytest.mark.parametrize("ending", ["csv", "parquet", "nxs"])
 def test_a_frame_keeps_the_number_that_its_file_gives_it(tmp_path, hand_made, told, ending):
     """Oracle: by hand; the camera lost frames 5 and 6, so the frame at place 5 was made by trigger 7."""

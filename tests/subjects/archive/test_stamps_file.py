@@ -63,7 +63,20 @@ def test_a_column_without_unit_or_name_is_refused(tmp_path):
     path = _written(tmp_path, "t\n1\n")
     with pytest.raises(ArchiveError, match="does not say its unit"):
         read_stamps(path, column="t")
+    with pytest.raises(ArchiveError, match="'h' is no unit of stamps; give s, ms, us, ns"):
+        read_stamps(path, column="t", unit="h")
     with pytest.raises(ArchiveError, match="has no column 'u'; it has t"):
         read_stamps(path, column="u")
     with pytest.raises(ArchiveError, match="does not exist"):
         read_stamps(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(("unit", "is_taken"), [("s", True), ("ms", False), ("ns", False)])
+def test_a_unit_may_not_contradict_the_name(tmp_path, unit, is_taken):
+    """Oracle: by hand; stamp_s are seconds, whatever is said besides."""
+    path = _written(tmp_path, "stamp_s\n1\n")
+    if is_taken:
+        assert read_stamps(path, column="stamp_s", unit=unit).origin_s == 1
+        return
+    with pytest.raises(ArchiveError, match=f"column 'stamp_s' says that its unit is s, {unit} was given"):
+        read_stamps(path, column="stamp_s", unit=unit)
