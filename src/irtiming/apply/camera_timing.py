@@ -47,10 +47,10 @@ _SURE = 2.0  # standard uncertainties, from which a share of the frame before co
 @final
 @dataclass(frozen=True, kw_only=True)
 class Conditions:
-    """For which camera and settings a result holds; None or empty: the result does not say."""
+    """For which camera and settings a result holds, or how frames were made; None or empty: nobody says."""
 
-    camera_type: CameraType
-    readout_mode: ReadoutMode
+    camera_type: CameraType | Literal[""] = ""
+    readout_mode: ReadoutMode | Literal[""] = ""
     serial_number: str = ""
     model: str = ""
     integration_time_s: float | None = None

@@ -1,10 +1,14 @@
 """Whether a result holds for other frames: it does for the camera and the settings that were measured, and for no other."""
 
+from typing import get_args
+
 import numpy as np
 
 from irtiming.apply.camera_timing import Conditions
+from irtiming.archive import layout
+from irtiming.archive.frames.source import FrameFacts
 from irtiming.errors import ConditionError
-from irtiming.records.recording import Recording
+from irtiming.records.recording import CameraType, ReadoutMode, Recording
 from irtiming.units import readable_time
 
 _FEWEST = 8
@@ -27,6 +31,20 @@ def of_recording(recording: Recording) -> Conditions:
         rows=rows,
         columns=columns,
         frame_period_s=_period_s(recording),
+    )
+
+
+def of_facts(facts: FrameFacts) -> Conditions:
+    """What any file of frames says of its camera; kind of detector and readout mode where it was a recording once."""
+    detector, readout = (str(facts.more.get(field.name, "")) for field in (layout.CAMERA_TYPE, layout.READOUT_MODE))
+    return Conditions(
+        camera_type=next((one for one in get_args(CameraType) if one == detector), ""),
+        readout_mode=next((one for one in get_args(ReadoutMode) if one == readout), ""),
+        serial_number="" if facts.camera is None else facts.camera.serial_number,
+        model="" if facts.camera is None else facts.camera.model,
+        integration_time_s=facts.integration_time_s,
+        rows=facts.rows,
+        columns=facts.columns,
     )
 
 
@@ -54,7 +72,7 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
 
     Returns
     -------
-    What could not be compared, since one of both does not say it.
+    What could not be compared, since one of both does not say it: one remark, or none.
 
     Raises
     ------
@@ -81,8 +99,15 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
                 "as it is set, or give its own result",
                 where=where,
             )
-    wanted = [what for what, ours, theirs in told if not (ours and theirs) and what != "model"]
-    return tuple(f"{what} was not compared" for what in wanted if what != "integration time" or is_photon)
+    unsaid = [what for what, ours, theirs in (*kinds, *told) if not (ours and theirs) and what != "model"]
+    return _not_compared([what for what in unsaid if what != "integration time" or is_photon])
+
+
+def _not_compared(unsaid: list[str]) -> tuple[str, ...]:
+    if not unsaid:
+        return ()
+    *others, last = unsaid
+    return (f"{', '.join(others)} and {last} were not compared" if others else f"{last} was not compared",)
 
 
 def doubted_unit(measured: Conditions, interval_s: float | None) -> tuple[str, ...]:

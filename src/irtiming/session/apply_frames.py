@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irtiming.apply import conditions, kernels
-from irtiming.apply.camera_timing import CameraTiming, Conditions
+from irtiming.apply.camera_timing import CameraTiming
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
@@ -189,13 +189,7 @@ def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _G
         source = open_frames(order.source)
         return _Given(stack=source, events=stamped.events, kept=stamped.frames, unit=source.facts.unit)
     source = open_frames(order.source)
-    told = Conditions(
-        camera_type=camera.conditions.camera_type, readout_mode=camera.conditions.readout_mode, rows=source.shape[1],
-        columns=source.shape[2],
-        serial_number="" if source.facts.camera is None else source.facts.camera.serial_number,
-        integration_time_s=source.facts.integration_time_s,
-    )  # fmt: skip
-    remarks = conditions.require(camera.conditions, told, where=str(order.source))
+    remarks = conditions.require(camera.conditions, conditions.of_facts(source.facts), where=str(order.source))
     n_frames = source.shape[0]
     if order.stamps is not None:
         times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).events

@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 
 from irtiming.apply import camera_timing, conditions, frame_times, settings
-from irtiming.apply.camera_timing import MEANINGS, CameraTiming
+from irtiming.apply.camera_timing import MEANINGS, CameraTiming, Conditions
 from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
 from irtiming.archive import layout
@@ -65,7 +65,7 @@ def camera_at_setting(
     if not series:
         return camera, ()
     others = [camera_timing.of_result(read_result(path)) for path in series]
-    return settings.between([camera, *others], frame_stamps.conditions_of(source, camera), where=str(source))
+    return settings.between([camera, *others], frame_stamps.conditions_of(source), where=str(source))
 
 
 def apply_time(order: TimeOrder) -> FrameTimes:
@@ -88,6 +88,8 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     result = read_result(order.result)
     camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
     stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
+    if stamped.found is None:
+        told += conditions.require(camera.conditions, Conditions(), where=str(order.stamps.source))
     told += conditions.doubted_unit(camera.conditions, stamped.events.frame_period_s)
     stamped = replace(stamped, events=replace(stamped.events, remarks=(*told, *stamped.events.remarks)))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)

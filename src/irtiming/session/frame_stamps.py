@@ -65,6 +65,7 @@ class Stamped:
     """Events of the frames of a file, and what is said of the camera.
 
     ``frames`` are their indices in the file, ``numbers`` what the file numbers them by, or the indices; shape (n_frame,) both.
+    ``found`` is None for stamps alone, which say nothing of it.
     """
 
     events: EventTimes
@@ -100,7 +101,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     if path.suffix.lower() == layout.SUFFIX:
         return of_recording(reader.read(path), wanted, camera=camera, generator=generator)
     facts = open_frames(path).facts
-    found = _conditions(facts, camera)
+    found = conditions.of_facts(facts)
     remarks = conditions.require(camera.conditions, found, where=str(path))
     kind = wanted.kind or KIND_OF[camera.event]
     if wanted.kind is None and camera.event == "trigger" and facts.trigger_times_s is None:
@@ -108,12 +109,10 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     raw = _of_facts(facts, wanted, kind=kind)
     events = _events(raw, wanted, camera=camera, kind=kind)
     stamped = _all_of(raw, events, numbers=facts.frame_id, found=found)
-    return _with(
-        stamped, (*remarks, "detector and readout mode were not compared: the file does not tell them"), found, None
-    )
+    return _with(stamped, remarks, found, None)
 
 
-def conditions_of(path: Path, camera: CameraTiming) -> Conditions:
+def conditions_of(path: Path) -> Conditions:
     """What a file says of its camera and setting, without its stamps.
 
     Raises
@@ -127,7 +126,7 @@ def conditions_of(path: Path, camera: CameraTiming) -> Conditions:
         )
     if path.suffix.lower() == layout.SUFFIX:
         return conditions.of_recording(reader.read(path))
-    return _conditions(open_frames(path).facts, camera)
+    return conditions.of_facts(open_frames(path).facts)
 
 
 def of_recording(
@@ -226,18 +225,6 @@ def _of_facts(facts: FrameFacts, wanted: StampsWanted, *, kind: StampKind) -> Ra
         )
     origin_s = int(times[0])
     return Raw(time_s=times - origin_s, origin_s=origin_s, step_s=facts.time_step_s or 0.0, numbers=facts.frame_id)
-
-
-def _conditions(facts: FrameFacts, camera: CameraTiming) -> Conditions:
-    return Conditions(
-        camera_type=camera.conditions.camera_type,
-        readout_mode=camera.conditions.readout_mode,
-        serial_number="" if facts.camera is None else facts.camera.serial_number,
-        model="" if facts.camera is None else facts.camera.model,
-        integration_time_s=facts.integration_time_s,
-        rows=facts.rows,
-        columns=facts.columns,
-    )
 
 
 def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: StampKind) -> EventTimes:

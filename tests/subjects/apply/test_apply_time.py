@@ -119,6 +119,36 @@ def test_a_unit_that_cannot_be_right_is_told(tmp_path, told, column, is_doubted)
     assert (doubt in (tmp_path / "times.csv").read_text()) == is_doubted
 
 
+def test_what_was_not_compared_is_said(tmp_path, hand_made, told):
+    """Oracle: by hand; a CSV says nothing of its camera, a TIFF made of a recording all that the recording did."""
+    result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)
+    content = json.loads(result.read_text())
+    content["inputs"][0]["image"] = {"rows": 4, "columns": 6}
+    result.write_text(json.dumps(content))
+    (tmp_path / "stamps.csv").write_text("stamp_s\n1.0\n1.033\n")
+    for ending in ("tif", "npy"):
+        assert told("convert", hand_made(), tmp_path / f"run.{ending}")[0] == 0
+    all_of_it = "note: detector, readout mode, serial number, image size and integration time were not compared"
+    for name, says in (
+        ("stamps.csv", all_of_it),
+        ("run.tif", "note: serial number was not compared"),
+        ("run.npy", "note: serial number was not compared"),
+        ("by-hand.nxs", "note: serial number was not compared"),
+    ):
+        status, said, error = told("apply", "time", result, tmp_path / name, "--out", tmp_path / "times.csv")
+        assert status == 0, error
+        assert [line for line in said.splitlines() if line.startswith("note: ")][-1:] == [says]
+
+
+def test_a_converted_recording_of_another_detector_is_refused(tmp_path, hand_made, told):
+    """Oracle: by hand; the TIFF says photon as the recording did, the result is of a microbolometer."""
+    assert told("convert", hand_made(), tmp_path / "run.tif")[0] == 0
+    result = _result(tmp_path, "microbolometer", "rolling", BOLOMETER)
+    status, _, error = told("apply", "time", result, tmp_path / "run.tif", "--out", tmp_path / "times.csv")
+    assert status == 2
+    assert "its detector is photon, the result was measured with microbolometer" in error
+
+
 @pytest.mark.parametrize("ending", ["csv", "parquet", "nxs"])
 def test_a_frame_keeps_the_number_that_its_file_gives_it(tmp_path, hand_made, told, ending):
     """Oracle: by hand; the camera lost frames 5 and 6, so the frame at place 5 was made by trigger 7."""

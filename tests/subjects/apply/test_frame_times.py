@@ -6,6 +6,7 @@ from made_up_result import BOLOMETER, COOLED, made_up_result
 from moving_scene import ROWS, FilmedBy, film
 
 from irtiming.apply import camera_timing, frame_times, stamps
+from irtiming.apply.camera_timing import Conditions
 from irtiming.apply.conditions import require
 from irtiming.apply.stamps import EventTimes, Generator, Latency
 from irtiming.errors import ConditionError, EstimationError
@@ -164,6 +165,8 @@ def test_what_cannot_be_compared_is_said():
         made_up_result("microbolometer", "rolling", BOLOMETER, serial_number=None)
     ).conditions
     assert require(held, held, where="run.nxs") == ("serial number was not compared",)
+    nothing = "detector, readout mode, serial number and image size were not compared"
+    assert require(held, Conditions(), where="run.nxs") == (nothing,)
 
 
 @pytest.mark.parametrize(
