@@ -107,6 +107,24 @@ class ConditionError(IrTimingError):
 
 
 @contextmanager
+def about(where: object) -> Iterator[None]:
+    """What is raised here is about this, such as a file, where it does not say so itself.
+
+    Raises
+    ------
+    IrTimingError
+        That which was raised.
+    """
+    try:
+        yield
+    except IrTimingError as error:
+        if not error.where and str(where) not in error.what:
+            error.where = str(where)
+            error.call_fields(str)
+        raise
+
+
+@contextmanager
 def computing(names: str) -> Iterator[None]:
     """Numbers that no wheel before a camera makes break a computation here or there: that refuses the recordings of these names.
 

@@ -16,6 +16,7 @@ UNITS = {"s": Decimal(1), "ms": Decimal("1e-3"), "us": Decimal("1e-6"), "ns": De
 """Units of a column of stamps, by the end of its name: ``stamp_ns``."""
 
 _NUMBERS = ("frame", "frame_id", "frame_number", "seq")
+_NO_COMMAS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 _MOST_BYTES = 2**29
 _MOST_LINE = 2**16
 _MOST_STAMPS = 2**22
@@ -79,6 +80,10 @@ def _lines(path: Path, file: IO[str]) -> Iterator[str]:
 
 def _read(path: Path, lines: Iterator[list[str]], *, column: str | None, unit: str | None) -> StampColumn:
     names = [name.strip() for name in next(lines, [])]
+    if len(names) == 1 and (other := next((sign for sign in _NO_COMMAS if sign in names[0]), None)) is not None:
+        raise ArchiveError(
+            f"{path}: has {_NO_COMMAS[other]} in its line of names and no comma; columns must be separated by commas"
+        )
     chosen = _column(path, names, column)
     scale = _scale(path, chosen, unit)
     counted = next((name for name in names if name.lower() in _NUMBERS and name != chosen), None)

@@ -21,7 +21,7 @@ from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.scene_file import SceneHead, SceneWriter
-from irtiming.errors import ArchiveError, EstimationError
+from irtiming.errors import ArchiveError, EstimationError, about
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import FrameStack
 from irtiming.session import frame_stamps
@@ -183,7 +183,8 @@ def _write(
 
 def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _Given:
     if order.period_s is None and order.stamps is None:
-        stamped = frame_stamps.read(StampsWanted(source=order.source), camera, generator=generator)
+        with about(order.source):
+            stamped = frame_stamps.read(StampsWanted(source=order.source), camera, generator=generator)
         if stamped.recording is not None:
             return _Given(stack=stamped.recording.frames, events=stamped.events, kept=stamped.frames)
         source = open_frames(order.source)
@@ -192,7 +193,8 @@ def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _G
     remarks = conditions.require(camera.conditions, conditions.of_facts(source.facts), where=str(order.source))
     n_frames = source.shape[0]
     if order.stamps is not None:
-        times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).events
+        with about(order.stamps):
+            times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).events
         if times.time_s.size != n_frames:
             raise EstimationError(
                 f"has {times.time_s.size} stamps for {n_frames} frames; give one for each", where=str(order.stamps)

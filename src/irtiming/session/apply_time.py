@@ -17,7 +17,7 @@ from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.result_model import Result
-from irtiming.errors import ArchiveError
+from irtiming.errors import ArchiveError, about
 from irtiming.records.frame_events import NOUNS
 from irtiming.session import frame_stamps
 from irtiming.session.frame_stamps import Stamped, StampsWanted
@@ -87,13 +87,15 @@ def apply_time(order: TimeOrder) -> FrameTimes:
         )
     result = read_result(order.result)
     camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
-    stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
+    with about(order.stamps.source):
+        stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
     if stamped.found is None:
         told += conditions.require(camera.conditions, Conditions(), where=str(order.stamps.source))
     told += conditions.doubted_unit(camera.conditions, stamped.events.frame_period_s)
     stamped = replace(stamped, events=replace(stamped.events, remarks=(*told, *stamped.events.remarks)))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
-    times = frame_times.apply(camera, stamped.events, rows_px=rows)
+    with about(order.result):
+        times = frame_times.apply(camera, stamped.events, rows_px=rows)
     written = _to_write(times, stamped, order)
     if is_copy:
         write_into_copy(written, order.stamps.source, path=order.out)

@@ -56,7 +56,7 @@ def certify(order: CertificateOrder) -> Sheet:
         require_place(place, besides=taken, is_text=place is not order.crate)
         taken.append(place)
     form = _in_language(read_certificate_file(order.form), order.language)
-    sheet = collect(read_results(order.results), form)
+    sheet = collect(read_results(order.results), form, called=str(order.form))
     made = {path: _made(sheet, path.suffix.lower(), beside=order.form.parent) for path in order.out}
     for path, content in made.items():
         write_atomically(content, path)

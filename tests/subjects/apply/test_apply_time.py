@@ -119,6 +119,23 @@ def test_a_unit_that_cannot_be_right_is_told(tmp_path, told, column, is_doubted)
     assert (doubt in (tmp_path / "times.csv").read_text()) == is_doubted
 
 
+@pytest.mark.parametrize(
+    ("text", "rows", "said"),
+    [
+        ("stamp_s\n1.0\n0.9\n", "0", "stamps.csv: stamp 1 is not later than the one before"),
+        ("stamp_s\n1.0\n1.1\n", "0,500", "result.json: rows must be from 0 to 119; [0.0, 500.0] are asked for"),
+    ],
+)
+def test_an_error_names_its_file(tmp_path, told, text, rows, said):
+    """Oracle: by hand; stamps are those of the CSV, rows those of the result."""
+    (tmp_path / "stamps.csv").write_text(text)
+    result = _result(tmp_path, "microbolometer", "rolling", BOLOMETER)
+    out = ("--out", tmp_path / "times.csv", "--kind", "trigger", "--rows", rows)
+    status, _, error = told("apply", "time", result, tmp_path / "stamps.csv", *out)
+    assert (status, error.count("\n")) == (2, 1)
+    assert f"irtiming: {tmp_path}/{said}" in error
+
+
 def test_what_was_not_compared_is_said(tmp_path, hand_made, told):
     """Oracle: by hand; a CSV says nothing of its camera, a TIFF made of a recording all that the recording did."""
     result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)

@@ -37,6 +37,8 @@ def test_the_column_and_its_unit_may_be_named(tmp_path):
     [
         ("", "0 columns end in a unit (_s, _ms, _us, _ns) among none"),
         ("a_s,b_s\n1,2\n", "2 columns end in a unit"),
+        ("frame;t_s\n1;2,5\n", "has semicolons in its line of names and no comma; columns must be separated by commas"),
+        ("frame\tt_s\n1\t2\n", "has tabs in its line of names"),
         ("t_s\n", "has no stamps"),
         ("t_s\n1\nx\n", "data line 2 has 'x', must be a number"),
         ("t_s\n1e10\n", "data line 1 has 1e10, which is no stamp"),

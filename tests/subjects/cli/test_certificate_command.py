@@ -111,6 +111,10 @@ def test_a_crate_holds_everything_with_its_checksum(tmp_path: Path) -> None:
             ["result.json", "--with", "bad.toml", "--out", "c.xml"],
             "bad.toml: [laboratory] nmae is not a key of this section",
         ),
+        (
+            ["result.json", "--with", "limits-of-mine.toml", "--out", "c.xml"],
+            "limits-of-mine.toml has a [[limit]] of 'row_delay', which was not measured",
+        ),
         (["--check", "result.json"], "result.json: is not XML"),
         (["--check", "c.xml", "--out", "d.xml"], "--check reads a certificate and writes none"),
     ],
@@ -122,6 +126,8 @@ def test_what_cannot_be_is_refused(
     monkeypatch.chdir(tmp_path)
     _result(tmp_path)
     Path("bad.toml").write_text(EXAMPLE.read_text().replace("[laboratory]\nname", "[laboratory]\nnmae"))
+    other = EXAMPLE.read_text() + '\n[[limit]]\nparameter = "row_delay"\nupper = "1 ms"\n'
+    Path("limits-of-mine.toml").write_text(other)
     before = sorted(tmp_path.iterdir())
     status, words = _run(*options)
     assert (status, said in words) == (2, True), words

@@ -93,7 +93,7 @@ class Sheet:
         return tuple(each for one in self.results for each in one.result.inputs)
 
 
-def collect(files: Sequence[ResultFile], form: CertificateFile) -> Sheet:
+def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str = "certificate.toml") -> Sheet:
     """What to print.
 
     Parameters
@@ -102,6 +102,8 @@ def collect(files: Sequence[ResultFile], form: CertificateFile) -> Sheet:
         Results, of one camera or several.
     form
         certificate.toml.
+    called
+        Name of that file, for whoever reads of an error.
 
     Raises
     ------
@@ -112,13 +114,13 @@ def collect(files: Sequence[ResultFile], form: CertificateFile) -> Sheet:
     results: list[MeasuredItem] = []
     several = len({_key(file.content) for file in files}) > 1
     for file in files:
-        item = _item(file, form, several=several)
+        item = _item(file, form, several=several, called=called)
         if item not in items:
             items.append(item)
         told = tuple(measurands.of(file.content, form))
         results.append(MeasuredItem(item=items.index(item), file=file, measurands=told))
-    _check_limits(results, form)
-    first, last = _days(files, form)
+    _check_limits(results, form, called=called)
+    first, last = _days(files, form, called=called)
     return Sheet(
         form=form, items=tuple(items), results=tuple(results), first_day=first, last_day=last,
         days_stated=bool(form.dates.measured),
@@ -130,13 +132,13 @@ def _key(result: Result) -> tuple[str | None, ...]:
     return (*(getattr(result.item, name) for name in NAMED), result.camera, result.readout_mode)
 
 
-def _item(file: ResultFile, form: CertificateFile, *, several: bool) -> CalibratedItem:
+def _item(file: ResultFile, form: CertificateFile, *, several: bool, called: str) -> CalibratedItem:
     """The camera of a result with what the laboratory says of it."""
     said = {name: getattr(file.content.item, name) for name in NAMED}
     forms = [one for one in form.item if not several or one.serial_number == said["serial_number"]]
     if len(forms) > 1:
         raise ArchiveError(
-            f"certificate.toml has {len(forms)} [[item]] for {file.name}, of one camera; leave one, or give each the "
+            f"{called} has {len(forms)} [[item]] for {file.name}, of one camera; leave one, or give each the "
             "serial_number that the recordings name"
         )
     if several and said["serial_number"] is None:
@@ -148,23 +150,23 @@ def _item(file: ResultFile, form: CertificateFile, *, several: bool) -> Calibrat
         ours, theirs = getattr(mine, name), said[name]
         if ours and theirs and ours != theirs:
             raise ArchiveError(
-                f"certificate.toml says [item] {name} = '{ours}', the recordings of {file.name} say '{theirs}'; correct it, or "
+                f"{called} says [item] {name} = '{ours}', the recordings of {file.name} say '{theirs}'; correct it, or "
                 "give the result of that camera"
             )
     stated = tuple(name for name in NAMED if not said[name] and getattr(mine, name))
     return CalibratedItem(words={name: said[name] or getattr(mine, name) for name in NAMED}, stated=stated, form=mine)
 
 
-def _days(files: Sequence[ResultFile], form: CertificateFile) -> tuple[date, date]:
+def _days(files: Sequence[ResultFile], form: CertificateFile, *, called: str) -> tuple[date, date]:
     """First and last day of measurement."""
     days = form.dates.measured
     if not days:
         starts = [one.start_time for file in files for one in file.content.inputs]
         if not starts or None in starts:
             raise ArchiveError(
-                "the recordings do not say when they were made; state [dates] measured in certificate.toml, such as 2026-11-23"
+                f"the recordings do not say when they were made; state [dates] measured in {called}, such as 2026-11-23"
             )
-        days = sorted(_day(start) for start in starts if start)
+        days = sorted(_day(start, called=called) for start in starts if start)
     first, last = days[0], days[-1]
     for earlier, later, words in (
         (first, last, "the first day of [dates] measured"),
@@ -172,25 +174,25 @@ def _days(files: Sequence[ResultFile], form: CertificateFile) -> tuple[date, dat
         (form.dates.received or first, first, "[dates] received"),
     ):
         if earlier > later:
-            raise ArchiveError(f"{words}, {earlier}, is later than {later}; correct the dates in certificate.toml")
+            raise ArchiveError(f"{words}, {earlier}, is later than {later}; correct the dates in {called}")
     return first, last
 
 
-def _day(start: str) -> date:
+def _day(start: str, *, called: str) -> date:
     try:
         return datetime.fromisoformat(start).date()
     except ValueError as error:
         raise ArchiveError(
             f"a recording says that it was made at '{start:.40}', which is no time of ISO 8601; state [dates] measured in "
-            "certificate.toml"
+            f"{called}"
         ) from error
 
 
-def _check_limits(results: Sequence[MeasuredItem], form: CertificateFile) -> None:
+def _check_limits(results: Sequence[MeasuredItem], form: CertificateFile, *, called: str) -> None:
     measured = {one.name for result in results for one in result.measurands}
     for limit in form.limit:
         if limit.parameter not in measured:
             raise ArchiveError(
-                f"certificate.toml has a [[limit]] of '{limit.parameter}', which was not measured; there are "
+                f"{called} has a [[limit]] of '{limit.parameter}', which was not measured; there are "
                 f"{', '.join(sorted(measured))}"
             )
