@@ -22,7 +22,16 @@ _USUAL = {
     "wheel_temperature": "wheel_temperature_k",
 }
 _NO_CHOICE = ("search_started_at", "fit_arrived_at")
-_REPEAT = '''"""Repeat the analyses of this crate: pip install -r requirements.txt, then python repeat.py"""
+_SELF = "irtiming"
+_FROM_SOURCES = """\
+# irtiming {versions} made the results. There is no release of it yet, so no index has it: it is installed from its
+# sources, with all else that stands here in the versions of the analysis, by
+#
+#     pip install FOLDER-OF-ITS-SOURCES -r requirements.txt
+#
+# where the folder is the one with pyproject.toml of that version in it.
+"""
+_REPEAT = '''"""Repeat the analyses of this crate: install what requirements.txt says, as it says, then python repeat.py"""
 
 import irtiming
 
@@ -129,9 +138,12 @@ def _choices(one: MeasuredItem) -> dict[str, Any]:
 
 
 def _requirements(sheet: Sheet) -> str:
-    """The versions that made the results."""
+    """The versions that made the results; those of irtiming stand in a comment, since no index has it yet."""
     named = {name: version for one in sheet.results for name, version in one.result.software.items()}
-    return "".join(f"{name}=={version}\n" for name, version in named.items() if name not in ("python", "platform"))
+    own = sorted({one.result.software[_SELF] for one in sheet.results if _SELF in one.result.software})
+    head = _FROM_SOURCES.format(versions=" and ".join(own) or "the version in the results")
+    others = (name for name in named if name not in ("python", "platform", _SELF))
+    return head + "".join(f"{name}=={named[name]}\n" for name in others)
 
 
 def _described(sheet: Sheet, parts: Mapping[str, Path | bytes]) -> dict[str, Any]:

@@ -39,7 +39,8 @@ def _result(folder: Path, **changes: object) -> Path:
         "correlation": {"names": ["trigger_delay"], "matrix": [[1.0]]}, "relative_delays": [], "budget": [],
         "contributions": [line], "edge_delays": None, "warnings": [], "geometry": {}, "wheel": None,
         "choices": {"roi": None, "slope_limits": [0.05, 0.95], "search_started_at": [[1]]}, "inputs": [taken],
-        "rig": {"file": str(rig), "sha256": hashlib.sha256(b"[mask]\n").hexdigest()}, "software": {"irtiming": "0.1.0"},
+        "rig": {"file": str(rig), "sha256": hashlib.sha256(b"[mask]\n").hexdigest()},
+        "software": {"python": "3.11.7", "irtiming": "0.1.0", "numpy": "2.1.0"},
     }  # fmt: skip
     write_result(content | changes, folder / "result.json")
     return folder / "result.json"
@@ -68,7 +69,10 @@ def test_a_certificate_is_written_and_read_back(tmp_path: Path) -> None:
 
 
 def test_a_crate_holds_everything_with_its_checksum(tmp_path: Path) -> None:
-    """Oracle: RO-Crate 1.1: each file of the zip but the description is described, with the SHA-256 of its bytes."""
+    """Oracle: RO-Crate 1.1: each file of the zip but the description is described, with the SHA-256 of its bytes.
+
+    And pip's: of requirements.txt it reads the lines that are no comment, and irtiming is in no index.
+    """
     result = _result(tmp_path)
     assert _run(result, "--with", EXAMPLE, "--out", tmp_path / "c.xml", "--crate", tmp_path / "all.zip")[0] == 0
     with zipfile.ZipFile(tmp_path / "all.zip") as crate:
@@ -86,6 +90,9 @@ def test_a_crate_holds_everything_with_its_checksum(tmp_path: Path) -> None:
         for name, one in files.items():
             assert one["sha256"] == hashlib.sha256(crate.read(name)).hexdigest()
         compile(crate.read("repeat.py"), "repeat.py", "exec")
+        wanted = crate.read("requirements.txt").decode()
+        assert [line for line in wanted.splitlines() if not line.startswith("#")] == ["numpy==2.1.0"]
+        assert "# irtiming 0.1.0 made the results. There is no release of it yet" in wanted
         assert b"'slope_limits': [0.05, 0.95]" in crate.read("repeat.py")
     (tmp_path / "run.nxs").write_bytes(b"other")
     status, said = _run(result, "--with", EXAMPLE, "--crate", tmp_path / "again.zip")
