@@ -28,9 +28,10 @@ def convert(
 
     Frames go through memory block by block. The file is whole or not there. What is known and has no place in the format is said.
     """
+    from irtiming.archive.frames.opening import files_read
     from irtiming.session.frame_files import convert as convert_frames
 
-    require_place(out, besides=[file], is_text=False)
+    require_place(out, besides=files_read(file), is_text=False)
     with shown("frames") as told:
         lost = convert_frames(file, out, progress=partial(told, escape(file.name)))
     say(f"{out}: written" + (f"; this format has no place for {', '.join(lost)}" if lost else ""))

@@ -23,10 +23,11 @@ def info(
 
     Which formats are read stands in docs/reference/frame-files.md; a format is told from the content, not from the name.
     """
+    from irtiming.archive.frames.opening import files_read
     from irtiming.session.frame_files import look_into
 
     if json is not None:
-        require_place(json, besides=[file])
+        require_place(json, besides=files_read(file))
     found = look_into(file)
     for name in _PLAIN:
         if found[name] not in (None, ""):

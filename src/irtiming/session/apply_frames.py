@@ -15,7 +15,7 @@ from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
 from irtiming.apply.stamps import EventTimes, Generator
 from irtiming.archive import layout
-from irtiming.archive.frames.opening import open_frames
+from irtiming.archive.frames.opening import files_read, open_frames
 from irtiming.archive.frames.source import FrameSource
 from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
@@ -89,7 +89,8 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     IrTimingError
         If a file cannot be read or written, the frames tell no times, or the result does not hold for them.
     """
-    require_place(order.out, besides=[order.result, order.source], is_text=False)
+    taken = [order.result, *([order.stamps] if order.stamps else []), *order.series]
+    require_place(order.out, besides=[*taken, *files_read(order.source)], is_text=False)
     if order.out.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)

@@ -13,6 +13,7 @@ from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.stamps import UNKNOWN_CLOCK, Generator, Latency
 from irtiming.archive import layout
 from irtiming.archive.frame_times_file import TimesToWrite, write_csv, write_into_copy, write_parquet
+from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
@@ -76,7 +77,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     IrTimingError
         If a file cannot be read or written, or the result does not hold for these frames.
     """
-    taken = [order.result, order.stamps.source, *order.series]
+    taken = [order.result, *files_read(order.stamps.source), *order.series]
     taken += [order.stamps.calibrated_by] if order.stamps.calibrated_by else []
     is_copy, is_parquet = (order.out.suffix.lower() == suffix for suffix in (layout.SUFFIX, ".parquet"))
     require_place(order.out, besides=taken, is_text=not is_copy and not is_parquet)

@@ -7,6 +7,7 @@ from typing import final
 
 from irtiming.archive.captures.streams import CapturedTicks, captured_ticks, line_map
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
+from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_place, write_json
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
@@ -75,7 +76,7 @@ def import_capture(order: CaptureOrder) -> Imported:
     IrTimingError
         If a file cannot be read or written, data were lost in the capture, or it contradicts the frames.
     """
-    taken = [order.capture, *([order.frames] if order.frames else [])]
+    taken = [order.capture, *(files_read(order.frames) if order.frames else [])]
     for place in order.places:
         require_place(place, besides=taken, is_text=place is not order.out)
         taken.append(place)

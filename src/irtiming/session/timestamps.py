@@ -9,6 +9,7 @@ from irtiming.acquire.rig import wiring_of
 from irtiming.acquire.trigger_train import measure
 from irtiming.archive.captures.streams import CapturedTicks
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
+from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_place
 from irtiming.archive.plan_file import read_plan
 from irtiming.archive.timestamps_file import read_timestamps, write_timestamps
@@ -140,7 +141,7 @@ def combine(order: FramesOrder) -> list[Finding]:
     ArchiveError
         If a file cannot be read or written, or frames and timestamps contradict each other.
     """
-    require_place(order.out, besides=[order.timestamps, order.frames], is_text=False)
+    require_place(order.out, besides=[order.timestamps, *files_read(order.frames)], is_text=False)
     stamped = read_timestamps(order.timestamps)
     facts = None
     if order.camera is not None:

@@ -62,3 +62,24 @@ def test_what_cannot_be_is_refused(stack, tmp_path):
     assert not (tmp_path / "b.tif").exists()
     with pytest.raises(ArchiveError, match="another file of this command"):
         _run("convert", stack, stack)
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+@pytest.mark.parametrize(
+    ("name", "out"), [("a.npy", "a.npy.json"), ("a.raw", "a.json"), ("a.raw", "a.raw.json"), ("folder", "folder/a.npy")]
+)
+def test_a_file_that_is_read_with_the_frames_is_not_overwritten(tmp_path, name, out, is_there):
+    """Oracle: by hand; facts beside the frames, written or still to be written there, and a frame of a folder, are as before."""
+    for path in (tmp_path / "a.npy", tmp_path / "folder" / "a.npy"):
+        path.parent.mkdir(exist_ok=True)
+        np.save(path, STACK)
+    (tmp_path / "a.raw").write_bytes(STACK.tobytes())
+    facts = {"a.npy.json": FACTS, "a.json": {"rows": 20, "columns": 30}, "a.raw.json": {"rows": 20, "columns": 30}}
+    for beside, content in facts.items():
+        (tmp_path / beside).write_text(json.dumps(content))
+    if out in facts and not is_there:
+        (tmp_path / out).unlink()
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(ArchiveError, match="is another file of this command and would be overwritten"):
+        _run("info", tmp_path / name, "--json", tmp_path / out)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

@@ -63,6 +63,16 @@ def reader_of(path: Path) -> FrameReader | None:
     return next((reader for reader in readers().values() if reader.takes(path, begin)), None)
 
 
+def files_read(path: Path) -> tuple[Path, ...]:
+    """A file and those that are read with it as frames, be they there or not: no output may take the place of one of them."""
+    try:
+        reader = reader_of(path)
+    except ArchiveError:  # whoever reads it says so
+        return (path,)
+    beside = getattr(reader, "beside", None)  # a plug-in may be older than it
+    return (path, *(beside(path) if beside is not None else ()))
+
+
 def describe(path: Path) -> str:
     """A file in a few words, such as "a TIFF stack of 20 frames of 480 x 640 pixels"; empty where it is no file of frames."""
     try:

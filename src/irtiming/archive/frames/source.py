@@ -1,6 +1,6 @@
 """Frames of any file: what it tells of them, and the frames themselves, block by block."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -96,12 +96,14 @@ class FrameReader:
 
     ``title`` is the format in words. ``takes`` says from a path and the first bytes there whether a file is of this format; it
     never opens anything else. ``open`` gives the frames, and may raise whatever it likes about a file that is not sound. Both
-    must be quick to import: a library that reads is loaded in ``open``.
+    must be quick to import: a library that reads is loaded in ``open``. ``beside`` names the other files that ``open`` reads
+    with a path, or would if they were there.
     """
 
     title: str
     takes: Callable[[Path, bytes], bool]
     open: Callable[[Path], FrameSource]
+    beside: Callable[[Path], Iterable[Path]] = lambda _: ()
 
 
 Read: TypeAlias = Callable[[int, int], FrameValues]

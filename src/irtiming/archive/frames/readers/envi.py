@@ -107,4 +107,4 @@ def _number(text: str) -> float | None:
     return float(text) if re.fullmatch(r"\d{1,12}(\.\d{1,12})?", text) and float(text) > 0 else None
 
 
-READER = FrameReader(title="ENVI", takes=_takes, open=_open)
+READER = FrameReader(title="ENVI", takes=_takes, open=_open, beside=lambda path: _pair(path) or ())

@@ -85,4 +85,6 @@ def _of_all(each: list[FrameFacts], *, n_frames: int) -> FrameFacts:
     return replace(first, format=f"a folder of {len(each)} files, each {first.format}", frames=n_frames, **changed)
 
 
-READER = FrameReader(title="a folder of pictures", takes=lambda path, _: path.is_dir(), open=_open)
+READER = FrameReader(
+    title="a folder of pictures", takes=lambda path, _: path.is_dir(), open=_open, beside=lambda path: path.iterdir()
+)

@@ -78,4 +78,5 @@ READER = FrameReader(
     title="NumPy",
     takes=lambda path, begin: begin.startswith(_NPY) or (begin.startswith(_ZIP) and path.suffix.lower() == ".npz"),
     open=_open,
+    beside=lambda path: () if path.suffix.lower() == ".npz" else (path.with_name(path.name + SIDECAR),),
 )

@@ -27,10 +27,13 @@ class _RawStack(Told):
     between_frames_bytes: Annotated[int, Field(ge=0, le=2**32)] = 0
 
 
+def _both(path: Path) -> tuple[Path, Path]:
+    """Names of the file that describes a raw one: run.json, or run.raw.json."""
+    return path.with_suffix(".json"), path.with_name(f"{path.name}.json")
+
+
 def _beside(path: Path) -> Path | None:
-    """File that describes a raw one: run.json, or run.raw.json."""
-    both = (path.with_suffix(".json"), path.with_name(f"{path.name}.json"))
-    return next((one for one in both if one.is_file()), None)
+    return next((one for one in _both(path) if one.is_file()), None)
 
 
 def _open(path: Path) -> FrameSource:
@@ -59,4 +62,5 @@ READER = FrameReader(
     title="raw values with a JSON file",
     takes=lambda path, _: path.suffix.lower() in _SUFFIXES and _beside(path) is not None,
     open=_open,
+    beside=_both,
 )

@@ -1,7 +1,7 @@
 """Bags of ROS 1 and ROS 2, by rosbags: images of one topic, with the stamps of their headers. No ROS is needed."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,10 @@ _METADATA = "metadata.yaml"
 
 def _takes(path: Path, begin: bytes) -> bool:
     return begin.startswith(b"#ROSBAG V2.0") or (path.is_dir() and (path / _METADATA).is_file())
+
+
+def _files(path: Path) -> Iterable[Path]:
+    return path.iterdir() if path.is_dir() else ()
 
 
 @contextmanager
@@ -115,4 +119,4 @@ def _times(stamps: list[tuple[int, int]]) -> Array | None:
     return read_only(np.array([seconds + 1e-9 * rest for seconds, rest in stamps], np.float64))
 
 
-READER = FrameReader(title="ROS 1 or ROS 2 bag", takes=_takes, open=_open)
+READER = FrameReader(title="ROS 1 or ROS 2 bag", takes=_takes, open=_open, beside=_files)
