@@ -25,9 +25,7 @@ _REACH = 5.0  # blurs on either side of the border
 _BY_CHANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
-_PROTRACTOR_RAD = np.radians(
-    0.5
-)  # an angle that nobody measured better; its bisector is off by a quarter of a degree then
+_PROTRACTOR_RAD = np.radians(0.5)  # nobody measured the angle better: its bisector is off by half of that then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
