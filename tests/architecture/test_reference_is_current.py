@@ -139,3 +139,16 @@ def test_every_source_file_that_the_pages_name_exists():
         if not any((home / name).exists() for home in homes)
     ]
     assert gone == []
+
+
+def test_every_class_of_the_python_interface_is_on_its_page():
+    """Oracle: the class statements of the interface; without its page, the site is not built, for a signature names it."""
+    classes = {
+        f"irtiming.interface.{path.stem}.{node.name}"
+        for path in (ROOT / "src" / "irtiming" / "interface").glob("*.py")
+        for node in nodes(path)
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    }
+    named = set(re.findall(r"autoclass:: (irtiming\.interface\.\S+)", (DOCS / "reference" / "api.rst").read_text()))
+    assert classes
+    assert classes <= named
