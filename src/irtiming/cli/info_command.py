@@ -24,7 +24,7 @@ def info(
     Which formats are read stands in docs/reference/frame-files.md; a format is told from the content, not from the name.
     """
     from irtiming.archive.frames.opening import files_read
-    from irtiming.session.frame_files import look_into
+    from irtiming.session.frame_files import look_into, numbers_in_words
 
     if json is not None:
         require_place(json, besides=files_read(file))
@@ -32,6 +32,8 @@ def info(
     for name in _PLAIN:
         if found[name] not in (None, ""):
             say(f"{name.replace('_', ' ')}: {found[name]}")
+    if numbers := numbers_in_words(found["frame_id"]):
+        say(f"frame numbers: {numbers}")
     _say_times(found)
     for name, value in {**(found["camera"] or {}), **found["more"]}.items():
         if value not in (None, ""):

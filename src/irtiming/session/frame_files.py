@@ -1,6 +1,7 @@
 """What a person does with files of frames: look what is in one, make another of it."""
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
 from irtiming.archive.frames.writing import Progress, write_frames
+from irtiming.records.arrays import Ticks
 
+_SHOWN = 5  # missing numbers
 _UNITS = {"_s": "s", "_hz": "Hz", "_k": "K"}
 
 
@@ -42,7 +45,7 @@ def look_into(path: Path) -> dict[str, Any]:
         "frame_period": _seconds(facts.frame_period_s),
         "frame_times": _times(facts),
         "trigger_times": None if facts.trigger_times_s is None else _span(facts.trigger_times_s),
-        "frame_id": None if facts.frame_id is None else {"first": int(facts.frame_id[0]), "last": int(facts.frame_id[-1])},
+        "frame_id": None if facts.frame_id is None else _numbers(facts.frame_id),
         "more": dict(facts.more),
     }  # fmt: skip
     return found
@@ -74,6 +77,32 @@ def convert(path: Path, out: Path, *, progress: Progress | None = None) -> list[
 
 def _seconds(value: float | None) -> dict[str, object] | None:
     return None if value is None else {"value": value, "unit": "s"}
+
+
+def numbers_in_words(numbers: Mapping[str, Any] | None) -> str:
+    """What ``frame_id`` of `look_into` says, such as "0 to 299, 1 missing: 150"; empty where it says nothing."""
+    if numbers is None:
+        return ""
+    span = f"{numbers['first']} to {numbers['last']}"
+    n_missing = numbers["missing"]
+    if n_missing is None:
+        return f"{span}, not rising"
+    after = ", ..." if n_missing > len(numbers["first_missing"]) else ""
+    which = ", ".join(map(str, numbers["first_missing"]))
+    return f"{span}, {n_missing} missing: {which}{after}" if n_missing else span
+
+
+def _numbers(numbers: Ticks) -> dict[str, object]:
+    """First and last, and which are missing between them: how many, None where they do not rise, and the first few."""
+    steps = np.diff(numbers)
+    rises = not steps.size or int(steps.min()) > 0
+    missing: list[int] = []
+    for at in np.flatnonzero(steps > 1)[:_SHOWN] if rises else ():
+        missing += range(int(numbers[at]) + 1, min(int(numbers[at + 1]), int(numbers[at]) + 1 + _SHOWN))
+    return {
+        "first": int(numbers[0]), "last": int(numbers[-1]),
+        "missing": int(np.sum(steps - 1)) if rises else None, "first_missing": missing[:_SHOWN],
+    }  # fmt: skip
 
 
 def _times(facts: FrameFacts) -> dict[str, object] | None:

@@ -114,6 +114,36 @@ def test_a_digit_that_is_no_number_orders_nothing(tmp_path):
     assert np.array_equal(_all(open_frames(tmp_path)), STACK[:2])
 
 
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (["f_0007", "f_0008", "f_0010", "f_0011"], [7, 8, 10, 11]),
+        (["run2-9", "run2-10", "run2-11"], [9, 10, 11]),
+        (["f0", "f1", "f3"], [0, 1, 3]),
+        (["f0", "f2", "f4", "f5"], None),
+        (["t1000", "t1033", "t1066", "t1067"], None),  # milliseconds
+        (["a1-101500", "a2-101501", "a3-101503"], None),  # a count and a time of day
+        (["a1", "b2", "c3"], None),
+        (["f", "g1"], None),
+        (["f1" + "0" * 18, "f1" + "0" * 17 + "1", "f1" + "0" * 17 + "2"], None),  # more than 64 bits hold
+    ],
+)
+def test_the_number_in_a_name_is_that_of_the_frame(tmp_path, names, numbers):
+    """Oracle: by hand; where it is not plain which number counts frames, none does."""
+    for name in names:
+        np.save(tmp_path / f"{name}.npy", STACK[:1])
+    found = open_frames(tmp_path).facts.frame_id
+    assert (None if found is None else found.tolist()) == numbers
+
+
+def test_two_files_of_one_number_are_refused(tmp_path):
+    """Oracle: by hand; nobody can say which is the frame."""
+    for name in ("f1", "f2", "f02"):
+        np.save(tmp_path / f"{name}.npy", STACK[:1])
+    with pytest.raises(ArchiveError, match=r"has two files with one number, f0?2\.npy and f0?2\.npy; take one"):
+        open_frames(tmp_path)
+
+
 def test_pictures_are_frames(tmp_path):
     """Oracle: the array; PGM written by hand after its description, PNG by imagecodecs."""
     imagecodecs = pytest.importorskip("imagecodecs")

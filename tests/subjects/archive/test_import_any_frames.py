@@ -68,6 +68,18 @@ def test_a_gap_in_the_numbers_of_the_camera_is_a_lost_frame(tmp_path):
     assert any(one.where == layout.FRAME_NUMBER.path for one in findings)
 
 
+def test_a_gap_in_the_numbers_of_a_folder_is_a_lost_frame(tmp_path):
+    """Oracle: the file that is taken away; each frame behind it belongs to the trigger it had, and the gap is told."""
+    (tmp_path / "frames").mkdir()
+    for n in (0, 1, 3, 4):
+        np.save(tmp_path / "frames" / f"f_{n:04d}.npy", FRAMES[n][None])
+    findings = write_timed(tmp_path / "frames", tmp_path / "o.nxs", ticks=_ticks(5), facts=PHOTON)
+    found = reader.read(tmp_path / "o.nxs")
+    assert found.frame_number.tolist() == [0, 1, 3, 4]
+    assert np.array_equal(found.frames.pick([2]), FRAMES[3][None])
+    assert any(one.where == layout.FRAME_NUMBER.path for one in findings)
+
+
 def test_temperatures_become_counts_in_fine_steps(tmp_path):
     """Oracle: the temperatures that were written, within half a step of their range divided by 65 535."""
     WRITERS["a.irb"](tmp_path / "a.irb")

@@ -83,3 +83,20 @@ def test_a_file_that_is_read_with_the_frames_is_not_overwritten(tmp_path, name, 
     with pytest.raises(ArchiveError, match="is another file of this command and would be overwritten"):
         _run("info", tmp_path / name, "--json", tmp_path / out)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_a_missing_file_of_a_folder_is_told(tmp_path):
+    """Oracle: by hand; the files that were left out, of many the first five."""
+    for n in range(40):
+        if n != 15:
+            np.save(tmp_path / f"f_{n:04d}.npy", STACK[:1])
+    assert "frame numbers: 0 to 39, 1 missing: 15\n" in _run("info", tmp_path)
+    for n in range(20, 27):
+        (tmp_path / f"f_{n:04d}.npy").unlink()
+    assert "frame numbers: 0 to 39, 8 missing: 15, 20, 21, 22, 23, ...\n" in _run("info", tmp_path)
+
+
+def test_frame_numbers_that_do_not_rise_are_told(stack, tmp_path):
+    """Oracle: by hand; a counter of two bits."""
+    (tmp_path / "a.npy.json").write_text(json.dumps(FACTS | {"frame_id": [2, 3, 0]}))
+    assert "frame numbers: 2 to 0, not rising\n" in _run("info", stack)

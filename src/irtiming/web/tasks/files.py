@@ -33,6 +33,8 @@ def about(line: Line, path: Path) -> dict[str, str]:
     """What ``irtiming info`` says of a file, as text by name."""
     found = frame_files.look_into(path)
     told = {name.replace("_", " "): str(found[name]) for name in _PLAIN if found[name] not in (None, "")}
+    if numbers := frame_files.numbers_in_words(found["frame_id"]):
+        told["frame numbers"] = numbers
     for name in ("integration_time", "frame_period"):
         if found[name] is not None:
             told[name.replace("_", " ")] = readable_time(found[name]["value"])

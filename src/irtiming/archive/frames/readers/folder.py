@@ -1,4 +1,7 @@
-"""A folder with one file for each frame, or for some frames each: all of one size, in the order of the numbers in their names."""
+"""A folder with one file for each frame, or for some frames each: all of one size, in the order of the numbers in their names.
+
+With one frame in each file these numbers are what the camera counted: a file that is missing is a frame that is missing.
+"""
 
 import re
 from collections.abc import Iterator
@@ -12,9 +15,10 @@ import numpy as np
 from irtiming.archive.frames.bounds import MOST_FRAMES, require_size
 from irtiming.archive.frames.source import FrameFacts, FrameReader, Frames, FrameSource, FrameValues, Read
 from irtiming.errors import ArchiveError
-from irtiming.records.arrays import read_only
+from irtiming.records.arrays import Ticks, read_only
 
 _SUFFIXES = (".tif", ".tiff", ".png", ".pgm", ".npy", ".fff", ".irb", ".fits", ".hcc", ".seq", ".ptw")
+_MOST_DIGITS = 18  # of a number of 64 bits
 _SAME = ("integration_time_s", "camera", "frame_period_s")
 
 
@@ -27,10 +31,36 @@ def _files(path: Path) -> list[Path]:
     return sorted(found, key=lambda one: _order(one.name))
 
 
+def _parts(name: str) -> list[str]:
+    """What stands between numbers, and the numbers in every second place."""
+    return re.split(r"([0-9]+)", name)
+
+
 def _order(name: str) -> list[tuple[int, str]]:
     """What stands between numbers as text, numbers by their size: those of more digits are larger."""
-    parts = re.split(r"([0-9]+)", name)
-    return [(len(part.lstrip("0")), part.lstrip("0")) if k % 2 else (0, part) for k, part in enumerate(parts)]
+    return [(len(part.lstrip("0")), part.lstrip("0")) if k % 2 else (0, part) for k, part in enumerate(_parts(name))]
+
+
+def _numbers(path: Path, files: list[Path]) -> Ticks | None:
+    """Number of each file, shape (n_file,), where one number counts them; None where none changes between names, or several do.
+
+    It counts them where half of the steps or more are by one: a time in the name goes up by more.
+    """
+    parts = [_parts(one.name) for one in files]
+    if len({len(one) for one in parts}) > 1:
+        return None
+    changing = [place for place, words in enumerate(zip(*parts, strict=True)) if len(set(words)) > 1]
+    if len(changing) != 1 or changing[0] % 2 == 0 or max(len(one[changing[0]]) for one in parts) > _MOST_DIGITS:
+        return None
+    found = np.array([int(one[changing[0]]) for one in parts], dtype=np.int64)
+    steps = np.diff(found)
+    if steps.min() < 1:
+        at = int(np.argmin(steps))
+        raise ArchiveError(
+            f"has two files with one number, {files[at].name} and {files[at + 1].name}; take one of them away",
+            where=str(path),
+        )
+    return read_only(found) if 2 * np.count_nonzero(steps == 1) >= steps.size else None
 
 
 def _open(path: Path) -> FrameSource:
@@ -51,6 +81,8 @@ def _open(path: Path) -> FrameSource:
             raise ArchiveError(f"has {says}, {files[0].name} {first}; keep files of one size", where=str(one))
     begins = np.cumsum([0, *(facts.frames for facts in each)])
     facts = _of_all(each, n_frames=int(begins[-1]))
+    if facts.frame_id is None and facts.frames == len(files):
+        facts = replace(facts, frame_id=_numbers(path, files))
     require_size(path, frames=facts.frames, rows=facts.rows, columns=facts.columns, dtype=facts.dtype)
 
     @contextmanager
