@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field, JsonValue
+from pydantic import Field, JsonValue, model_validator
 
 from irtiming.archive.typed_file import Part
 from irtiming.records.finding import Severity
@@ -76,6 +76,13 @@ class Correlation(Part):
 
     names: list[str]
     matrix: list[list[Real]]
+
+    @model_validator(mode="after")
+    def _check(self) -> "Correlation":
+        n = len(self.names)
+        if len(self.matrix) != n or any(len(row) != n for row in self.matrix):
+            raise ValueError(f"is no matrix of {n} rows and columns, one for each of its names")
+        return self
 
 
 class RelativeDelay(Measured):

@@ -96,7 +96,8 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
             f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)
         )
     result = read_result(order.result)
-    camera, told = camera_at_setting(result, order.series, source=order.source)
+    with about(order.result):
+        camera, told = camera_at_setting(result, order.series, source=order.source)
     given = _given(order, camera, generator_of(result))
     told += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
     given = replace(given, events=replace(given.events, remarks=(*told, *given.events.remarks)))

@@ -52,6 +52,19 @@ def generator_of(result: Result) -> Generator:
     )
 
 
+def camera_of(path: Path) -> CameraTiming:
+    """The camera of a result file.
+
+    Raises
+    ------
+    IrTimingError
+        If it cannot be read or applied.
+    """
+    result = read_result(path)
+    with about(path):
+        return camera_timing.of_result(result)
+
+
 def camera_at_setting(
     result: Result, series: tuple[Path, ...], *, source: Path
 ) -> tuple[CameraTiming, tuple[str, ...]]:
@@ -65,7 +78,7 @@ def camera_at_setting(
     camera = camera_timing.of_result(result)
     if not series:
         return camera, ()
-    others = [camera_timing.of_result(read_result(path)) for path in series]
+    others = [camera_of(path) for path in series]
     return settings.between([camera, *others], frame_stamps.conditions_of(source), where=str(source))
 
 
@@ -87,7 +100,8 @@ def apply_time(order: TimeOrder) -> FrameTimes:
             where=str(order.out),
         )
     result = read_result(order.result)
-    camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
+    with about(order.result):
+        camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
     with about(order.stamps.source):
         stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
     if stamped.found is None:

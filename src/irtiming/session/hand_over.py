@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from irtiming.apply import camera_timing, export, handover
+from irtiming.apply import export, handover
 from irtiming.apply.camera_timing import CameraTiming
 from irtiming.apply.handover import HandOver
 from irtiming.archive.json_file import require_place, write_atomically
-from irtiming.archive.result_file import read_result
 from irtiming.records.application import Program
 from irtiming.records.frame_events import NOUNS
 from irtiming.report.rounding import significant, time_text
+from irtiming.session.apply_time import camera_of
 from irtiming.units import readable_time, require_uncertainty
 
 
@@ -42,7 +42,7 @@ def hand_over(order: ExportOrder) -> HandOver:
         If the result cannot be read or applied, that program has no number for it, or the file cannot be written.
     """
     require_place(order.out, besides=[order.result])
-    camera = camera_timing.of_result(read_result(order.result))
+    camera = camera_of(order.result)
     given = handover.of_camera(camera, stamp_latency_s=order.stamp_latency_s, stamp_latency_u_s=order.stamp_latency_u_s)
     write_atomically(export.text_for(order.program, given), order.out)
     return given
@@ -56,7 +56,7 @@ def explain(path: Path) -> tuple[str, ...]:
     IrTimingError
         If the result cannot be read or applied.
     """
-    camera = camera_timing.of_result(read_result(path))
+    camera = camera_of(path)
     return tuple(_sentences(camera, handover.of_camera(camera)))
 
 

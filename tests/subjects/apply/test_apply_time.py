@@ -136,6 +136,28 @@ def test_an_error_names_its_file(tmp_path, told, text, rows, said):
     assert f"irtiming: {tmp_path}/{said}" in error
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            {"correlation": {"names": ["trigger_delay", "row_delay"], "matrix": [[1.0]]}},
+            "is no matrix of 2 rows and columns",
+        ),
+        ({"parameters": {}}, "the result has no trigger delay that can be applied (it has none)"),
+    ],
+)
+def test_a_result_that_cannot_be_applied_is_named(tmp_path, told, change, said):
+    """Oracle: by hand; a file that somebody changed, its name and what is wrong in one line."""
+    result = _result(tmp_path, "microbolometer", "rolling", BOLOMETER)
+    result.write_text(json.dumps(json.loads(result.read_text()) | change))
+    (tmp_path / "stamps.csv").write_text("stamp_s\n1.0\n1.1\n")
+    for command in (("time", result, tmp_path / "stamps.csv"), ("export", result, "--to", "vins")):
+        status, _, error = told("apply", *command, "--out", tmp_path / "out")
+        assert (status, error.count("\n")) == (2, 1)
+        assert error.startswith(f"irtiming: {result}: ")
+        assert said in error
+
+
 def test_what_was_not_compared_is_said(tmp_path, hand_made, told):
     """Oracle: by hand; a CSV says nothing of its camera, a TIFF made of a recording all that the recording did."""
     result = _result(tmp_path, "photon", "snapshot", COOLED, rows=4, window_s=2.5e-4)
