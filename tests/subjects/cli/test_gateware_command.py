@@ -66,7 +66,7 @@ def test_a_plan_is_read_as_it_was_written(plan_file):
     ("text", "says"),
     [
         ("[1]", "holds no plan"),
-        ("{", "holds no plan"),
+        ("{", r"is not valid JSON \(.*; name a file that irtiming plan --json wrote"),
         ('{"clock_frequency_hz": 1}', "'plan' is missing"),
         ('{"clock_frequency_hz": 1, "plan": {"runs": []}}', "holds 0 runs"),
         ('{"clock_frequency_hz": 1, "plan": {"runs": [{"turn_period_ticks": 1.5}]}}', "is missing"),
