@@ -139,8 +139,8 @@ def test_no_order_of_files_changes_a_result():
     rig = twin.draw(with_wheel_speed(paper_scene(60, 80), 3.0, samples=200), seed=4)
     runs = [
         twin.simulate(with_wheel_speed(rig.scene, hz, samples=200), seed=seed, name=f"run {seed}")
-        for seed, hz in enumerate((3.0, 8.0, 3.0))
+        for seed, hz in enumerate((3.0, 8.0))
     ]
-    one, other = (analyse(order, rig.measured).best.estimate for order in (runs, [runs[k] for k in (1, 2, 0)]))
+    one, other = (analyse(order, rig.measured).best.estimate for order in (runs, runs[::-1]))
     np.testing.assert_array_equal(one.values, other.values)
     np.testing.assert_array_equal(one.covariance, other.covariance)
