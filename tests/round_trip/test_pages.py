@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 import sys
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,6 +52,23 @@ def served(hostile, tmp_path_factory):
         yield found
 
 
+@contextmanager
+def _browser(served, *, patience_ms=60_000):
+    """A page of a narrow browser that has come in; at its end no other host was asked, and the console has no error."""
+    from playwright.sync_api import sync_playwright
+
+    base, foreign, complaints = f"http://{served.host}", [], []
+    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
+        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
+        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
+        page.on("console", lambda one: complaints.append(one.text) if one.type == "error" else None)
+        page.set_default_timeout(patience_ms)
+        page.goto(served.address)
+        yield page
+    assert foreign == []
+    assert complaints == []
+
+
 def test_a_few_dozen_hostile_requests_reach_nothing(hostile, served):
     """Oracle: the files on the disk, and what was written outside the folder; the benchmark does ten thousand of them."""
     before = hostile.state(served.around)
@@ -64,17 +82,11 @@ def test_a_few_dozen_hostile_requests_reach_nothing(hostile, served):
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 def test_a_session_in_a_browser_from_the_plan_to_the_certificate(served):
     """Oracle: the truth of the simulated rig, the files on the disk, and what the browser asked of other hosts: nothing."""
-    from playwright.sync_api import expect, sync_playwright
+    from playwright.sync_api import expect
 
     lab, base = served.around / "lab", f"http://{served.host}"
-    foreign, complaints = [], []
-    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
-        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
-        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
-        page.on("console", lambda one: complaints.append(one.text) if one.type == "error" else None)
-        page.set_default_timeout(60_000)
+    with _browser(served) as page:
         expect.set_options(timeout=60_000)
-        page.goto(served.address)
         assert "token" not in page.url
 
         _start_rig(page, base, lab)
@@ -83,8 +95,6 @@ def test_a_session_in_a_browser_from_the_plan_to_the_certificate(served):
         _analyse(page, base)
         _certify(page, base)
         assert page.evaluate("document.documentElement.scrollWidth") <= 400
-    assert foreign == []
-    assert complaints == []
     truth = json.loads((lab / "simulated-rig" / "truth.json").read_text())
     found = json.loads((lab / "results" / "recordings.json").read_text())["parameters"]["trigger_delay"]
     assert abs(found["value"] - truth["trigger_delay_s"]) < 5 * found["standard_uncertainty"]
@@ -157,16 +167,9 @@ def _choose(page, label, option):
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 def test_a_campaign_in_a_browser(served):
     """Oracle: the twin's delay within three u, in the table; the one file that is no recording; no other host asked."""
-    from playwright.sync_api import sync_playwright
-
     lab, base = served.around / "lab", f"http://{served.host}"
     true_s = _record_a_camera(lab / "cameras")
-    foreign = []
-    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
-        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
-        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
-        page.set_default_timeout(120_000)
-        page.goto(served.address)
+    with _browser(served, patience_ms=120_000) as page:
         page.goto(f"{base}/campaigns")
         _choose(page, "Folder of recordings, or a CSV that lists them", "cameras")
         _choose(page, "What was measured on the rig", "cameras/rig.toml")
@@ -174,7 +177,6 @@ def test_a_campaign_in_a_browser(served):
         page.wait_for_url(re.compile("result="), wait_until="commit")
         page.frame_locator("iframe[title=campaign]").get_by_text("1 camera measured").wait_for()
         assert page.evaluate("document.documentElement.scrollWidth") <= 400
-    assert foreign == []
     told = json.loads((lab / "campaigns" / "campaign" / "campaign.json").read_text())
     assert [one["serial_number"] for one in told["lines"]] == ["A"]
     assert abs(told["lines"][0]["trigger_delay_s"] - true_s) < 3 * told["lines"][0]["u_trigger_delay_s"]
@@ -195,8 +197,6 @@ def _record_a_camera(folder):
 @pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 def test_a_history_in_a_browser(served):
     """Oracle: four results by hand, 1 us apart; the change by the last has u = sqrt(2) 0.3 us; no other host asked."""
-    from playwright.sync_api import sync_playwright
-
     lab, base = served.around / "lab", f"http://{served.host}"
     (lab / "results").mkdir(exist_ok=True)
     names = []
@@ -204,13 +204,7 @@ def test_a_history_in_a_browser(served):
         result = result_by_hand(400e-6 + number * 1e-6, start=f"{day}T10:00:00Z", serial="H7")
         names.append(f"results/H7-{day}.json")
         (lab / names[-1]).write_text(result.model_dump_json())
-    foreign, complaints = [], []
-    with sync_playwright() as playwright, playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS) as browser:
-        page = browser.new_context(viewport={"width": 400, "height": 800}).new_page()
-        page.on("request", lambda one: None if one.url.startswith((base, "data:", "ws:")) else foreign.append(one.url))
-        page.on("console", lambda one: complaints.append(one.text) if one.type == "error" else None)
-        page.set_default_timeout(60_000)
-        page.goto(served.address)
+    with _browser(served) as page:
         page.goto(f"{base}/history?camera=H7")
         page.get_by_role("combobox", name="Results", exact=True).click()
         for name in names:
@@ -233,5 +227,3 @@ def test_a_history_in_a_browser(served):
         since.press("Enter")
         page.get_by_text("must be a day such as 2026-01-31").first.wait_for()
         assert page.evaluate("document.documentElement.scrollWidth") <= 400
-    assert foreign == []
-    assert complaints == []

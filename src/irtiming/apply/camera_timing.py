@@ -254,11 +254,6 @@ def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:
 def _correlation(result: Result, names: tuple[str, ...]) -> Array:
     """Of these parameters; those that the matrix of the result lacks count as uncorrelated with the others."""
     known, matrix = result.correlation.names, result.correlation.matrix
-    if len(matrix) != len(known) or any(len(row) != len(known) for row in matrix):
-        raise EstimationError(
-            f"the correlation matrix does not have the {len(known)} rows and columns of its names; write the result anew with "
-            "irtiming analyse --json"
-        )
     found = np.eye(len(names))
     for i, one in enumerate(names):
         for k, other in enumerate(names):

@@ -13,10 +13,7 @@ from typing import final
 from irtiming.errors import ArchiveError
 from irtiming.records.choices import Language
 
-_CONTEXT, _PLURAL = (
-    "\x04",
-    "\x00",
-)  # what stands between context and text, and between the forms of a number, in a MO file
+_CONTEXT, _PLURAL = "\x04", "\x00"  # in a MO file, between context and text, and between the forms of a number
 _MAGIC, _HEAD = 0x950412DE, 28
 
 
