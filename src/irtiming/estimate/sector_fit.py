@@ -27,7 +27,7 @@ from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
 from irtiming.estimate.sector_image import NUMBERS, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Misfit, Slopes, searched
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, lens
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
@@ -59,6 +59,8 @@ _SLIGHT = (
     "lens_row_px",
     "lens_column_px",
 )  # found once the rest is
+_AT_LIMIT = 1e-3  # of the distortion
+_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 
 
@@ -149,6 +151,8 @@ def _fitted(
     )
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
     _check(numbers, first)
+    if "distortion" in free:
+        _check_lens(numbers, first)
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
     at = [NUMBERS.index(name) for name in free]
     clusters = _clusters(images, numbers, residual.size)
@@ -422,6 +426,19 @@ def _check(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
             f"{rows.name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
             f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
             "must be in view, sharp, and covered by the wheel alone"
+        )
+
+
+def _check_lens(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
+    """A search that ends where no lens is has found no sector, and would go on for long."""
+    distortion, beside = numbers["distortion"], float(np.hypot(numbers["lens_row_px"], numbers["lens_column_px"]))
+    least, most = lens.LOWEST + _AT_LIMIT, _FARTHEST_CENTRE * rows.opening.mask.shape[1]
+    if distortion < least or beside > most:
+        raise EstimationError(
+            f"{rows.name}: no lens shows an opening as the contrast image has it: a distortion of {distortion:.4f} over half a "
+            f"diagonal (at least {least:.4f} can be), its centre {beside:.0f} px beside the middle of the image (at most "
+            f"{most:.0f} px can be); give the frames as the camera made them, not stretched one by one, turned or cut, or state "
+            "the lens in [camera]"
         )
 
 
