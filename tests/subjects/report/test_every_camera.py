@@ -12,6 +12,7 @@ from irtiming.cli.result_table import print_result
 from irtiming.report import certificate
 from irtiming.report import result as result_of
 from irtiming.report.verdict import verdict
+from irtiming.session import analysis as session_analysis
 
 FIRST = {
     ("photon", "snapshot"): "The start of integration comes 400 ± 30 µs after the trigger edge that the camera accepts",
@@ -89,3 +90,12 @@ def test_relative_delays_keep_their_own_files(rolling):
     for kept in (entries, entries[::-1], entries[1:]):
         told = result_of._core(rolling, replace(rolling.best, relative_delays=kept))["relative_delays"]
         assert {one["file"]: one["nominal"] for one in told} == {one.file: one.nominal_s for one in kept}
+
+
+@pytest.mark.usefixtures("sketched")
+def test_a_result_alone_is_the_page_s_and_draws_no_figure(any_camera, tmp_path, monkeypatch):
+    """Oracle: what comes with the page; a page would be drawn by what is gone here."""
+    with_page = session_analysis.write(any_camera, result=tmp_path / "with.json", report=tmp_path / "page.html")
+    monkeypatch.delattr("irtiming.report.sheet.svg")  # after which no page can be made
+    assert session_analysis.write(any_camera, result=tmp_path / "alone.json") == with_page
+    assert (tmp_path / "alone.json").read_bytes() == (tmp_path / "with.json").read_bytes()
