@@ -167,10 +167,13 @@ class _Parts:
     size: Array
 
 
+@np.errstate(invalid="ignore", divide="ignore")
 def fitted(
     look: Look, numbers: Mapping[str, float], *, view: View, u_dn: ComplexArray, known: Sharp | None = None
 ) -> Fitted:
     """Model for these numbers; what is linear is solved for by weighted least squares over the good pixels.
+
+    A sector without light in the image leaves no finite misfit, by which a search knows that its step was too long.
 
     ``u_dn``, shape (row, column) of the region, holds the standard uncertainties of each pixel along its phase, real, and
     across, imaginary; ``known`` the `sharp` image, made with numbers that differ only where they are `APART`.
