@@ -20,14 +20,13 @@ from typing import Any, final
 import numpy as np
 from scipy import ndimage
 
-from irtiming.errors import EstimationError
-from irtiming.estimate import contrast_look, lens_knowledge, sector_image
+from irtiming.estimate import contrast_look, lens_knowledge, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
 from irtiming.estimate.sector_image import NUMBERS, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Misfit, Slopes, searched
-from irtiming.physics import blurred_sector, lens
+from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
@@ -59,8 +58,6 @@ _SLIGHT = (
     "lens_row_px",
     "lens_column_px",
 )  # found once the rest is
-_AT_LIMIT = 1e-3  # of the distortion
-_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 
 
@@ -150,9 +147,9 @@ def _fitted(
         slopes=slopes,
     )
     numbers, residual = begin | dict(zip(free, map(float, found.x), strict=True)), np.asarray(found.fun)
-    _check(numbers, first)
+    sector_limits.check(numbers, first)
     if "distortion" in free:
-        _check_lens(numbers, first)
+        sector_limits.check_lens(numbers, known.start, rows=first)
     covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
     at = [NUMBERS.index(name) for name in free]
     clusters = _clusters(images, numbers, residual.size)
@@ -416,30 +413,6 @@ def _priors(numbers: Mapping[str, float]) -> Array:
 def _summed(rows: ReducedRecording) -> Mask:
     first_row, end_row, first_column, end_column = rows.contrast_image.roi
     return rows.opening.summed[first_row:end_row, first_column:end_column]
-
-
-def _check(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
-    inner, outer, angle = (numbers[name] for name in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
-    off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"]))
-    if not (outer - inner > 3 and 0.1 < angle < np.pi and off < 0.3 * outer):
-        raise EstimationError(
-            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
-            f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
-            "must be in view, sharp, and covered by the wheel alone"
-        )
-
-
-def _check_lens(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
-    """A search that ends where no lens is has found no sector, and would go on for long."""
-    distortion, beside = numbers["distortion"], float(np.hypot(numbers["lens_row_px"], numbers["lens_column_px"]))
-    least, most = lens.LOWEST + _AT_LIMIT, _FARTHEST_CENTRE * rows.opening.mask.shape[1]
-    if distortion < least or beside > most:
-        raise EstimationError(
-            f"{rows.name}: no lens shows an opening as the contrast image has it: a distortion of {distortion:.4f} over half a "
-            f"diagonal (at least {least:.4f} can be), its centre {beside:.0f} px beside the middle of the image (at most "
-            f"{most:.0f} px can be); give the frames as the camera made them, not stretched one by one, turned or cut, or state "
-            "the lens in [camera]"
-        )
 
 
 def _covariance(jacobian: Array, residual: Array, clusters: Ticks) -> Array:

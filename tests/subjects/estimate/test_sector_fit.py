@@ -270,18 +270,3 @@ def test_structure_that_neighbours_share_is_not_odd():
     residual = np.linspace(0.015, 0, 16)[:, None] + np.zeros((16, 16))
     seen = SimpleNamespace(residual=residual, light=np.zeros((16, 16)), u=1e-3)
     assert not sector_fit._odd(seen, np.zeros((16, 16)), gain_scatter=0.02, border_scatter=0.0).any()
-
-
-@pytest.mark.parametrize(
-    ("distortion", "beside", "words"),
-    [(-0.1395, 0.0, "distortion of -0.1395"), (-0.1385, 0.0, ""), (0.0, 12.9, "13 px beside"), (0.0, 12.7, "")],
-)
-def test_a_lens_that_there_is_not_is_refused(distortion, beside, words):
-    """Oracle: by hand; -0.14 is where a barrel folds, and a fifth of 64 columns is 12.8 px."""
-    rows = SimpleNamespace(name="run", opening=SimpleNamespace(mask=np.zeros((48, 64), bool)))
-    numbers = {"distortion": distortion, "lens_row_px": 0.6 * beside, "lens_column_px": -0.8 * beside}
-    if not words:
-        sector_fit._check_lens(numbers, rows)
-        return
-    with pytest.raises(EstimationError, match=words):
-        sector_fit._check_lens(numbers, rows)

@@ -1,0 +1,66 @@
+"""What no opening in an image is: where a search ends so, it has found something else."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from irtiming.errors import EstimationError
+from irtiming.physics import lens
+from irtiming.records.reduced import ReducedRecording
+
+_AT_LIMIT = 1e-3  # of the distortion
+_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
+
+
+def check(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
+    """Refuse what is no annular sector about the axle.
+
+    Parameters
+    ----------
+    numbers
+        Of the sector, where its search ended.
+    rows
+        The recording.
+
+    Raises
+    ------
+    EstimationError
+        If it is none.
+    """
+    inner, outer, angle = (numbers[name] for name in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
+    off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"]))
+    if not (outer - inner > 3 and 0.1 < angle < np.pi and off < 0.3 * outer):
+        raise EstimationError(
+            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
+            f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
+            "must be in view, sharp, and covered by the wheel alone"
+        )
+
+
+def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows: ReducedRecording) -> None:
+    """Refuse what only a lens that there is not would show: such a search has found no sector, and would go on for long.
+
+    Parameters
+    ----------
+    numbers
+        Of the sector, where its search ended.
+    known
+        Where the lens centre was thought to be, by the same names.
+    rows
+        The recording.
+
+    Raises
+    ------
+    EstimationError
+        If the distortion is at its limit or the lens centre far from where it was thought to be.
+    """
+    distortion, least = numbers["distortion"], lens.LOWEST + _AT_LIMIT
+    down, right = (numbers[name] - known[name] for name in ("lens_row_px", "lens_column_px"))
+    beside, most = float(np.hypot(down, right)), _FARTHEST_CENTRE * rows.opening.mask.shape[1]
+    if distortion < least or beside > most:
+        raise EstimationError(
+            f"{rows.name}: no lens shows an opening as the contrast image has it: a distortion of {distortion:.4f} over half a "
+            f"diagonal (at least {least:.4f} can be), its centre {beside:.0f} px from the middle of the image or from where "
+            f"rig.toml has it (at most {most:.0f} px can be); give the frames as the camera made them, not stretched one by one, "
+            "turned or cut, or state the lens in [camera]"
+        )
