@@ -57,10 +57,16 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
     distortion, least = numbers["distortion"], lens.LOWEST + _AT_LIMIT
     down, right = (numbers[name] - known[name] for name in ("lens_row_px", "lens_column_px"))
     beside, most = float(np.hypot(down, right)), _FARTHEST_CENTRE * rows.opening.mask.shape[1]
-    if distortion < least or beside > most:
-        raise EstimationError(
-            f"{rows.name}: no lens shows an opening as the contrast image has it: a distortion of {distortion:.4f} over half a "
-            f"diagonal (at least {least:.4f} can be), its centre {beside:.0f} px from the middle of the image or from where "
-            f"rig.toml has it (at most {most:.0f} px can be); give the frames as the camera made them, not stretched one by one, "
-            "turned or cut, or state the lens in [camera]"
-        )
+    if distortion >= least and beside <= most:
+        return
+    what = (
+        f"its distortion would be {distortion:.4f} over half a diagonal, at least {least:.4f} can be"
+        if distortion < least
+        else f"its centre would lie {beside:.0f} px from the middle of the image or from where rig.toml has it, at most "
+        f"{most:.0f} px can be"
+    )
+    raise EstimationError(
+        f"{rows.name}: no lens shows an opening as the contrast image has it: {what}; shade the mask from stray light and "
+        "mirrors, give the frames as the camera made them, neither stretched one by one nor turned nor cut, or state the lens in "
+        "[camera]"
+    )

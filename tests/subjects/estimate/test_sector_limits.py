@@ -12,7 +12,7 @@ from irtiming.estimate import sector_limits
 
 @pytest.mark.parametrize(
     ("distortion", "beside", "words"),
-    [(-0.1395, 0.0, "distortion of -0.1395"), (-0.1385, 0.0, ""), (0.0, 12.9, "13 px from"), (0.0, 12.7, "")],
+    [(-0.1395, 0.0, "distortion would be -0.1395"), (-0.1385, 0.0, ""), (0.0, 12.9, "13 px from"), (0.0, 12.7, "")],
 )
 def test_a_lens_that_there_is_not_is_refused(distortion, beside, words):
     """Oracle: by hand; -0.14 is where a barrel folds, and a fifth of 64 columns is 12.8 px."""
