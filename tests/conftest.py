@@ -1,7 +1,8 @@
 """Fixtures that several folders of tests share."""
 
 import os
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import h5py
@@ -24,6 +25,15 @@ def shared_recordings() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no example recordings in {folder}; set IRTIMING_SHARED to the folder that holds them")
     return folder
+
+
+@pytest.fixture
+def signals_as_before() -> Iterator[None]:
+    """Handlers of Ctrl-C and SIGTERM are set back: a command that was run in this process leaves them ignored."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture

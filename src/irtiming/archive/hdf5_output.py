@@ -2,16 +2,18 @@
 
 HDF5 keeps what it could not write and tries again whenever it closes something, at last when the program ends, where it
 crashes. So it does not hear of a write that failed: the rest goes nowhere, and the error is raised when it is asked for.
-Ctrl-C waits for the same reason: an exception in the middle of a write would be one that failed.
+Ctrl-C and SIGTERM wait for the same reason: an exception in the middle of a write would be one that failed.
 """
 
 import os
 import shutil
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
+from types import FrameType
 from typing import Literal, Self, final
 
 import h5py
@@ -28,7 +30,7 @@ class Output:
 
     def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
         self.failure: OSError | None = None
-        self.is_stopped = False
+        self.stopped_by: Callable[[], object] | None = None
         self._place = 0
         self._descriptor = os.open(
             path, os.O_RDWR | (os.O_CREAT if mode == "w" else 0) | getattr(os, "O_BINARY", 0), 0o666
@@ -47,10 +49,6 @@ class Output:
     def __exit__(self, *_: object) -> None:
         os.close(self._descriptor)
 
-    def stop(self, *_: object) -> None:
-        """Take note of Ctrl-C."""
-        self.is_stopped = True
-
     def require_written(self) -> None:
         """Raise what the system said to the first write that failed.
 
@@ -59,10 +57,11 @@ class Output:
         OSError
             Such as that of a full disk.
         KeyboardInterrupt
-            If Ctrl-C was pressed since the file was opened.
+            If Ctrl-C was pressed, or SIGTERM came, since the file was opened.
         """
-        if self.is_stopped:
-            self.is_stopped = False  # said once: what tidies up afterwards must not be stopped by the same
+        if self.stopped_by is not None:
+            tell, self.stopped_by = self.stopped_by, None  # told once: what tidies up must not be stopped by the same
+            tell()
             raise KeyboardInterrupt
         if self.failure is not None:
             raise OSError(self.failure.errno, self.failure.strerror) from self.failure
@@ -132,16 +131,23 @@ def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[
 
 @contextmanager
 def _noting_interrupts(output: Output) -> Iterator[None]:
-    """Ctrl-C is noted, to be raised between two writes; other threads than the main one never see it."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    signal.signal(signal.SIGINT, output.stop)
+    """Ctrl-C and SIGTERM are noted, for their own handlers between two writes; other threads than the main one never see them."""
+    before: dict[signal.Signals, Callable[[int, FrameType | None], object]] = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if callable(handler := signal.getsignal(number)):
+                before[number] = handler
+
+    def note(number: int, _: FrameType | None) -> None:
+        output.stopped_by = partial(before[signal.Signals(number)], number, None)
+
+    for number in before:
+        signal.signal(number, note)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def abandon(file: h5py.File) -> None:

@@ -1,6 +1,6 @@
-"""Ctrl-C that is not lost: what raises it remembers it, for a library may drop what was raised within it.
+"""Ctrl-C and SIGTERM that are not lost: what raises them remembers it, for a library may drop what was raised within it.
 
-Numba does so while it loads a compiled kernel: the work then goes on as if nothing had been pressed, and is stopped where it next
+Numba does so while it loads a compiled kernel: the work then goes on as if nothing had come, and is stopped where it next
 tells how far it is.
 """
 
@@ -9,24 +9,48 @@ import sys
 from types import FrameType
 from typing import Never, final
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+"""What stops a command: Ctrl-C, and what ``kill``, a service manager or a batch system sends."""
+
 
 @final
 class Interrupt:
-    """Handler of the signal: raises `KeyboardInterrupt`, and remembers that it did (``is_pressed``)."""
+    """Handler of the signals: raises `KeyboardInterrupt`, and remembers for which of them (``number``)."""
 
     def __init__(self) -> None:
-        self.is_pressed = False
+        self.number: int | None = None
 
     def __call__(self, number: int, frame: FrameType | None) -> Never:
-        """Ctrl-C was pressed.
+        """One of them came.
 
         Raises
         ------
         KeyboardInterrupt
             Always.
         """
-        self.is_pressed = True
+        self.number = number
         raise KeyboardInterrupt
+
+    @property
+    def exit_status(self) -> int:
+        """As a shell tells it: 128 and the number of the signal, of Ctrl-C where none was remembered."""
+        return exit_status(signal.SIGINT if self.number is None else self.number)
+
+
+def exit_status(number: int) -> int:
+    """Exit status of a command that a signal stopped: 130 for Ctrl-C, 143 for SIGTERM."""
+    return 128 + number
+
+
+def heeded() -> list[signal.Signals]:
+    """Those of the signals that this process may hear: a shell lets its jobs in the background ignore Ctrl-C."""
+    return [number for number in SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
+
+
+def ignore() -> None:
+    """From now on none of them does anything."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def say_nothing_of_dropped(what: "sys.UnraisableHookArgs") -> None:
@@ -42,13 +66,13 @@ def say_nothing_of_dropped(what: "sys.UnraisableHookArgs") -> None:
 
 
 def raise_dropped() -> None:
-    """Nothing, unless Ctrl-C was pressed before and got lost.
+    """Nothing, unless one of the signals came before and got lost.
 
     Raises
     ------
     KeyboardInterrupt
-        If it was.
+        If it did.
     """
-    handler = signal.getsignal(signal.SIGINT)
-    if isinstance(handler, Interrupt) and handler.is_pressed:
-        raise KeyboardInterrupt
+    for handler in map(signal.getsignal, SIGNALS):
+        if isinstance(handler, Interrupt) and handler.number is not None:
+            raise KeyboardInterrupt

@@ -1,7 +1,7 @@
 """The command line: one command per stage of the measurement.
 
 Exit status: 0 done, 2 unusable input with one line on standard error that says what is, what must be and what to do, 130
-stopped by Ctrl-C.
+stopped by Ctrl-C, 143 by SIGTERM.
 """
 
 import os
@@ -31,7 +31,7 @@ from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.history_command import history
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.info_command import info
-from irtiming.cli.interrupt import Interrupt, say_nothing_of_dropped
+from irtiming.cli.interrupt import Interrupt, heeded, ignore, say_nothing_of_dropped
 from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
@@ -75,13 +75,15 @@ def irtiming(
 
 _STANDARD_OUTPUT = ("-", "/dev/stdout")
 _STOPPED = "stopped; files not yet finished were removed or end in .part"
+_OF_TYPER = 130  # what it makes of a KeyboardInterrupt, without a word
 
 
 def run() -> None:
     """Run the command line; what the user can cure ends in one line and exit status 2."""
+    interrupt = Interrupt()
     try:
-        if callable(signal.getsignal(signal.SIGINT)):  # a shell lets its jobs ignore it
-            signal.signal(signal.SIGINT, Interrupt())
+        for number in heeded():
+            signal.signal(number, interrupt)
             sys.unraisablehook = say_nothing_of_dropped
         with _words_aside(sys.argv[1:]):
             app()
@@ -93,13 +95,13 @@ def run() -> None:
     except MemoryError:
         _end("there is not enough memory for this; give fewer recordings at once, or free memory", 2)
     except KeyboardInterrupt:
-        _end(_STOPPED, 130)
+        _end(_STOPPED, interrupt.exit_status)
     except SystemExit as ending:
-        if ending.code == 130:  # what typer makes of Ctrl-C, without a word
-            _end(_STOPPED, 130)
+        if ending.code == _OF_TYPER:
+            _end(_STOPPED, interrupt.exit_status)
         raise
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is over; Ctrl-C would only disturb the last words
+        ignore()  # it is over; Ctrl-C would only disturb the last words
 
 
 @contextmanager
@@ -111,6 +113,6 @@ def _words_aside(arguments: list[str]) -> Iterator[None]:
 
 
 def _end(message: str, status: int) -> NoReturn:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ignore()
     print(f"irtiming: {one_line(message)}", file=sys.stderr)  # noqa: T201
     sys.exit(status)

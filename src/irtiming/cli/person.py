@@ -11,6 +11,7 @@ from typing import Literal, final
 from rich.console import Console
 
 from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
+from irtiming.cli.interrupt import SIGNALS
 from irtiming.cli.progress import Told, shown
 from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
@@ -41,23 +42,27 @@ class Person(LiveAttendant):
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Ctrl-C asks for a clean end within the block."""
-        loop, handled = asyncio.get_running_loop(), (signal.SIGINT, signal.SIGTERM)
+        """Ctrl-C and SIGTERM ask for a clean end within the block."""
+        loop, before = asyncio.get_running_loop(), {number: signal.getsignal(number) for number in SIGNALS}
 
-        def leave(number: int) -> None:
+        def leave(number: signal.Signals) -> None:
             self._leaves = True
             self._notes.print("closing the recording; Ctrl-C again breaks it off", markup=False)
-            loop.remove_signal_handler(number)
+            as_always(number)
+
+        def as_always(number: signal.Signals) -> None:
+            if loop.remove_signal_handler(number):
+                signal.signal(number, before[number])
 
         with suppress(NotImplementedError, RuntimeError, ValueError):  # not everywhere, and in the main thread only
-            for number in handled:
+            for number in SIGNALS:
                 loop.add_signal_handler(number, leave, number)
         try:
             yield
         finally:
             with suppress(NotImplementedError, RuntimeError, ValueError):
-                for number in handled:
-                    loop.remove_signal_handler(number)
+                for number in SIGNALS:
+                    as_always(number)
 
     def is_leaving(self) -> bool:
         """After Ctrl-C."""

@@ -19,7 +19,7 @@ CLOCK_HZ = 50_000_000
 
 
 @pytest.fixture
-def told(monkeypatch, capsys):
+def told(monkeypatch, capsys, signals_as_before):
     """The command line: told("apply", ...) gives exit status, output and error."""
 
     def words(*arguments):

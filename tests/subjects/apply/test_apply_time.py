@@ -20,7 +20,7 @@ CLOCK_HZ = 49_152_000
 
 
 @pytest.fixture
-def told(tmp_path, monkeypatch, capsys):
+def told(tmp_path, monkeypatch, capsys, signals_as_before):
     """The command line with words: told("apply", ...) gives exit status, output and the error."""
 
     def words(*arguments):

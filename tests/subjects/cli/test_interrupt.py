@@ -1,4 +1,4 @@
-"""Ctrl-C that a library drops: it is raised again where the work next tells how far it is."""
+"""Ctrl-C or SIGTERM that a library drops: it is raised again where the work next tells how far it is."""
 
 import io
 import signal
@@ -8,26 +8,30 @@ from contextlib import suppress
 import pytest
 from rich.console import Console
 
-from irtiming.cli.interrupt import Interrupt, raise_dropped, say_nothing_of_dropped
+from irtiming.cli.interrupt import SIGNALS, Interrupt, heeded, ignore, raise_dropped, say_nothing_of_dropped
 from irtiming.cli.progress import shown
 
 
 @pytest.fixture
 def handled():
-    before = signal.signal(signal.SIGINT, handler := Interrupt())
+    handler = Interrupt()
+    before = {number: signal.signal(number, handler) for number in SIGNALS}
     yield handler
-    signal.signal(signal.SIGINT, before)
+    for number, earlier in before.items():
+        signal.signal(number, earlier)
 
 
+@pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("is_terminal", [False, True])
-def test_what_was_dropped_is_raised_at_the_next_report(handled, is_terminal):
+def test_what_was_dropped_is_raised_at_the_next_report(handled, is_terminal, number):
     """Oracle: a library that swallows what is raised within it, as numba does where it loads a kernel."""
     console = Console(file=io.StringIO(), force_terminal=is_terminal)
     with pytest.raises(KeyboardInterrupt), shown("frames", console) as told:  # noqa: PT012 - what comes before must pass
         told("run", 1, 3)
         with suppress(KeyboardInterrupt):
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
         told("run", 2, 3)
+    assert handled.exit_status == {signal.SIGINT: 130, signal.SIGTERM: 143}[number]
 
 
 def test_nothing_is_raised_where_nothing_was_pressed_or_another_handler_is_set(handled):
@@ -35,7 +39,8 @@ def test_nothing_is_raised_where_nothing_was_pressed_or_another_handler_is_set(h
     raise_dropped()
     with pytest.raises(KeyboardInterrupt):
         handled(signal.SIGINT, None)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ignore()
+    assert not heeded()
     raise_dropped()
 
 

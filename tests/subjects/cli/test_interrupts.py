@@ -1,4 +1,4 @@
-"""Ctrl-C and kill -9 at any moment: the exit status that is documented, one line, and each file whole or not there."""
+"""Ctrl-C, SIGTERM and kill -9 at any moment: the exit status that is documented, one line, and each file whole or not there."""
 
 import json
 import signal
@@ -21,8 +21,8 @@ start.run()
 _PROGRAM = [sys.executable, "-c", _START]
 """The program, which says when it is there: until then Python itself starts, with a word of its own for who stops it."""
 
-_STOPPED = (130, -signal.SIGINT)
-"""What a shell calls 130: Python ends itself by the signal where it came while a class was being made."""
+_ENDS = {signal.SIGINT: (130, -signal.SIGINT), signal.SIGTERM: (143,), signal.SIGKILL: (-signal.SIGKILL,)}
+"""What a shell calls 130 is two things: Python ends itself by the signal where it came while a class was being made."""
 
 
 def _stopped(words: list[str], *, after_s: float, by: signal.Signals) -> tuple[int, list[str]]:
@@ -40,26 +40,27 @@ def _stopped(words: list[str], *, after_s: float, by: signal.Signals) -> tuple[i
     return process.returncode, [line for line in said.splitlines() if "frames" not in line]
 
 
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("after_s", [0.05, 0.2, 0.4, 0.65])
-def test_ctrl_c_while_the_program_starts(tmp_path: Path, after_s: float) -> None:
+def test_stopped_while_the_program_starts(tmp_path: Path, after_s: float, by: signal.Signals) -> None:
     """Oracle: the documented exit status; a program that is still loading has nothing to undo."""
-    status, lines = _stopped(["simulate", str(tmp_path / "lab"), "--runs", "20"], after_s=after_s, by=signal.SIGINT)
-    assert status in _STOPPED
+    status, lines = _stopped(["simulate", str(tmp_path / "lab"), "--runs", "20"], after_s=after_s, by=by)
+    assert status in _ENDS[by]
     assert len(lines) == 1
     assert lines[0].startswith("irtiming: stopped")
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.parametrize("after_s", [1.5, 2.5, 3.5])
 def test_a_simulation_that_is_stopped(tmp_path: Path, after_s: float, by: signal.Signals) -> None:
     """Oracle: the documented exit status; every file with a final name is sound."""
     words = ["simulate", str(tmp_path / "lab"), "--rows", "48", "--columns", "64", "--frames", "2000", "--runs", "20"]
     status, lines = _stopped(words, after_s=after_s, by=by)
-    assert status in (_STOPPED if by is signal.SIGINT else (-signal.SIGKILL,))
-    assert len(lines) == (1 if by is signal.SIGINT else 0)
+    assert status in _ENDS[by]
+    assert len(lines) == (0 if by is signal.SIGKILL else 1)
     for path in tmp_path.rglob("*.nxs"):
         assert verify(path)[0].severity == "ok"
     for path in tmp_path.rglob("*.json"):
         json.loads(path.read_text())
-    if by is signal.SIGINT:
+    if by is not signal.SIGKILL:
         assert not list(tmp_path.rglob("*.part"))
