@@ -12,8 +12,9 @@ from emulated_pico import FIRMWARE, MODULES, PINS
 from typer.testing import CliRunner
 
 from irtiming.cli.gateware_firmware_command import firmware
-from irtiming.errors import GatewareError
-from irtiming.gateware.firmware_files import firmware_files, write_firmware
+from irtiming.errors import ArchiveError
+from irtiming.gateware.firmware_files import firmware_files
+from irtiming.session.firmware import write_firmware
 
 ROOT = Path(__file__).parents[2]
 MICROPYTHON_ONLY = {"machine", "micropython", "rp2", "uctypes"}
@@ -51,7 +52,7 @@ def test_what_is_written_is_what_the_package_holds(tmp_path):
 def test_files_of_somebody_are_not_overwritten(tmp_path):
     """Oracle: by hand; the message names the file, and nothing else was written."""
     (tmp_path / "main.py").write_text("PINS = {}")
-    with pytest.raises(GatewareError, match=r"main\.py: is there and differs; .* name a new folder"):
+    with pytest.raises(ArchiveError, match=r"main\.py: is there and differs; .* name a new folder"):
         write_firmware(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["main.py"]
 
@@ -59,7 +60,7 @@ def test_files_of_somebody_are_not_overwritten(tmp_path):
 def test_a_place_that_cannot_be_is_refused_in_one_line(tmp_path):
     """Oracle: by hand; a file stands where the folder should be."""
     (tmp_path / "file").write_text("")
-    with pytest.raises(GatewareError, match="cannot be written there .*; name another folder"):
+    with pytest.raises(ArchiveError, match="cannot be made .*; give another folder"):
         write_firmware(tmp_path / "file" / "pico")
 
 

@@ -4,9 +4,9 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from irtiming.archive.json_file import write_atomically
 from irtiming.archive.rig_file import read_rig
-from irtiming.errors import ArchiveError
+from irtiming.archive.whole_file import whole_file
+from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.records.rig import Clock, Latency
 
 _HEADING = re.compile(r"^\s*\[")
@@ -61,13 +61,13 @@ def update(path: str | Path, section: str, *, numbers: Mapping[str, str]) -> Non
     else:
         ends = next((k for k in range(begins + 1, len(lines)) if _HEADING.match(lines[k])), len(lines))
         lines[begins + 1 : ends] = _with(lines[begins + 1 : ends], numbers)
-    before = target.read_text(encoding="utf-8")
-    write_atomically("\n".join(lines) + "\n", target)
-    try:
-        read_rig(target)
-    except Exception as error:
-        write_atomically(before, target)
-        raise ArchiveError(f"cannot be changed ({error}); paste the lines yourself", where=str(target)) from error
+    with whole_file(target) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        try:
+            read_rig(part)
+        except IrTimingError as error:
+            said = str(error).removeprefix(f"{part}: ")
+            raise ArchiveError(f"cannot be changed ({said}); paste the lines yourself", where=str(target)) from error
 
 
 def _with(lines: list[str], numbers: Mapping[str, str]) -> list[str]:

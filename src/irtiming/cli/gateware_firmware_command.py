@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 
 from irtiming.cli.screen import say
-from irtiming.gateware.firmware_files import write_firmware
+from irtiming.session.firmware import write_firmware
 
 
 def firmware(

@@ -8,6 +8,7 @@ import pytest
 import tifffile
 from makers_files import FRAMES, WRITERS
 
+from irtiming.archive.frames import writing
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.writing import write_frames
 from irtiming.errors import ArchiveError
@@ -112,6 +113,23 @@ def test_nothing_is_left_after_a_failure(name, error, tmp_path):
     with pytest.raises((ArchiveError, KeyboardInterrupt)):
         write_frames(source, tmp_path / name)
     assert [one.name for one in tmp_path.iterdir()] == ["a.ptw"]
+
+
+def test_a_numpy_file_that_is_stopped_at_the_last_moment_leaves_no_facts_alone(tmp_path, monkeypatch):
+    """Oracle: an empty folder; facts without frames would be in the way of the next try."""
+
+    def stopped(_):
+        raise KeyboardInterrupt
+
+    WRITERS["a.ptw"](tmp_path / "a.ptw")
+    monkeypatch.setattr(writing, "bring_to_disk", stopped)
+    (tmp_path / "out").mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        write_frames(open_frames(tmp_path / "a.ptw"), tmp_path / "out" / "b.npy")
+    assert list((tmp_path / "out").iterdir()) == []
+    monkeypatch.undo()
+    write_frames(open_frames(tmp_path / "a.ptw"), tmp_path / "out" / "b.npy")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["b.npy", "b.npy.json"]
 
 
 def test_nothing_is_overwritten_and_the_ending_says_the_format(tmp_path):

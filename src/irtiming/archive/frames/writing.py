@@ -52,13 +52,29 @@ def write_frames(source: FrameSource, out: Path, *, progress: Progress | None = 
         raise ArchiveError(f"ends in no format that is written; end it in {', '.join(_WRITERS)}", where=str(out))
     if out.exists():
         raise ArchiveError("exists already; choose another name", where=str(out))
+    facts_beside = _facts_beside(source.facts, out)
     with whole_file(out) as part:
         try:
             lost = write(source.facts, _counted(source, progress), part)
         except RuntimeError as error:  # of HDF5, on a disk that is full
             raise ArchiveError(f"cannot be written ({reason_of(error)}); is the disk full?", where=str(out)) from error
         bring_to_disk(part)
+        for (
+            path,
+            text,
+        ) in facts_beside.items():  # at the last moment: without the frames it would be in the way of the next try
+            write_atomically(text, path)
     return lost
+
+
+def _facts_beside(facts: FrameFacts, out: Path) -> dict[Path, str]:
+    """Text of the file beside one that has no place for facts, by its name."""
+    beside = Path(f"{out}{SIDECAR}")
+    if out.suffix.lower() != ".npy" or not (told := as_told(facts)):
+        return {}
+    if beside.exists():
+        raise ArchiveError("exists already, and is where the facts would go; choose another name", where=str(beside))
+    return {beside: json.dumps(told, indent=1) + "\n"}
 
 
 def _counted(source: FrameSource, progress: Progress | None) -> Iterator[FrameValues]:
@@ -69,16 +85,11 @@ def _counted(source: FrameSource, progress: Progress | None) -> Iterator[FrameVa
 
 
 def _write_npy(facts: FrameFacts, blocks: Iterator[FrameValues], part: Path) -> list[str]:
-    beside = Path(f"{final_name(part)}{SIDECAR}")
-    if beside.exists():
-        raise ArchiveError("exists already, and is where the facts would go; choose another name", where=str(beside))
     kind = np.lib.format.dtype_to_descr(np.dtype(facts.dtype))
     with part.open("wb") as file:
         np.lib.format.write_array_header_2_0(file, {"descr": kind, "fortran_order": False, "shape": facts.shape})
         for block in blocks:
             file.write(np.ascontiguousarray(block).data)
-    if told := as_told(facts):
-        write_atomically(json.dumps(told, indent=1) + "\n", beside)
     return []
 
 
