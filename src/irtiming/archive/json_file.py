@@ -79,7 +79,9 @@ def make_folder(path: str | Path) -> None:
         raise ArchiveError(f"{path} cannot be made ({error.strerror}); give another folder") from error
 
 
-def require_place(path: str | Path, *, besides: Iterable[str | Path] = (), is_text: bool = True) -> None:
+def require_place(
+    path: str | Path, *, besides: Iterable[str | Path] = (), is_text: bool = True, is_new: bool = False
+) -> None:
     """Refuse a place where no result may be written, before the long work whose result should go there.
 
     Parameters
@@ -90,12 +92,14 @@ def require_place(path: str | Path, *, besides: Iterable[str | Path] = (), is_te
         Files that are read or written too: none of them may be overwritten.
     is_text
         The result is text, which the standard output, a pipe or a device takes too.
+    is_new
+        No file is replaced: recordings and frames, and what is made of them to be worked on, may be the only copy.
 
     Raises
     ------
     ArchiveError
-        If the path is a folder or one of the other files, its folder does not exist or may not be written to, or it is no file
-        where it must be one.
+        If the path is a folder or one of the other files, its folder does not exist or may not be written to, it is no file
+        where it must be one, or there where it must be new.
     """
     target = Path(path)
     if target.resolve() in {Path(other).resolve() for other in besides}:
@@ -105,5 +109,7 @@ def require_place(path: str | Path, *, besides: Iterable[str | Path] = (), is_te
     if is_text and stays_as_it_is(target):
         return
     place = place_of(target)
+    if is_new and place.exists():
+        raise ArchiveError(f"{target}: exists already; choose another name")
     if not place.parent.is_dir() or not os.access(place.parent, os.W_OK):
         raise unwritable(place, PermissionError("no permission"))

@@ -32,7 +32,7 @@ def export_vcd(
     from irtiming.errors import ArchiveError
 
     target = recording.with_suffix(".vcd") if out is None else out
-    require_place(target, besides=[recording])
+    require_place(target, besides=[recording], is_new=True)
     found: Recording | TimedRun
     try:
         found = reader.read(recording)

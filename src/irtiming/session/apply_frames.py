@@ -90,7 +90,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
         If a file cannot be read or written, the frames tell no times, or the result does not hold for them.
     """
     taken = [order.result, *([order.stamps] if order.stamps else []), *order.series]
-    require_place(order.out, besides=[*taken, *files_read(order.source)], is_text=False)
+    require_place(order.out, besides=[*taken, *files_read(order.source)], is_text=False, is_new=True)
     if order.out.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             f"the scene is written as {layout.SUFFIX}; give it a name that ends so", where=str(order.out)

@@ -78,7 +78,7 @@ def import_capture(order: CaptureOrder) -> Imported:
     """
     taken = [order.capture, *(files_read(order.frames) if order.frames else [])]
     for place in order.places:
-        require_place(place, besides=taken, is_text=place is not order.out)
+        require_place(place, besides=taken, is_text=place is not order.out, is_new=place is order.out)
         taken.append(place)
     lines = line_map(order.lines)
     ticks = captured_ticks(order.capture, lines, clock_hz=order.clock_hz, shortest_s=order.shortest_s)

@@ -89,7 +89,7 @@ async def record(order: TimestampOrder, *, progress: Callable[[int, int], None] 
     IrTimingError
         If the run cannot be made, or timestamps were lost: what arrived is in the file then, marked as not whole.
     """
-    require_place(order.out, besides=[order.plan], is_text=False)
+    require_place(order.out, besides=[order.plan], is_text=False, is_new=True)
     plan = read_plan(order.plan)
     if order.run > len(plan.runs):
         raise PlanError(
@@ -141,7 +141,7 @@ def combine(order: FramesOrder) -> list[Finding]:
     ArchiveError
         If a file cannot be read or written, or frames and timestamps contradict each other.
     """
-    require_place(order.out, besides=[order.timestamps, *files_read(order.frames)], is_text=False)
+    require_place(order.out, besides=[order.timestamps, *files_read(order.frames)], is_text=False, is_new=True)
     stamped = read_timestamps(order.timestamps)
     facts = None
     if order.camera is not None:

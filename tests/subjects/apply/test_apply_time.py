@@ -174,7 +174,7 @@ def test_what_was_not_compared_is_said(tmp_path, hand_made, told):
         ("run.npy", "note: serial number was not compared"),
         ("by-hand.nxs", "note: serial number was not compared"),
     ):
-        status, said, error = told("apply", "time", result, tmp_path / name, "--out", tmp_path / "times.csv")
+        status, said, error = told("apply", "time", result, tmp_path / name, "--out", tmp_path / f"{name}.csv")
         assert status == 0, error
         assert [line for line in said.splitlines() if line.startswith("note: ")][-1:] == [says]
 
@@ -228,9 +228,10 @@ def test_a_frame_keeps_the_number_of_a_csv_and_of_a_file_of_frames(tmp_path, tol
     facts = {"trigger_times_s": [1.0, 1.033, 1.297], "frame_id": [12, 13, 21]}
     (tmp_path / "a.npy.json").write_text(json.dumps(facts))
     for source in ("stamps.csv", "a.npy"):
-        status, _, error = told("apply", "time", result, tmp_path / source, "--out", tmp_path / "times.csv")
+        out = tmp_path / f"times-of-{source}.csv"
+        status, _, error = told("apply", "time", result, tmp_path / source, "--out", out)
         assert status == 0, error
-        assert [line["frame"] for line in _lines(tmp_path / "times.csv")] == [12, 13, 21]
+        assert [line["frame"] for line in _lines(out)] == [12, 13, 21]
 
 
 @pytest.mark.parametrize(

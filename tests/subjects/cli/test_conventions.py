@@ -4,6 +4,7 @@ import contextlib
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
@@ -66,6 +67,35 @@ def test_json_goes_to_the_standard_output_that_was(capfd: pytest.CaptureFixture[
         require_place("-")
         print("words")
     assert tuple(capfd.readouterr()) == ('{\n "a": 1\n}\n', "words\n")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "convert by-hand.nxs there.nxs",
+        "convert by-hand.nxs there.npy",
+        "apply time result.json by-hand.nxs --out there.csv",
+        "apply time result.json by-hand.nxs --out there.nxs",
+        "apply frames result.json by-hand.nxs there.nxs",
+        "apply export result.json --to kalibr --out there.yaml",
+        "export-vcd by-hand.nxs --out there.vcd",
+        "import-capture ticks.vcd --map camera_trigger=D0 --frames by-hand.nxs --out there.nxs",
+        "gateware record PORT --plan plan.json --out there.nxs",
+        "gateware combine stamps.nxs by-hand.nxs --out there.nxs",
+        "recover killed.nxs.part --out there.nxs",
+    ],
+)
+def test_recordings_and_what_is_made_of_them_replace_nothing(
+    hand_made: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """Oracle: the bytes of a file of that name before and after, and the one message; the other inputs are not even there."""
+    hand_made()
+    monkeypatch.chdir(tmp_path)
+    words = command.split()
+    place = next(Path(word) for word in words if word.startswith("there"))
+    place.write_bytes(b"mine")
+    assert str(CliRunner().invoke(app, words).exception) == f"{place}: exists already; choose another name"
+    assert place.read_bytes() == b"mine"
 
 
 def test_a_simulation_replaces_only_when_it_is_told_to(tmp_path: Path) -> None:
