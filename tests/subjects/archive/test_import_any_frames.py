@@ -68,6 +68,48 @@ def test_a_gap_in_the_numbers_of_the_camera_is_a_lost_frame(tmp_path):
     assert any(one.where == layout.FRAME_NUMBER.path for one in findings)
 
 
+def _film(path, times_s, **told):
+    """Frames that have times of day, of small pixels."""
+    np.save(path, np.zeros((times_s.size, 4, 6), np.uint16))
+    facts = {"times_s": (40_000.0 + times_s).tolist(), "time_scale": "time of day", "time_step_s": 1e-6}
+    path.with_name(f"{path.name}.json").write_text(json.dumps(facts | told))
+
+
+def test_frames_of_another_measurement_are_refused(tmp_path):
+    """Oracle: 100 frames 29.998 ms apart, as in a film that a camera's program keeps, and 120 triggers 33 ms apart."""
+    _film(tmp_path / "a.npy", 29.998e-3 * np.arange(100))
+    with pytest.raises(
+        ArchiveError, match=r"a\.npy: its frames are 29\.998 ms apart .* 2\.970 s, their triggers 33 ms and 3\.267 s"
+    ):
+        write_timed(tmp_path / "a.npy", tmp_path / "o.nxs", ticks=_ticks(120), facts=PHOTON)
+    assert list(tmp_path.glob("o.nxs*")) == []
+
+
+@pytest.mark.parametrize(("n_lost", "says"), [(1, "1 trigger later"), (2, "2 triggers later")])
+def test_frames_that_their_own_times_show_to_be_lost_are_refused_until_they_are_numbered(tmp_path, n_lost, says):
+    """Oracle: the place at which frames were left out by hand; times scatter by 1 ms, and their clock is 100 ppm too fast."""
+    made = np.delete(np.arange(80), 40 + np.arange(n_lost))
+    times_s = 33e-3 * made * (1 + 1e-4) + np.random.default_rng(1).normal(0, 1e-3, made.size)
+    _film(tmp_path / "a.npy", times_s)
+    with pytest.raises(ArchiveError, match=f"frame 40 comes {says} by its own time"):
+        write_timed(tmp_path / "a.npy", tmp_path / "o.nxs", ticks=_ticks(80), facts=PHOTON)
+    _film(tmp_path / "b.npy", times_s, frame_id=made.tolist())
+    write_timed(tmp_path / "b.npy", tmp_path / "o.nxs", ticks=_ticks(80), facts=PHOTON)
+    assert reader.read(tmp_path / "o.nxs").frame_number.tolist() == made.tolist()
+
+
+def test_times_of_a_busy_computer_or_of_a_clock_that_was_set_prove_nothing(tmp_path):
+    """Oracle: every frame is there; eight were stamped late in a burst, and the clock was put back by half an interval."""
+    times_s = 33e-3 * np.arange(80) + np.random.default_rng(2).normal(0, 1e-3, 80)
+    times_s[20:28] = times_s[28]
+    times_s[50:] += 16e-3
+    for name, scale in (("a.npy", "host clock"), ("b.npy", "local time")):
+        _film(tmp_path / name, times_s, time_scale=scale)
+        write_timed(tmp_path / name, (tmp_path / name).with_suffix(".nxs"), ticks=_ticks(80), facts=PHOTON)
+    _film(tmp_path / "c.npy", times_s / 2, time_scale="first frame")  # what a film's nominal rate says is no clock
+    write_timed(tmp_path / "c.npy", tmp_path / "c.nxs", ticks=_ticks(80), facts=PHOTON)
+
+
 def test_a_gap_in_the_numbers_of_a_folder_is_a_lost_frame(tmp_path):
     """Oracle: the file that is taken away; each frame behind it belongs to the trigger it had, and the gap is told."""
     (tmp_path / "frames").mkdir()

@@ -6,6 +6,7 @@ from typing import Any, final
 
 import numpy as np
 
+from irtiming.archive.captures.own_times import require_same_triggers
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.frames.counts import counts_of
 from irtiming.archive.frames.opening import open_frames
@@ -13,7 +14,7 @@ from irtiming.archive.frames.source import FrameFacts
 from irtiming.archive.npz_file import read_arrays
 from irtiming.archive.reader import reduce_reference
 from irtiming.errors import ArchiveError
-from irtiming.records.arrays import Ticks
+from irtiming.records.arrays import Array, Ticks
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.recording import CameraType, FrameStack, NonuniformityReference, ReadoutMode
 
@@ -54,7 +55,7 @@ class CameraFrames:
     timestamp_frequency_hz: float | None = None
 
 
-def camera_frames(source: Path, facts: CameraFacts) -> CameraFrames:
+def camera_frames(source: Path, facts: CameraFacts, *, triggers_s: Array | None = None) -> CameraFrames:
     """Frames of a file.
 
     Parameters
@@ -63,20 +64,24 @@ def camera_frames(source: Path, facts: CameraFacts) -> CameraFrames:
         Any format of `open_frames`; ``.npz`` may have ``low``, ``high`` and ``frame_number`` too.
     facts
         What a person says.
+    triggers_s
+        Times of the triggers, shape (n_trigger,), s; the frames' own times are held against them.
 
     Raises
     ------
     ArchiveError
-        If it cannot be read, or contradicts what the person says.
+        If it cannot be read, or contradicts what the person says, or other triggers made the frames.
     """
     if source.suffix.lower() == ".npz":
         return _of_arrays(source, facts)
     found = open_frames(source)
     told = found.facts
-    stamps = _stamps(told)
+    stamps, numbers = _stamps(told), _numbers(told)
+    if triggers_s is not None:
+        require_same_triggers(source, told, numbers=numbers, triggers_s=triggers_s)
     return CameraFrames(
         frames=counts_of(found, called=str(source)),
-        frame_number=_numbers(told),
+        frame_number=numbers,
         bit_depth=facts.bit_depth or _bits(told),
         integration_time_s=_integration_time(source, facts, told),
         camera=told.camera,

@@ -154,7 +154,10 @@ def _nominal(ticks: CapturedTicks, delay_s: float, is_delayed: bool) -> Captured
 
 def _from_frames(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Recording:
     """Recording of frames that come without one."""
-    taken = camera_frames(source, facts)
+    triggers = ticks.streams.get(layout.CAMERA_TRIGGER)
+    taken = camera_frames(
+        source, facts, triggers_s=None if triggers is None else triggers / float(ticks.clock_frequency_hz)
+    )
     return Recording(
         name=source.stem,
         camera_type=facts.camera_type,
