@@ -98,7 +98,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "series": _say("series", RESULT, "--json", "s.json", "--report", "s.html"),
     "history": _say("history", "7", "--register", "r.sqlite", "--add", RESULT, "--json", "h.json"),
-    "certificate": _say(
+    "certificate in every form": _say(
         "certificate", RESULT, "--with", "../certificate.toml", "--out", "c.html", "--out", "c.xml", "--out", "c.pdf"
     ),
     "certificate as a crate": _say("certificate", RESULT, "--with", "../certificate.toml", "--out", "c.xml", "--crate", "c.zip"),
@@ -108,7 +108,7 @@ COMMANDS: dict[str, Command] = {
     "apply time to a copy": _say("apply", "time", RESULT, RUN, "--out", "times.nxs"),
     "apply frames": _say("apply", "frames", "../bolo.json", "../bolo/bolo-3Hz-0ms.nxs", "scene.nxs"),
     "apply export": _say("apply", "export", RESULT, "--to", "kalibr", "--out", "hand.yaml"),
-    "campaign": _say(
+    "campaign in one process": _say(
         "campaign", LAB, "--rig", RIG, "--out", "all", "--scheduler", "here", "--register", "r.sqlite", "--json", "all.json"
     ),
     "campaign by a worker": _say("campaign", LAB, "--rig", RIG, "--out", "all", "--workers", "1", "--register", "none"),
