@@ -15,10 +15,14 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 @final
 class Interrupt:
-    """Handler of the signals: raises `KeyboardInterrupt`, and remembers for which of them (``number``)."""
+    """Handler of the signals: raises `KeyboardInterrupt`, and remembers for which of them (``number``).
+
+    A command that heard a signal in its own way, to end cleanly, sets ``heard``: it changes the exit status alone.
+    """
 
     def __init__(self) -> None:
         self.number: int | None = None
+        self.heard: int | None = None
 
     def __call__(self, number: int, frame: FrameType | None) -> Never:
         """One of them came.
@@ -34,7 +38,8 @@ class Interrupt:
     @property
     def exit_status(self) -> int:
         """As a shell tells it: 128 and the number of the signal, of Ctrl-C where none was remembered."""
-        return exit_status(signal.SIGINT if self.number is None else self.number)
+        known = (number for number in (self.number, self.heard) if number is not None)
+        return exit_status(next(known, signal.SIGINT))
 
 
 def exit_status(number: int) -> int:

@@ -91,7 +91,7 @@ def run() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # whoever read the output has enough of it
     except (IrTimingError, OSError) as error:
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
-        _end(f"{error}{notes}", 2)
+        _end(f"{error}{notes}", 2 if interrupt.heard is None else interrupt.exit_status)
     except MemoryError:
         _end("there is not enough memory for this; give fewer recordings at once, or free memory", 2)
     except KeyboardInterrupt:

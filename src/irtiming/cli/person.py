@@ -11,7 +11,7 @@ from typing import Literal, final
 from rich.console import Console
 
 from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
-from irtiming.cli.interrupt import SIGNALS
+from irtiming.cli.interrupt import SIGNALS, Interrupt
 from irtiming.cli.progress import Told, shown
 from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
@@ -47,6 +47,8 @@ class Person(LiveAttendant):
 
         def leave(number: signal.Signals) -> None:
             self._leaves = True
+            if isinstance(handler := before[number], Interrupt):
+                handler.heard = number
             self._notes.print("closing the recording; Ctrl-C again breaks it off", markup=False)
             as_always(number)
 

@@ -29,6 +29,7 @@ def test_the_second_signal_breaks_off(signals_as_before, number, exit_status):
             await asyncio.sleep(0.05)
             assert person.is_leaving()
             assert interrupt.number is None
+            assert interrupt.exit_status == exit_status
             signal.raise_signal(number)
 
     with shown("frames", notes) as told, pytest.raises(KeyboardInterrupt):
