@@ -62,6 +62,7 @@ class Job:
         self.begun_s = monotonic()
         self._line: Connection | None = None
         self._process: Any = None
+        self._is_broken_off = False
 
     @property
     def is_over(self) -> bool:
@@ -84,9 +85,10 @@ class Job:
                 self._line.send(word)
 
     def break_off(self) -> None:
-        """End it at once; for work that writes nothing but whole files."""
+        """End it, and at the second time at once; for work that writes nothing but whole files."""
         if self._process is not None and self._process.is_alive():
-            self._process.terminate()
+            (self._process.kill if self._is_broken_off else self._process.terminate)()
+            self._is_broken_off = True
 
     def wait(self, timeout_s: float) -> bool:
         """Whether it has ended within that time."""

@@ -10,7 +10,7 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from threading import Condition, Thread
 from time import sleep
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, NoReturn, TypeAlias, final
 
 from irtiming.errors import IrTimingError, one_line
 
@@ -131,7 +131,7 @@ def function_of(task: Task) -> Callable[[Any, Any], Any]:
 def run(connection: Connection, *, task: Task, order: object) -> None:
     """What the process does: the task, and how it ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which says so
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, _leave)  # which breaks it off: what is half written is removed
     line = Line(connection)
     try:
         answer = function_of(task)(line, order)
@@ -142,6 +142,10 @@ def run(connection: Connection, *, task: Task, order: object) -> None:
         line.ends(News(kind="done", value=answer))
     with suppress(OSError):
         connection.close()
+
+
+def _leave(number: int, _: object) -> NoReturn:
+    raise SystemExit(128 + number)
 
 
 def give_way(by: int = 10) -> None:

@@ -1,5 +1,9 @@
 """Work that the server owns."""
 
+import signal
+import subprocess
+import sys
+
 import pytest
 
 from irtiming.errors import InstrumentError
@@ -33,3 +37,30 @@ def test_what_a_job_keeps_is_bounded(monkeypatch):
     for line in range(1000):
         job._learn(News(kind="says", value=str(line)))
     assert (len(job.lines), job.lines[-1]) == (300, "999")
+
+
+_HALF = """
+import sys, time
+from multiprocessing import Pipe
+from irtiming.archive.whole_file import whole_file
+from irtiming.web import work
+
+def half(line, place):
+    with whole_file(place) as part:
+        part.write_text("half")
+        print("here", flush=True)
+        time.sleep(60)
+
+work.function_of = lambda _: half
+work.run(Pipe()[0], task="", order=sys.argv[1])
+"""
+
+
+def test_work_that_is_broken_off_leaves_nothing_half(tmp_path):
+    """Oracle: an empty folder, and the exit status of SIGTERM."""
+    with subprocess.Popen([sys.executable, "-c", _HALF, str(tmp_path / "a.csv")], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"here\n"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(30) == 143
+    assert list(tmp_path.iterdir()) == []
