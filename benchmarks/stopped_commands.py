@@ -201,9 +201,9 @@ def _is_begun(seen: object) -> bool:
 
 
 def tried(
-    command: Command, place: Path, *, moments: int, chance: random.Random, tell: Callable[[str], None]
+    command: Command, place: Path, *, moments: int, until_s: float, chance: random.Random, tell: Callable[[str], None]
 ) -> Counter[str]:
-    """Counts of endings by fault, and of objections."""
+    """Counts of endings by fault, and of objections; of so many moments, or as many as there is time for."""
     undisturbed = begun(command, place / "undisturbed")
     before = {name: face(path) for name, path in files(undisturbed).items()}
     ending = run(command.words, undisturbed)
@@ -215,6 +215,8 @@ def tried(
     largest = max(path.stat().st_size for path in files(undisturbed).values())
     count: Counter[str] = Counter()
     for index in range(moments):
+        if time.monotonic() > until_s:
+            break
         fault = FAULTS[index % len(FAULTS)]
         folder = begun(command, place / "out")
         if fault == "full disk":
@@ -265,6 +267,7 @@ def main() -> int:
     """Exit status 1 if there is an objection."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--moments", type=int, default=100, help="of each command, spread over the faults")
+    parser.add_argument("--minutes", type=float, default=1e6, help="at most so long for each command")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="+", default=[""], metavar="COMMAND", help="those whose names begin so")
     options = parser.parse_args()
@@ -281,7 +284,12 @@ def main() -> int:
                 if name.startswith(tuple(options.only)):
                     chance, said = random.Random(f"{name} {options.seed}"), list[str]()
                     count = tried(
-                        command.at(top, port), top / "place", moments=options.moments, chance=chance, tell=said.append
+                        command.at(top, port),
+                        top / "place",
+                        moments=options.moments,
+                        until_s=time.monotonic() + 60 * options.minutes,
+                        chance=chance,
+                        tell=said.append,
                     )
                     numbers = [
                         f"{count['ms'] / 1000:.2f}",
