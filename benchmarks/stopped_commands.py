@@ -115,11 +115,12 @@ def files(folder: Path) -> dict[str, Path]:
     return {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def face(path: Path) -> object:
-    """What must be the same in a whole file, whenever it is made."""
+def face(path: Path, *, is_loose: bool = False) -> object:
+    """What must be the same in a whole file, whenever it is made; of a loose one names and numbers of lines alone."""
     match path.suffix:
         case ".nxs" | ".h5":
-            return list(_datasets(path))
+            found = list(_datasets(path))
+            return [name for name, _ in found] if is_loose else found
         case ".json":
             content = json.loads(path.read_text(encoding="utf-8"))
             return sorted(content) if isinstance(content, dict) else len(content)
@@ -144,7 +145,7 @@ def face(path: Path) -> object:
             return content.startswith(FIRST[path.suffix]), content.endswith(LAST[path.suffix])
         case _:
             lines = path.read_text(encoding="utf-8").splitlines()
-            return len(lines), lines[-1][-40:]
+            return len(lines), "" if is_loose else lines[-1][-40:]
 
 
 def _datasets(path: Path) -> Iterator[tuple[str, tuple[int, ...]]]:
@@ -164,6 +165,7 @@ class Faces:
 
     before: dict[str, object]
     after: dict[str, object]
+    is_loose: bool
 
 
 def objection(folder: Path, faces: Faces, ending: Ending, fault: str) -> str:
@@ -176,7 +178,7 @@ def objection(folder: Path, faces: Faces, ending: Ending, fault: str) -> str:
                 return f"{name} is left"
             continue
         try:
-            seen = face(path)
+            seen = face(path, is_loose=faces.is_loose)
         except Exception as error:  # of whatever kind
             return f"{name} is not whole: {type(error).__name__}: {error!s:.100}"
         if seen not in known and not (path.suffix == ".sqlite" and _is_begun(seen)):
@@ -205,13 +207,14 @@ def tried(
 ) -> Counter[str]:
     """Counts of endings by fault, and of objections; of so many moments, or as many as there is time for."""
     undisturbed = begun(command, place / "undisturbed")
-    before = {name: face(path) for name, path in files(undisturbed).items()}
+    before = {name: face(path, is_loose=command.is_loose) for name, path in files(undisturbed).items()}
     ending = run(command.words, undisturbed)
     if ending.status:
         tell(f"  UNDISTURBED it ends with {ending.status}: {ending.said[-300:]}")
         shutil.rmtree(place)
         return Counter({"objections": 1})
-    faces = Faces(before=before, after={name: face(path) for name, path in files(undisturbed).items()})
+    after = {name: face(path, is_loose=command.is_loose) for name, path in files(undisturbed).items()}
+    faces = Faces(before=before, after=after, is_loose=command.is_loose)
     largest = max(path.stat().st_size for path in files(undisturbed).values())
     count: Counter[str] = Counter()
     for index in range(moments):

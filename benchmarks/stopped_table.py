@@ -33,10 +33,14 @@ N_FRAMES = 200
 
 @dataclass(frozen=True, kw_only=True)
 class Command:
-    """Words, said in a folder of its own beside the inputs; and copies of inputs that are in that folder before."""
+    """Words, said in a folder of its own beside the inputs; and copies of inputs that are in that folder before.
+
+    What a loose one writes differs a little each time: a port that is free, or as many edges as came meanwhile.
+    """
 
     words: tuple[str, ...]
     beside: tuple[str, ...] = ()
+    is_loose: bool = False
 
     def at(self, top: Path, port: str) -> "Command":
         """The same with the names of the folder of inputs and of the simulated trigger generator's port."""
@@ -48,8 +52,8 @@ def _at(word: str, top: Path) -> str:
     return word.replace("../", f"{top}/", 1) if word.startswith("../") else word
 
 
-def _say(*words: str, beside: tuple[str, ...] = ()) -> Command:
-    return Command(words=words, beside=beside)
+def _say(*words: str, beside: tuple[str, ...] = (), is_loose: bool = False) -> Command:
+    return Command(words=words, beside=beside, is_loose=is_loose)
 
 
 LAB, RESULT, RIG = "../lab", "../lab/r.json", "../lab/rig.toml"
@@ -66,7 +70,7 @@ COMMANDS: dict[str, Command] = {
     ),
     "rig": _say(
         "rig", "--simulate", "--out", "rig", "--rows", "16", "--columns", "16", "--camera-address", "127.0.0.77",
-        "--console", "0", "--duration", "0.1 s",
+        "--console", "0", "--duration", "0.1 s", is_loose=True,
     ),
     "simulate": _say(*SIMULATE[:1], "lab", *SIMULATE[2:], "--delay", "0 ms", "--delay", "25 ms", "--json", "made.json"),
     "simulate anew": _say(
@@ -115,7 +119,9 @@ COMMANDS: dict[str, Command] = {
     "demo": _say("demo", "--camera", "photon", "--rows", "64", "--columns", "64", "--runs", "1", "--json", "d.json"),
     "gateware firmware": _say("gateware", "firmware", "--into", "board"),
     "gateware identify": _say("gateware", "identify", "PORT", "--json", "told.json"),
-    "gateware record": _say("gateware", "record", "PORT", "--plan", "../gateware-plan.json", "--out", "stamps.nxs"),
+    "gateware record": _say(
+        "gateware", "record", "PORT", "--plan", "../gateware-plan.json", "--out", "stamps.nxs", is_loose=True
+    ),
     "gateware combine": _say("gateware", "combine", "../stamps.nxs", "../51.nxs", "--out", "whole.nxs"),
     "gateware loopback": _say("gateware", "loopback", "PORT", "--rig", "rig.toml", "--json", "told.json", beside=(RIG,)),
 }  # fmt: skip
