@@ -93,7 +93,7 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     taken = [order.result, *files_read(order.stamps.source), *order.series]
     taken += [order.stamps.calibrated_by] if order.stamps.calibrated_by else []
     is_copy, is_parquet = (order.out.suffix.lower() == suffix for suffix in (layout.SUFFIX, ".parquet"))
-    require_place(order.out, besides=taken, is_text=not is_copy and not is_parquet, is_new=True)
+    require_place(order.out, besides=taken, is_text=not is_copy and not is_parquet, is_new=is_copy)
     if is_copy and order.stamps.source.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             "holds frames with their times, so the stamps must be those of a recording; write a .csv",

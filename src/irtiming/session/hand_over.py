@@ -41,7 +41,7 @@ def hand_over(order: ExportOrder) -> HandOver:
     IrTimingError
         If the result cannot be read or applied, that program has no number for it, or the file cannot be written.
     """
-    require_place(order.out, besides=[order.result], is_new=True)
+    require_place(order.out, besides=[order.result])
     camera = camera_of(order.result)
     given = handover.of_camera(camera, stamp_latency_s=order.stamp_latency_s, stamp_latency_u_s=order.stamp_latency_u_s)
     write_atomically(export.text_for(order.program, given), order.out)

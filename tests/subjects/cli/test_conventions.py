@@ -74,10 +74,8 @@ def test_json_goes_to_the_standard_output_that_was(capfd: pytest.CaptureFixture[
     [
         "convert by-hand.nxs there.nxs",
         "convert by-hand.nxs there.npy",
-        "apply time result.json by-hand.nxs --out there.csv",
         "apply time result.json by-hand.nxs --out there.nxs",
         "apply frames result.json by-hand.nxs there.nxs",
-        "apply export result.json --to kalibr --out there.yaml",
         "export-vcd by-hand.nxs --out there.vcd",
         "import-capture ticks.vcd --map camera_trigger=D0 --frames by-hand.nxs --out there.nxs",
         "gateware record PORT --plan plan.json --out there.nxs",
