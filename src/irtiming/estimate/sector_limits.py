@@ -66,7 +66,7 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
         f"{most:.0f} px can be"
     )
     raise EstimationError(
-        f"{rows.name}: no lens shows an opening as the contrast image has it: {what}; shade the mask from stray light and "
-        "mirrors, give the frames as the camera made them, neither stretched one by one nor turned nor cut, or state the lens in "
-        "[camera]"
+        f"{rows.name}: no lens shows an opening as the contrast image has it: {what}; look for a cable, a finger or an edge "
+        "before the mask, shade it from stray light and mirrors, give the frames as the camera made them, neither stretched "
+        "one by one nor turned nor cut, or state the lens in [camera]"
     )
