@@ -6,7 +6,7 @@ PROJECT := pyproject.toml constraints.txt
 # Without files of bytecode, each process of the tests compiles all sources anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
+.PHONY: demo test check bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
@@ -29,6 +29,10 @@ fuzz: .venv/ready-for-tests
 # What the tests let through: hours. scripts/mutants --help tells how to ask for a part of it.
 mutants: .venv/ready-for-tests
 	$(BIN)/python scripts/mutants --random 200
+
+# Speed and accuracy against named alternatives, some minutes; scripts/bench --long takes hours. Figures: docs/reference/benchmarks.md.
+bench: .venv/ready-for-tests
+	$(BIN)/python scripts/bench
 
 proofs: .venv/ready-for-gateware
 	$(BIN)/python scripts/prove
