@@ -7,19 +7,16 @@ Ctrl-C and SIGTERM wait for the same reason: an exception in the middle of a wri
 
 import os
 import shutil
-import signal
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import partial
 from pathlib import Path
-from types import FrameType
 from typing import Literal, Self, final
 
 import h5py
 
 from irtiming.archive import layout
 from irtiming.archive.hdf5_file import H5_ERRORS, reason_of
+from irtiming.archive.held_signals import HeldSignals, held_signals
 from irtiming.archive.whole_file import whole_file
 from irtiming.errors import ArchiveError
 
@@ -28,9 +25,9 @@ from irtiming.errors import ArchiveError
 class Output:
     """A file on the disk as HDF5 writes it; after a failure it takes everything and keeps nothing."""
 
-    def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
+    def __init__(self, path: Path, mode: Literal["w", "r+"], *, held: HeldSignals) -> None:
         self.failure: OSError | None = None
-        self.stopped_by: Callable[[], object] | None = None
+        self._held = held
         self._place = 0
         self._descriptor = os.open(
             path, os.O_RDWR | (os.O_CREAT if mode == "w" else 0) | getattr(os, "O_BINARY", 0), 0o666
@@ -59,10 +56,7 @@ class Output:
         KeyboardInterrupt
             If Ctrl-C was pressed, or SIGTERM came, since the file was opened.
         """
-        if self.stopped_by is not None:
-            tell, self.stopped_by = self.stopped_by, None  # told once: what tidies up must not be stopped by the same
-            tell()
-            raise KeyboardInterrupt
+        self._held.tell()
         if self.failure is not None:
             raise OSError(self.failure.errno, self.failure.strerror) from self.failure
 
@@ -123,31 +117,10 @@ def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[
         If it cannot be opened, another program has it, or not all of it could be written: at the end of the block, where the
         block does not ask before.
     """
-    with Output(Path(path), mode) as output, _noting_interrupts(output):
+    with held_signals() as held, Output(Path(path), mode, held=held) as output:
         with h5py.File(output, mode, libver=layout.HDF5_FORMAT) as file:
             yield file, output
         output.require_written()
-
-
-@contextmanager
-def _noting_interrupts(output: Output) -> Iterator[None]:
-    """Ctrl-C and SIGTERM are noted, for their own handlers between two writes; other threads than the main one never see them."""
-    before: dict[signal.Signals, Callable[[int, FrameType | None], object]] = {}
-    if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
-            if callable(handler := signal.getsignal(number)):
-                before[number] = handler
-
-    def note(number: int, _: FrameType | None) -> None:
-        output.stopped_by = partial(before[signal.Signals(number)], number, None)
-
-    for number in before:
-        signal.signal(number, note)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def abandon(file: h5py.File) -> None:

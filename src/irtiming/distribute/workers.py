@@ -7,10 +7,11 @@ fails in one piece stays in that piece.
 import logging
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar, final
 
+from irtiming.archive.held_signals import held_signals
 from irtiming.errors import ArchiveError, IrTimingError
 
 _Piece = TypeVar("_Piece")
@@ -128,15 +129,16 @@ def workers(*, scheduler: str | None = None, n_workers: int | None = None) -> It
     with dask.config.set(_SETTINGS):
         if scheduler is None:
             count = n_workers or len(os.sched_getaffinity(0))
-            with (
-                LocalCluster(
-                    n_workers=count,
-                    threads_per_worker=1,
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.CRITICAL,
-                ) as cluster,
-                Client(cluster) as client,
-            ):
+            with ExitStack() as ended:
+                with held_signals() as held:  # a cluster that is half started cannot be ended without a traceback
+                    cluster = LocalCluster(
+                        n_workers=count,
+                        threads_per_worker=1,
+                        dashboard_address="127.0.0.1:0",
+                        silence_logs=logging.CRITICAL,
+                    )
+                    client = ended.enter_context(Client(ended.enter_context(cluster)))
+                held.tell()
                 client.wait_for_workers(count)
                 yield _Dask(client)
             return
