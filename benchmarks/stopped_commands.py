@@ -175,7 +175,7 @@ def objection(folder: Path, faces: Faces, ending: Ending, fault: str) -> str:
         known = [one[name] for one in (faces.after, faces.before if ending.status else {}) if name in one]
         if not known:
             if not is_killed:
-                return f"{name} is left"
+                return f"{name} is left at status {ending.status}: {ending.said[-200:]}"
             continue
         try:
             seen = face(path, is_loose=faces.is_loose)

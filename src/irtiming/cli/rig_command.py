@@ -68,6 +68,7 @@ def rig(
     irtiming record and irtiming analyse want.
     """
     given = locals()
+    from irtiming.archive.held_signals import held_signals
     from irtiming.session.served_rig import ServedOrder, served
     from irtiming.twin.devices.bench import Workplace
     from irtiming.twin.devices.console import WORDS
@@ -84,12 +85,13 @@ def rig(
     place = filled(Workplace, given, clock_frequency_hz=clock_hz)
     order = filled(ServedOrder, given, place=place, folder=out)
     say(f"a {camera} camera of {columns} x {rows} pixels is being set up")
-    with served(order) as found:
+    with held_signals() as held, served(order) as found:  # a camera that is half set up could not be ended
+        for number in (signal.SIGINT, signal.SIGTERM):  # a shell lets its jobs ignore the first
+            signal.signal(number, lambda *_: found.bench.end())
+        held.tell()
         for name, address in (*found.bench.addresses.items(), ("console", found.console)):
             say(f"{name:18} {address}")
         ends = "Ctrl-C ends it" if lasts_s is None else f"ends after {duration}"
         say(f"the rig is ready, {speed:g} of its seconds in one of yours; {ends}")
-        for number in (signal.SIGINT, signal.SIGTERM):  # a shell lets its jobs ignore the first
-            signal.signal(number, lambda *_: found.bench.end())
         found.bench.serve(lasts_s)
     say("the rig has ended")

@@ -72,3 +72,40 @@ def test_help_tells_every_word():
     assert [line.split()[0] for line in found.stdout.splitlines()] == [
         "remove", "insert", "fault", "lose-lock", "unplug", "state",
     ]  # fmt: skip
+
+
+_HALF_SET_UP = """
+import signal
+from threading import Thread
+from irtiming.cli.main import run
+
+begin = Thread.start
+
+def start(thread):
+    begin(thread)
+    if thread.name.startswith("camera"):
+        signal.raise_signal(signal.SIGTERM)
+
+Thread.start = start
+run()
+"""
+
+
+def test_a_rig_that_is_stopped_while_it_is_set_up_ends(worker_id):
+    """Oracle: the exit status and one line; one of the camera's threads alone would have gone on for ever."""
+    words = [
+        "rig",
+        "--simulate",
+        "--rows",
+        "16",
+        "--columns",
+        "16",
+        "--camera-address",
+        _address(worker_id),
+        "--console",
+        "0",
+    ]
+    command = [sys.executable, "-c", _HALF_SET_UP, *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 143
+    assert len(done.stderr.splitlines()) == 1
