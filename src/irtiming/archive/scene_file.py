@@ -72,9 +72,15 @@ class SceneWriter:
         """
         try:
             self._file, self._output = self._held.enter_context(writing(self._part))
-        except OSError as error:
-            raise unwritable(self._path, error) from error
-        self._create(self._file)
+            self._create(self._file)
+            self._output.require_written()
+        except H5_ERRORS as error:
+            failure = error if self._output is None else self._output.failure or error
+            self._drop()
+            raise self._unwritten(failure) from error
+        except BaseException:
+            self._drop()
+            raise
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
@@ -83,10 +89,21 @@ class SceneWriter:
             if kind is None:
                 self._finish()
         finally:
+            self._drop()
+
+    def _drop(self) -> None:
+        """Close the file, and remove what has not got its name."""
+        try:
             with suppress(*H5_ERRORS):
                 self._held.close()
+        finally:
             self._file = self._output = None
             self._part.unlink(missing_ok=True)
+
+    def _unwritten(self, error: BaseException) -> ArchiveError:
+        if isinstance(error, OSError) and error.strerror:
+            return unwritable(self._path, error)
+        return ArchiveError(f"{self._path}: cannot be written ({reason_of(error)}); is the disk full?")
 
     def append(
         self, pixels: FrameValues, *, number: int, time_s: float, gain: FrameValues, noise_gain: FrameValues
@@ -130,7 +147,7 @@ class SceneWriter:
             if self._output is not None:
                 self._output.require_written()
         except H5_ERRORS as error:
-            raise ArchiveError(f"{self._path}: cannot be written ({reason_of(error)}); is the disk full?") from error
+            raise self._unwritten(error) from error
         self._written = self._length
 
     def _create(self, file: h5py.File) -> None:

@@ -23,6 +23,7 @@ from irtiming.archive.captures.timed_recording import write_timed
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.json_file import write_json
 from irtiming.archive import layout
+from irtiming.archive.scene_file import SceneHead, SceneWriter
 from irtiming.errors import ArchiveError
 
 source, folder, what = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
@@ -34,6 +35,13 @@ streams = {
     layout.CONTROL_SLOT: recording.control_slot_ticks,
     layout.APPLICATION_SLOT: recording.application_slot_ticks,
 }
+head = SceneHead(size=(4, 6), dtype="u2", unit="DN", tiles=(1, 1), tile_px=8, time_errors_s=0.0, description=("a" * 3000,))
+
+def write_scene(path):
+    with SceneWriter(path, head) as scene:
+        for n, pixels in enumerate(noise):
+            scene.append(pixels, number=n, time_s=float(n), gain=np.ones((1, 1)), noise_gain=np.ones((1, 1)))
+
 ticks = CapturedTicks(clock_frequency_hz=int(recording.clock_frequency_hz), streams=streams)
 out = folder / "out.nxs"
 made = {
@@ -41,6 +49,7 @@ made = {
     "capture": lambda: write_timed(source, out, ticks=ticks),
     "reference": lambda: reference_file.write_reference(recording.nonuniformity, folder / "out.npz"),
     "json": lambda: write_json({"values": list(range(5000))}, folder / "out.json"),
+    "scene": lambda: write_scene(folder / "out.nxs"),
 }[what]
 made()
 size = next(folder.glob("out*")).stat().st_size
@@ -63,7 +72,7 @@ print(whole, refused)
 """
 
 
-@pytest.mark.parametrize("what", ["recording", "capture", "reference", "json"])
+@pytest.mark.parametrize("what", ["recording", "capture", "reference", "json", "scene"])
 def test_every_writer_says_so_and_leaves_nothing(hand_made: Callable[..., Path], tmp_path: Path, what: str) -> None:
     """Oracle: the system's refusal at dozens of places, and the exit status of the process."""
     source = hand_made()
