@@ -10,7 +10,6 @@ A number that is more than 4 u off without a finding of severity "doubt", or a r
 
 import argparse
 import json
-import subprocess
 import traceback
 from collections import Counter
 from collections.abc import Iterable
@@ -31,6 +30,7 @@ from irtiming.records.rig import Clock, Latency, Measured, Rig
 from irtiming.twin import rig as rigs
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import Scene, with_wheel_speed
+from measured_commit import commit
 from mistake_table import MISTAKES, ON_TRUST, ArrayFrames, Camera, Case
 
 FAR_OFF = 4.0
@@ -102,12 +102,6 @@ def as_written(rig: Rig) -> Rig:
             return read_rig(Path(folder) / "rig.toml")
         except IrTimingError as error:
             raise type(error)(str(error).replace(f"{folder}/", "")) from error
-
-
-def commit() -> str:
-    """Of the program that is run, with a plus where files were changed."""
-    given = ["git", "describe", "--always", "--dirty=+", "--exclude=*"]
-    return subprocess.run(given, cwd=Path(__file__).parent, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def pulls(found: Analysis, truth: dict[str, object]) -> dict[str, list[float]]:

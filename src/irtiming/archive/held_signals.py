@@ -7,6 +7,9 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Final, final
 
+SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+"""What stops a command: Ctrl-C, and what ``kill``, a service manager or a batch system sends."""
+
 _Handler = Callable[[int, FrameType | None], object]
 
 
@@ -41,7 +44,7 @@ def held_signals() -> Iterator[HeldSignals]:
     """For the time of a block they are only noted; other threads than the main one never see them."""
     held = HeldSignals()
     if threading.current_thread() is threading.main_thread():
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in SIGNALS:
             if callable(handler := signal.getsignal(number)):
                 held.before[number] = handler
     for number in held.before:

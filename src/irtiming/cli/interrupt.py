@@ -9,8 +9,7 @@ import sys
 from types import FrameType
 from typing import Never, final
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
-"""What stops a command: Ctrl-C, and what ``kill``, a service manager or a batch system sends."""
+from irtiming.archive.held_signals import SIGNALS
 
 
 @final

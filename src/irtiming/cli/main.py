@@ -84,7 +84,7 @@ def run() -> None:
     try:
         for number in heeded():
             signal.signal(number, interrupt)
-            sys.unraisablehook = say_nothing_of_dropped
+        sys.unraisablehook = say_nothing_of_dropped
         with _words_aside(sys.argv[1:]):
             app()
     except BrokenPipeError:

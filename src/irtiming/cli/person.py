@@ -11,7 +11,8 @@ from typing import Literal, final
 from rich.console import Console
 
 from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
-from irtiming.cli.interrupt import SIGNALS, Interrupt
+from irtiming.archive.held_signals import SIGNALS
+from irtiming.cli.interrupt import Interrupt
 from irtiming.cli.progress import Told, shown
 from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError

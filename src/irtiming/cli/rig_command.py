@@ -68,7 +68,7 @@ def rig(
     irtiming record and irtiming analyse want.
     """
     given = locals()
-    from irtiming.archive.held_signals import held_signals
+    from irtiming.archive.held_signals import SIGNALS, held_signals
     from irtiming.session.served_rig import ServedOrder, served
     from irtiming.twin.devices.bench import Workplace
     from irtiming.twin.devices.console import WORDS
@@ -86,7 +86,7 @@ def rig(
     order = filled(ServedOrder, given, place=place, folder=out)
     say(f"a {camera} camera of {columns} x {rows} pixels is being set up")
     with held_signals() as held, served(order) as found:  # a camera that is half set up could not be ended
-        for number in (signal.SIGINT, signal.SIGTERM):  # a shell lets its jobs ignore the first
+        for number in SIGNALS:  # a shell lets its jobs ignore the first
             signal.signal(number, lambda *_: found.bench.end())
         held.tell()
         for name, address in (*found.bench.addresses.items(), ("console", found.console)):

@@ -52,29 +52,25 @@ def write_frames(source: FrameSource, out: Path, *, progress: Progress | None = 
         raise ArchiveError(f"ends in no format that is written; end it in {', '.join(_WRITERS)}", where=str(out))
     if out.exists():
         raise ArchiveError("exists already; choose another name", where=str(out))
-    facts_beside = _facts_beside(source.facts, out)
+    beside = Path(f"{out}{SIDECAR}")
+    facts = _facts_beside(source.facts, beside) if out.suffix.lower() == ".npy" else ""
     with whole_file(out) as part:
         try:
             lost = write(source.facts, _counted(source, progress), part)
         except RuntimeError as error:  # of HDF5, on a disk that is full
             raise ArchiveError(f"cannot be written ({reason_of(error)}); is the disk full?", where=str(out)) from error
         bring_to_disk(part)
-        for (
-            path,
-            text,
-        ) in facts_beside.items():  # at the last moment: without the frames it would be in the way of the next try
-            write_atomically(text, path)
+        if facts:  # at the last moment: without the frames it would be in the way of the next try
+            write_atomically(facts, beside)
     return lost
 
 
-def _facts_beside(facts: FrameFacts, out: Path) -> dict[Path, str]:
-    """Text of the file beside one that has no place for facts, by its name."""
-    beside = Path(f"{out}{SIDECAR}")
-    if out.suffix.lower() != ".npy" or not (told := as_told(facts)):
-        return {}
-    if beside.exists():
+def _facts_beside(facts: FrameFacts, beside: Path) -> str:
+    """Text of the file beside one that has no place for facts; empty where nothing is known."""
+    told = as_told(facts)
+    if told and beside.exists():
         raise ArchiveError("exists already, and is where the facts would go; choose another name", where=str(beside))
-    return {beside: json.dumps(told, indent=1) + "\n"}
+    return json.dumps(told, indent=1) + "\n" if told else ""
 
 
 def _counted(source: FrameSource, progress: Progress | None) -> Iterator[FrameValues]:
