@@ -108,8 +108,18 @@ class Output:
 
 
 @contextmanager
-def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[h5py.File, Output]]:
+def writing(
+    path: str | Path, mode: Literal["w", "r+"] = "w", *, page_bytes: int | None = None
+) -> Iterator[tuple[h5py.File, Output]]:
     """HDF5 file to be written, anew or into one that is there, and what it is written to.
+
+    Parameters
+    ----------
+    path, mode
+        The file, and whether it begins empty.
+    page_bytes
+        Keep each header and index of a new file that is not longer within one page of so many bytes (HDF5's paged
+        aggregation): what the system writes in one piece is then there as a whole or not at all.
 
     Raises
     ------
@@ -117,8 +127,9 @@ def writing(path: str | Path, mode: Literal["w", "r+"] = "w") -> Iterator[tuple[
         If it cannot be opened, another program has it, or not all of it could be written: at the end of the block, where the
         block does not ask before.
     """
+    paged = {} if page_bytes is None else {"fs_strategy": "page", "fs_page_size": page_bytes}
     with held_signals() as held, Output(Path(path), mode, held=held) as output:
-        with h5py.File(output, mode, libver=layout.HDF5_FORMAT) as file:
+        with h5py.File(output, mode, libver=layout.HDF5_FORMAT, **paged) as file:
             yield file, output
         output.require_written()
 

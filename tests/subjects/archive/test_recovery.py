@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -58,6 +59,27 @@ def test_whatever_a_killed_program_said_to_be_written_is_there(tmp_path: Path) -
         found.append(killed.kill_once(folder, 1000 + kill))
     assert [left for left in found if not left.is_sound or left.reported - left.there > 1] == []
     assert sum(left.state == "recovered" for left in found) > 3
+
+
+def test_a_kill_within_a_write_tears_no_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Oracle: HDF5's own log of what it writes: a kill ends a write between two pages, and no header or index spans two."""
+    log, open_file = tmp_path / "writes.log", h5py.h5f.open
+
+    def logged(name: bytes, flags: int, fapl: h5py.h5p.PropFAID) -> h5py.h5f.FileID:
+        if flags & h5py.h5f.ACC_SWMR_WRITE:
+            fapl.set_fapl_log(os.fsencode(log), h5py.h5fd.LOG_LOC_WRITE, 0)
+        return open_file(name, flags, fapl=fapl)
+
+    monkeypatch.setattr(h5py.h5f, "open", logged)
+    with LiveRecording(tmp_path / "run.nxs", head=head()) as live:
+        append_edges(live)
+        append_frames(live, range(300))
+        live.finish()
+    lines = log.read_text().splitlines()
+    written = [re.match(r" *(\d+)- *(\d+) .*\((H5FD_MEM_\w+)\) Written", line) for line in lines]
+    places = [(int(found[1]), int(found[2])) for found in written if found and found[3] != "H5FD_MEM_DRAW"]
+    assert len(places) > 300
+    assert [place for place in places if place[0] // 4096 != place[1] // 4096] == []
 
 
 def test_an_interrupted_recording_becomes_a_finished_one(tmp_path: Path) -> None:

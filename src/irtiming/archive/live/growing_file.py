@@ -43,6 +43,9 @@ EXCHANGES: dict[ExchangedClock, tuple[Field, Field, Field]] = {
 }
 """Columns of looks at a clock, which grow where the camera runs free."""
 
+_PAGE_BYTES = 4096
+"""A kill stops a write between two pages of the system's memory, and a disk that loses its power between two sectors."""
+
 _ENDING_BYTES = 400
 _COLUMN_CHUNK = 1024
 _COLUMN_TYPES = {layout.FRAME_STATUS: np.uint8, layout.FRAME_HOST_TIME: np.float64} | {
@@ -54,7 +57,7 @@ def create(part: Path, head: RecordingHead) -> None:
     """Make the file with all that is known beforehand and nothing else in it; it is there as a whole or not at all."""
     beginning = part.with_suffix(".beginning")
     try:
-        with writing(beginning) as (file, _):
+        with writing(beginning, page_bytes=_PAGE_BYTES) as (file, _):
             _fill(file, head)
         beginning.replace(part)
     finally:
