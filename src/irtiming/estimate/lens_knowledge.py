@@ -21,8 +21,12 @@ from irtiming.records.row_timing import LensTerms
 LENS_NUMBERS = ("distortion", "log_focal_length", "lens_row_px", "lens_column_px")
 """Numbers of the sector's shape of which something is known beforehand."""
 
+CAMERA_NUMBERS = (*LENS_NUMBERS, "tilt_row", "tilt_column", "axis_row_px", "axis_column_px", "quartic")
+"""The same, both tilts, as sines, where the pinhole's axis lies beside the centre of the distortion, and OpenCV's k_2."""
+
 _USUAL_DISTORTION = Measured(0.0, 0.05)  # few lenses exceed twice that, over half a diagonal
 _TILT_U_RAD = math.radians(1.2)
+_QUARTIC_U = 0.02  # over half a diagonal: k_2 of a wide lens whose k is at the limit of what is usual
 _CENTRE_U = 0.02  # of the image's width
 _FOCAL_LENGTH, _FOCAL_LENGTH_U = math.log(5.0), math.log(2.5)  # half diagonals
 
@@ -30,10 +34,15 @@ _FOCAL_LENGTH, _FOCAL_LENGTH_U = math.log(5.0), math.log(2.5)  # half diagonals
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LensKnowledge:
-    """What is known of LENS_NUMBERS, and the further terms of a calibrated lens."""
+    """What is known of LENS_NUMBERS, and the further terms of a calibrated lens.
+
+    ``u_axis_px`` and ``u_quartic`` say how far a lens that nobody calibrated may have them beside zero.
+    """
 
     known: Mapping[str, Measured]
     terms: LensTerms
+    u_axis_px: float = 0.0
+    u_quartic: float = 0.0
 
     @property
     def start(self) -> dict[str, float]:
@@ -44,6 +53,13 @@ class LensKnowledge:
     def held(self) -> tuple[str, ...]:
         """Numbers that count as exact."""
         return tuple(name for name, one in self.known.items() if one.standard_uncertainty == 0)
+
+    def prior(self, name: str) -> Measured:
+        """What is known of one of CAMERA_NUMBERS."""
+        if name in self.known:
+            return self.known[name]
+        u = {"axis_row_px": self.u_axis_px, "axis_column_px": self.u_axis_px, "quartic": self.u_quartic}
+        return Measured(0.0, u.get(name, _TILT_U_RAD))
 
     def off(self, numbers: Mapping[str, float]) -> Array:
         """Deviations from what is known over its uncertainties: of LENS_NUMBERS, then of both tilts, shape (N_KNOWN,)."""
@@ -74,7 +90,8 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
     if calibration is not None:
         known = _placed(calibration.focal_length_px[0], calibration.centre_px, image=image)
         return LensKnowledge(
-            known=known | {"distortion": _in_half_diagonals(calibration, unit)}, terms=_terms(calibration, unit)
+            known=known | {"distortion": _in_half_diagonals(calibration, unit)},
+            terms=_terms(calibration, unit),
         )
     known = {
         "distortion": _as_stated(camera, image=image),
@@ -83,7 +100,10 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
         "lens_column_px": Measured(0.0, _CENTRE_U * image[1]),
     }
     return LensKnowledge(
-        known=known | _placed(camera.focal_length_px, camera.lens_centre_px, image=image), terms=LensTerms()
+        known=known | _placed(camera.focal_length_px, camera.lens_centre_px, image=image),
+        terms=LensTerms(),
+        u_axis_px=_CENTRE_U * image[1],
+        u_quartic=_QUARTIC_U,
     )
 
 

@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 from scipy.special import chdtrc
 
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.pixel_maps import ReadoutPattern
@@ -79,14 +79,10 @@ def shape_effect_s(sector: SectorFit, *, row_px: Ticks, column_px: Ticks, omega:
         Angular frequency of the wheel, rad/s.
     """
     shape = sector.shape
-    numbers = {name: float(getattr(shape, name)) for name in SHAPE_NUMBERS}
     step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
 
     def angle(name: str, side: float) -> Array:
-        other = shape_of(
-            numbers | {name: numbers[name] + side * step_of[name]}, shape.mirrored,
-            image=(shape.image_rows, shape.image_columns), lens_terms=shape.lens_terms,
-        )  # fmt: skip
+        other = replace(shape, **{name: getattr(shape, name) + side * step_of[name]})
         place, _ = blurred_sector.pixel_places(other, roi=sector.roi)
         return np.asarray(place[row_px - sector.roi[0], column_px - sector.roi[2]])
 

@@ -88,7 +88,7 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
     changes = {id(view): _changes(view, recordings, fits=fits, model=bare, rig=rig) for view in views}
     fits = tuple(
         row_fit.with_shape_effect(
-            fit, one, wheel=bare, light=view.light, changes=changes[id(view)][0], products=changes[id(view)][1]
+            fit, one, wheel=bare, light=view.light, changes=changes[id(view)], names=view.sector.names
         )
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
@@ -143,7 +143,7 @@ def _in_turns(
         if not is_start and _move(before, fits) <= _AGREED:
             break
     if _move(before, fits) <= _NEAR:
-        return turns.next(turns.timings(fits), views=views, before=fits)
+        return turns.next(turns.timings(fits), views=views, before=fits, is_last=True)
     raise EstimationError(
         f"contrast image and row sums did not agree within {_MOST_ROUNDS} rounds "
         f"({kind.response.PARAMETER.replace('_', ' ')} {1e3 * fits[0].timing[kind.response.PARAMETER]:.3f} ms); "
@@ -167,13 +167,13 @@ class _Turns:
 
     def next(
         self, timings: list[Timing], *, views: Sequence[_View] = (), before: tuple[RowTimingFit, ...] = (),
-        keep_slopes: bool = False,
+        keep_slopes: bool = False, is_last: bool = False,
     ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:  # fmt: skip
         """Images seen with these numbers, from the views of the turn before on, and then the rows."""
         starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(self.groups)
         every = zip(self.groups, timings, starts, self.slopes, strict=True)
         found = [
-            self._view(members, timing, start, fits=before, slopes=slopes if keep_slopes else None)
+            self._view(members, timing, start, fits=before, slopes=slopes if keep_slopes else None, is_last=is_last)
             for members, timing, start, slopes in every
         ]
         return found, _rows_fitted(self.recordings, self.model, views=found, before=before)
@@ -184,10 +184,13 @@ class _Turns:
 
     def _view(
         self, members: list[int], timing: Timing, start: SectorFit | None, *, fits: Sequence[RowTimingFit],
-        slopes: Slopes | None,
+        slopes: Slopes | None, is_last: bool,
     ) -> _View:  # fmt: skip
         seen = _seen(self.recordings, members, fits=fits)
-        sector = sector_fit.fit(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
+        if is_last and start is not None:
+            sector = sector_fit.settled(seen, self.model, rig=self.rig, timing=timing, start=start)
+        else:
+            sector = sector_fit.fit(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         first = self.recordings[members[0]]
         light = row_light.row_light(
             first.row_sums.row_px,
@@ -263,12 +266,11 @@ def _at_once(
 
 def _changes(
     view: _View, recordings: Sequence[ReducedRecording], *, fits: Sequence[RowTimingFit], model: WheelModel, rig: Rig
-) -> tuple[ComplexArray, ComplexArray]:
-    """Derivatives of the light to the sector's numbers, and what errors of two of them do together."""
+) -> ComplexArray:
+    """Derivatives of the light to the sector's numbers."""
     members = _seen(recordings, view.members, fits=fits)
     varied = sector_fit.variations(members, model, rig=rig, timing=view.timing, found=view.sector)
-    crossed = sector_fit.products(members, model, rig=rig, timing=view.timing, found=view.sector)
-    return row_light.changes(view.light, varied), row_light.products(view.light, crossed, sector=view.sector)
+    return row_light.changes(view.light, varied)
 
 
 def _mean(timings: list[dict[str, float]]) -> Timing:

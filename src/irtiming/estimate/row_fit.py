@@ -88,7 +88,7 @@ def fit(
 
 def with_shape_effect(
     found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray,
-    products: ComplexArray | None = None,
+    names: tuple[str, ...] = SHAPE_NUMBERS,
 ) -> RowTimingFit:  # fmt: skip
     """A fit that knows what its numbers owe to each number of the sector: one linear step.
 
@@ -98,16 +98,16 @@ def with_shape_effect(
         The fit and what it was made of.
     changes
         Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
-    products
-        What errors of two of them do to it together, shape (n_product, n_row, M + 1); see `row_light.products`.
+    names
+        Those numbers.
     """
     with one_thread():
         task = _task(rows, wheel, light, before=found)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
         return replace(
             found,
+            shape_names=names,
             shape_effect=_shape_effect(task, at, changes),
-            product_effect=None if products is None else _shape_effect(task, at, products),
         )
 
 

@@ -8,13 +8,14 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
 """Numbers of the sector in the order of its covariance."""
 
-_STEPS = {
+_STEPS = dict.fromkeys(WARP_NUMBERS, 0.02) | {
     "bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "keystone_row": 1e-4, "keystone_column": 1e-4,
     "log_focal_length": 0.01, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
     "glare_px": 3e-2,
@@ -61,17 +62,6 @@ class Variation:
     ahead: SectorFit
     behind: SectorFit
     distance: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Product:
-    """`Variation` of the number ``second`` with the number ``first`` one standard uncertainty larger and smaller."""
-
-    larger: Variation
-    smaller: Variation
-    first: str
-    second: str
 
 
 def row_light(
@@ -134,31 +124,6 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
         return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
 
     return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
-
-
-def products(light: RowLight, crossed: Sequence[Product], *, sector: SectorFit) -> ComplexArray:
-    """What errors of two numbers of the sector do to the light together, per standard uncertainty of their product.
-
-    Parameters
-    ----------
-    light
-        Of the rows.
-    crossed
-        From `sector_fit.products`.
-    sector
-        Tells the uncertainties; that of a product of two errors is from GUM 5.1.2, note.
-
-    Returns
-    -------
-    Shape (n_product, n_row, M + 1).
-    """
-    found = np.zeros((len(crossed), *light.harmonics.shape), complex)
-    for k, one in enumerate(crossed):
-        at = sector.names.index(one.first), sector.names.index(one.second)
-        u, other = sector.u(one.first), sector.u(one.second)
-        larger, smaller = changes(light, [one.larger, one.smaller])
-        found[k] = (larger - smaller) / (2 * u) * np.hypot(u * other, sector.covariance[at])
-    return found
 
 
 def shape_of(

@@ -12,7 +12,6 @@ A lens that distorts moves the phases where the axle is not in the middle of the
 Where the image says nothing of lens and tilt they hardly matter; then what rig.toml states holds, or what no camera exceeds.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -20,16 +19,20 @@ from typing import Any, final
 import numpy as np
 from scipy import ndimage
 
-from irtiming.estimate import contrast_look, lens_knowledge, sector_image, sector_limits
+from irtiming.estimate import contrast_look, lens_and_tilt, lens_knowledge, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
+from irtiming.estimate.lens_and_tilt import SLIGHT, ImageWord
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Product, Variation
-from irtiming.estimate.sector_image import NUMBERS, SeenContrast, Sharp, View
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation
+from irtiming.estimate.sector_image import BLUR_SHAPES, NUMBERS, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Misfit, Slopes, searched
+from irtiming.inference import clustered
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
+from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit
@@ -39,10 +42,8 @@ _WELL_INSIDE = 0.99  # of full contrast
 _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
 _FIRST_SCATTER = 0.02
-_OTHER_SIGN = 0.3  # of the prior uncertainty of a distortion: with which either sign is tried
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
-_N_PRIORS = 5 + N_KNOWN
-_U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
+_N_PRIORS = sector_limits.N_USUAL + N_KNOWN
 _CLUSTER_PX = 3.0
 _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
 _ODD = 10  # times the standard deviation
@@ -50,15 +51,8 @@ _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 _BLUR_SHAPE = (
     0.2  # of the blur's width: where the light of a pixel on the border may lie beside the middle that a Gaussian gives
 )
-_SLIGHT = (
-    "distortion",
-    "keystone_row",
-    "keystone_column",
-    "log_focal_length",
-    "lens_row_px",
-    "lens_column_px",
-)  # found once the rest is
-_RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
+_WARP_STEP_PX = 0.02  # over which what a warp does is taken
+_U_SHARED = 0.1  # prior: of the share that is exchanged, beside a Gaussian blur
 
 
 @final
@@ -109,9 +103,27 @@ def fit(
     EstimationError
         If the image shows no sector.
     """
-    is_rolling = bool(camera(recordings[0].camera_type, recordings[0].readout_mode).readout.PARAMETERS)
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _fitted(images, recordings[0], rig=rig, start=start, is_rolling=is_rolling, slopes=slopes)
+    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=_is_rolling(recordings[0]), slopes=slopes)
+    return _as_it_is(images, best, start=start)
+
+
+def settled(
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit
+) -> SectorFit:
+    """The last fit: with lens and tilt settled (`lens_and_tilt`), for which fits before are but starts; see `fit`."""
+    images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
+    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=_is_rolling(recordings[0]), slopes=None)
+    word = _without_camera(images, best)
+    last = lens_and_tilt.settled(word, images.view.shape(best.numbers), known=best.known)
+    names = [*(name for name in best.free if name not in SLIGHT), *WARP_NUMBERS]
+    n_own = len(names) - len(WARP_NUMBERS)
+    at = np.delete(np.arange(last.moved.size), slice(n_own, n_own + len(BLUR_SHAPES)))
+    numbers = {**best.numbers} | {
+        name: best.numbers[name] + float(move) for name, move in zip(names, last.moved[at], strict=True)
+    }
+    told = _told(images, numbers, known=(names, last.covariance[np.ix_(at, at)], best.chi_square), camera=last.camera)
+    return replace(told, n_rounds=start.n_rounds + 1)
 
 
 def fit_row_by_row(
@@ -119,10 +131,29 @@ def fit_row_by_row(
 ) -> SectorFit:
     """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`."""
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _fitted(images, recordings[0], rig=rig, start=start, is_rolling=True, slopes=None)
+    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=True, slopes=None)
+    return _as_it_is(images, best, start=start)
 
 
-def _fitted(
+def _is_rolling(recording: ReducedRecording) -> bool:
+    return bool(camera(recording.camera_type, recording.readout_mode).readout.PARAMETERS)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Best:
+    """End of a search: all numbers, names of the free ones, residual (m,), its slopes (m, n_free) and clusters (m,)."""
+
+    numbers: dict[str, float]
+    free: list[str]
+    residual: Array
+    slopes: Array
+    clusters: Ticks
+    chi_square: float
+    known: LensKnowledge
+
+
+def _searched(
     images: _Images,
     first: ReducedRecording,
     *,
@@ -130,18 +161,18 @@ def _fitted(
     start: SectorFit | None,
     is_rolling: bool,
     slopes: Slopes | None,
-) -> SectorFit:
+) -> _Best:
     known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
     begin = sector_image.first_guess(images.seen[0], images.view) | known.start if start is None else _numbers(start)
-    held = (*known.held, *(() if is_rolling else ("row_delay_s",)), *(_SLIGHT if start is None else ()))
+    held = (*known.held, *WARP_NUMBERS, *(() if is_rolling else ("row_delay_s",)), *(SLIGHT if start is None else ()))
     free = [name for name in NUMBERS if name not in held]
 
     def residuals(numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
-        return np.concatenate([_priors(numbers), known.off(numbers), *images.misfit(numbers, sharp)])
+        return np.concatenate([sector_limits.off_usual(numbers), known.off(numbers), *images.misfit(numbers, sharp)])
 
     found = searched(
         Misfit(residuals=residuals, sharp=images.sharp),
-        [begin | one for one in _signs(known, start)],
+        begin,
         free=free,
         n_before=0 if start is None else start.n_rounds,
         slopes=slopes,
@@ -150,12 +181,54 @@ def _fitted(
     sector_limits.check(numbers, first)
     if "distortion" in free:
         sector_limits.check_lens(numbers, known.start, rows=first)
-    covariance = np.zeros((len(NUMBERS), len(NUMBERS)))
-    at = [NUMBERS.index(name) for name in free]
     clusters = _clusters(images, numbers, residual.size)
-    covariance[np.ix_(at, at)] = _covariance(np.asarray(found.jac), residual, clusters)
-    told = _told(images, numbers, known=(covariance, _chi_square(images, residual[clusters >= 0])))
+    return _Best(
+        numbers=numbers,
+        free=free,
+        residual=residual,
+        slopes=np.asarray(found.jac),
+        clusters=clusters,
+        chi_square=_chi_square(images, residual[clusters >= 0]),
+        known=known,
+    )
+
+
+def _as_it_is(images: _Images, best: _Best, *, start: SectorFit | None) -> SectorFit:
+    covariance = clustered.covariance(best.slopes, best.residual, clusters=best.clusters)
+    told = _told(images, best.numbers, known=(best.free, covariance, best.chi_square))
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+
+
+def _reshaped(images: _Images, best: _Best) -> list[Array]:
+    """What a blur of another shape does to the residual, per standard uncertainty of what is known of it, shape (m,) each."""
+    sharp, columns = images.sharp(best.numbers), []
+    for axis, away in BLUR_SHAPES:
+        moved = [one.exchanged(_U_SHARED, axis=axis, away=away) for one in sharp]
+        here = np.concatenate(images.misfit(best.numbers, moved))
+        columns.append(np.concatenate([np.zeros(_N_PRIORS), here - best.residual[_N_PRIORS:]]))
+    return columns
+
+
+def _without_camera(images: _Images, best: _Best) -> ImageWord:
+    """What the images say of the other numbers and of a warp, with what is known of lens and tilt left out."""
+    numbers, residual = best.numbers, best.residual
+    kept = np.ones(residual.size, bool)
+    kept[_N_PRIORS - N_KNOWN : _N_PRIORS] = False
+
+    def warped(name: str) -> Array:
+        moved = {**numbers, name: numbers[name] + _WARP_STEP_PX}
+        here = np.concatenate(images.misfit(moved, images.sharp(moved)))
+        return np.concatenate([np.zeros(_N_PRIORS), here - residual[_N_PRIORS:]]) / _WARP_STEP_PX
+
+    own = [one for name, one in zip(best.free, best.slopes.T, strict=True) if name not in SLIGHT]
+    jacobian = np.stack([*own, *_reshaped(images, best), *(warped(name) for name in WARP_NUMBERS)], axis=1)[kept]
+    prior = np.eye(jacobian.shape[1])[len(own) : len(own) + len(BLUR_SHAPES)]
+    return ImageWord(
+        residual=np.append(residual[kept], np.zeros(len(prior))),
+        jacobian=np.concatenate([jacobian, prior]),
+        clusters=np.append(best.clusters[kept], np.full(len(prior), -1)),
+        n_warp=len(WARP_NUMBERS),
+    )
 
 
 def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing) -> SectorFit:
@@ -166,20 +239,7 @@ def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig
     images = _images(recordings, wheel, rig=rig, timing=timing, known=None)
     known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
     numbers = sector_image.first_guess(images.seen[0], images.view) | known.start
-    none = np.zeros((len(NUMBERS), len(NUMBERS)))
-    return replace(_told(images, numbers, known=(none, 1.0)), n_rounds=0)
-
-
-def _signs(known: LensKnowledge, start: SectorFit | None) -> list[dict[str, float]]:
-    """Distortions with which a search begins once the rest is known roughly.
-
-    A barrel about a lens centre to one side of the axle moves the phases as a pincushion about one to the other side does; only
-    what is left then tells the two apart, and no search finds its way from the one to the other.
-    """
-    distortion = known.known["distortion"]
-    if start is None or start.n_rounds > 1 or distortion.standard_uncertainty == 0:
-        return [{}]
-    return [{"distortion": distortion.value + sign * _OTHER_SIGN * distortion.standard_uncertainty} for sign in (-1, 1)]
+    return replace(_told(images, numbers, known=((), np.zeros((0, 0)), 1.0)), n_rounds=0)
 
 
 def _chi_square(images: _Images, residual: Array) -> float:
@@ -225,39 +285,11 @@ def variations(
 
     Returns
     -------
-    One for each number of the shape, in the order of its covariance.
+    One for each number that may be off, in the order of its covariance.
     """
     images = _images(recordings, wheel, rig=rig, timing=timing, known=found)
-    return tuple(
-        _varied(images, found, _numbers(found), name=name, step=step)
-        for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True)
-    )
-
-
-def products(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, found: SectorFit
-) -> tuple[Product, ...]:
-    """Pairs of numbers of the shape that act by their product: a lens that is off its centre moves what it distorts.
-
-    Where both are near zero the derivatives say nothing of it. Parameters as for `fit`, which gave ``found``.
-
-    Returns
-    -------
-    One for each pair of which neither number is known; `Variation` of the second with the first one standard uncertainty larger
-    and smaller.
-    """
-    u = found.u("distortion") if "distortion" in found.names else 0.0
-    if u == 0:
-        return ()
-    images, numbers = _images(recordings, wheel, rig=rig, timing=timing, known=found), _numbers(found)
-    bent = [numbers | {"distortion": numbers["distortion"] + way * u} for way in (1, -1)]
-    made = []
-    for axis in ("lens_row_px", "lens_column_px"):
-        if axis in found.names and found.u(axis) > 0:
-            step = found.u(axis)
-            larger, smaller = (_varied(images, found, one, name=axis, step=step) for one in bent)
-            made.append(Product(larger=larger, smaller=smaller, first="distortion", second=axis))
-    return tuple(made)
+    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
+    return tuple(_varied(images, found, _numbers(found), name=name, step=step_of[name]) for name in found.names)
 
 
 def _varied(images: _Images, found: SectorFit, numbers: Mapping[str, float], *, name: str, step: float) -> Variation:
@@ -293,20 +325,27 @@ def _images(
     return _Images(seen=seen, view=view, u_dn=[u + np.zeros(good.shape) for u in u_dn])
 
 
-def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, float]) -> SectorFit:
-    """The measured contrast, split into sector, plate and excess, with the covariance and how well all fits."""
+def _told(
+    images: _Images,
+    numbers: Mapping[str, float],
+    *,
+    known: tuple[Sequence[str], Array, float],
+    camera: Estimate | None = None,
+) -> SectorFit:
+    """The measured contrast, split into sector, plate and excess, with names, covariance and how well all fits."""
     view, seen = images.view, images.contrast(numbers)
     inside = view.good & (seen.sharp > _WELL_INSIDE)
     border = view.good & (np.abs(seen.sharp - 0.5) < _BORDER)
     weight = _border_weight(seen.sharp, numbers["blur_px"])
     gains = _scatter(seen.residual[inside], seen.u)
     burrs = _scatter((seen.residual / weight)[border], seen.u)
-    covariance, chi_square = known
-    row_delay = NUMBERS.index("row_delay_s")
+    names, covariance, chi_square = known
+    of_shape = [k for k, name in enumerate(names) if name in SHAPE_NUMBERS]
+    variance = dict(zip(names, np.diag(covariance).tolist(), strict=True))
     return SectorFit(
         **_light(seen, numbers, view=view),
-        names=SHAPE_NUMBERS,
-        covariance=covariance[: len(SHAPE_NUMBERS), : len(SHAPE_NUMBERS)],
+        names=tuple(names[k] for k in of_shape),
+        covariance=covariance[np.ix_(of_shape, of_shape)],
         contrast=seen.model + seen.residual,
         model_contrast=seen.light,
         unevenness=seen.unevenness,
@@ -318,10 +357,11 @@ def _told(images: _Images, numbers: Mapping[str, float], *, known: tuple[Array, 
         ring_radii_px=(numbers["ring_inner_px"], numbers["ring_outer_px"]),
         plate_reflection=numbers["plate_reflection"],
         row_delay_s=numbers["row_delay_s"],
-        u_row_delay_s=float(np.sqrt(covariance[row_delay, row_delay])),
+        u_row_delay_s=float(np.sqrt(variance.get("row_delay_s", 0.0))),
         reduced_chi_square=chi_square,
         roi=view.roi,
         n_rounds=1,
+        camera=camera,
     )
 
 
@@ -401,31 +441,6 @@ def _numbers(found: SectorFit) -> dict[str, float]:
     }
 
 
-def _priors(numbers: Mapping[str, float]) -> Array:
-    """A loose word on the radii of the cutouts, the plate's reflection and the glare, for where they do not show."""
-    inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
-    outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
-    margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
-    glare = numbers["glare"] / _U_GLARE, math.log(numbers["glare_px"] / sector_image.GLARE_PX) / _U_GLARE_WIDTH
-    return np.array([*margins, numbers["plate_reflection"], *glare])
-
-
 def _summed(rows: ReducedRecording) -> Mask:
     first_row, end_row, first_column, end_column = rows.contrast_image.roi
     return rows.opening.summed[first_row:end_row, first_column:end_column]
-
-
-def _covariance(jacobian: Array, residual: Array, clusters: Ticks) -> Array:
-    """Covariance that holds for residuals that differ from the model by more than noise, alike within a cluster.
-
-    ``clusters`` (m,) numbers those of the residuals, -1 for priors. In no direction is it smaller than noise and priors alone
-    would make it.
-    """
-    scale = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
-    scaled = jacobian / np.where(scale > 0, scale, 1)
-    sizes, axes = np.linalg.eigh(scaled.T @ scaled)
-    white = axes / np.sqrt(np.maximum(sizes, 1e-12 * sizes[-1]))  # its square is the covariance of white noise
-    scores = np.array([np.bincount(clusters + 1, one)[1:] for one in ((scaled * residual[:, None]) @ white).T])
-    spread, turn = np.linalg.eigh(scores @ scores.T)
-    root = white @ turn * np.sqrt(np.maximum(spread, 1.0)) / np.where(scale > 0, scale, 1)[:, None]
-    return np.asarray(root @ root.T)

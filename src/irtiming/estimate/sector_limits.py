@@ -1,13 +1,18 @@
-"""What no opening in an image is: where a search ends so, it has found something else."""
+"""What openings in an image usually are, and what none is: where a search ends so, it has found something else."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.estimate.sector_image import GLARE_PX
 from irtiming.physics import lens
+from irtiming.records.arrays import Array
 from irtiming.records.reduced import ReducedRecording
 
+_U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
+_RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 _AT_LIMIT = 1e-3  # of the distortion
 _FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 
@@ -70,3 +75,22 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
         "before the mask, shade it from stray light and mirrors, give the frames as the camera made them, neither stretched "
         "one by one nor turned nor cut, or state the lens in [camera]"
     )
+
+
+def off_usual(numbers: Mapping[str, float]) -> Array:
+    """A loose word on the cutouts, the plate's reflection and the glare, for where they do not show, shape (N_USUAL,).
+
+    Parameters
+    ----------
+    numbers
+        All of a sector's, by name.
+    """
+    inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
+    outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
+    margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
+    glare = numbers["glare"] / _U_GLARE, math.log(numbers["glare_px"] / GLARE_PX) / _U_GLARE_WIDTH
+    return np.array([*margins, numbers["plate_reflection"], *glare])
+
+
+N_USUAL = 5
+"""Length of what `off_usual` gives."""

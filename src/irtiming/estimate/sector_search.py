@@ -17,10 +17,9 @@ _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _MOST_ELLIPTIC = 0.6
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
-_MOST_EVALUATIONS, _FEW_EVALUATIONS = 30, 8
+_MOST_EVALUATIONS = 30
 _GAINS = (1e-2, 1e-4, 1e-5)  # of the sum of squares, below which a search ends: the first rounds are but a start
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
-_BY_CHANCE = 2.0  # standard uncertainties
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
 _MISSED = 0.3  # of a step's change: slopes that foretell it worse are taken anew
@@ -75,15 +74,15 @@ class Slopes:
 
 
 def searched(
-    misfit: Misfit, starts: Sequence[Numbers], *, free: Sequence[str], n_before: int, slopes: Slopes | None = None
+    misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, slopes: Slopes | None = None
 ) -> OptimizeResult:
-    """Best of the searches: a whole one from the first start, and from others where the numbers that they change were told.
+    """The search.
 
     Parameters
     ----------
     misfit
         Of all numbers.
-    starts
+    start
         Where to begin; what is not ``free`` stays there.
     free
         Names of the numbers that are searched for, in the order of the result's.
@@ -92,26 +91,11 @@ def searched(
     slopes
         With which the search begins, and which are brought up to date; taken anew where they foretell steps badly.
     """
-    best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS, slopes=slopes)
-    if slopes is not None and best.status not in _AGREES:
+    found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
+    if slopes is not None and found.status not in _AGREES:
         slopes.matrix = None
-        best = _search(misfit, starts[0], free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS, slopes=slopes)
-    for start in starts[1:]:
-        if not _is_told(best, [free.index(name) for name in free if start[name] != starts[0][name]]):
-            continue
-        other = _search(misfit, start, free=free, n_before=n_before, evaluations=_FEW_EVALUATIONS)
-        if other.cost < best.cost:
-            best = other if other.status > 0 else _search(
-                misfit, {**start, **dict(zip(free, map(float, other.x), strict=True))},
-                free=free, n_before=n_before, evaluations=_MOST_EVALUATIONS,
-            )  # fmt: skip
-    return best
-
-
-def _is_told(found: OptimizeResult, at: Sequence[int]) -> bool:
-    """Whether any of these numbers is further from zero than it would be by chance: else both its signs end in one place."""
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    return any(abs(found.x[k]) > _BY_CHANCE * np.sqrt(covariance[k, k]) for k in at)
+        found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
+    return found
 
 
 def _search(
@@ -120,8 +104,7 @@ def _search(
     *,
     free: Sequence[str],
     n_before: int,
-    evaluations: int,
-    slopes: Slopes | None = None,
+    slopes: Slopes | None,
 ) -> OptimizeResult:
     scale = np.array([_SCALES[name] for name in free])
     low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
@@ -132,7 +115,7 @@ def _search(
         jac=course.slopes,
         x_scale=scale,
         bounds=(low, high),
-        max_nfev=evaluations,
+        max_nfev=_MOST_EVALUATIONS,
         ftol=_GAINS[min(n_before, len(_GAINS) - 1)],
     )
 

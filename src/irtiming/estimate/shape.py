@@ -5,12 +5,13 @@ A blackbody of another temperature shows the plate with another share of its con
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS
 from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
@@ -95,11 +96,11 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     """As read at once, and with a row delay."""
     response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
     timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recordings[0].integration_time_s or 0.0}
-    sector: SectorFit | None = None
-    for _ in range(_ROUNDS - 1):
+    sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing)
+    for _ in range(_ROUNDS - 2):
         sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
-    sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
-    return sector, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=sector)
+    last = sector_fit.settled(recordings, wheel, rig=rig, timing=timing, start=sector)
+    return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last)
 
 
 def view(sector: SectorFit, summed: Mask) -> AxleView:
@@ -121,21 +122,19 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         for one in (sector.contrast - sector.ring, sector.model_contrast)
     )
 
-    def seen(numbers: dict[str, float]) -> Array:
+    def seen(**numbers: Any) -> Array:
         """Mean angle of the light from the bisector, by how much each edge misses the axle, and what uneven light turns."""
-        at = shape_of(
-            numbers, shape.mirrored, image=(shape.image_rows, shape.image_columns), lens_terms=shape.lens_terms
-        )
+        at = replace(shape, **numbers)
         angle, _ = blurred_sector.pixel_places(at, roi=sector.roi)
         uneven = np.sum(light * angle) / np.sum(light) - np.sum(even * angle) / np.sum(even)
         return np.array([np.sum(light * angle) / np.sum(light), *_edge_miss_px(at), uneven])
 
-    numbers = {name: float(getattr(shape, name)) for name in SHAPE_NUMBERS}
+    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
     slopes = np.array([
-        (seen(numbers | {name: numbers[name] + step}) - seen(numbers | {name: numbers[name] - step})) / (2 * step)
-        for name, step in zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True)
+        (seen(**{name: getattr(shape, name) + step}) - seen(**{name: getattr(shape, name) - step})) / (2 * step)
+        for name, step in ((name, step_of[name]) for name in sector.names)
     ])  # fmt: skip
-    shift, low, high, uneven = seen(numbers)
+    shift, low, high, uneven = seen()
     ends, share = plate_light.spread(sector, summed, shift_rad=float(shift))
     lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", slopes, sector.covariance, slopes))
@@ -149,7 +148,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         u_off_axle_rad=float(np.hypot(u_shift, _NOT_SKEW * uneven)),
         edge_miss_px=(float(-high), float(-low)) if shape.mirrored else (float(low), float(high)),
         u_edge_miss_px=float(max(u_low, u_high)),
-        distortion=shape.distortion,
+        distortion=sector.value("distortion"),
         u_distortion=sector.u("distortion"),
         blur_px=shape.blur_px,
         radii_px=(shape.inner_radius_px, shape.outer_radius_px),

@@ -10,17 +10,19 @@ from typing import final
 
 import numpy as np
 
+from irtiming.estimate.lens_and_tilt import SLIGHT
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
 from irtiming.physics.latency import EXACT_S, TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.rig import Measured, WindowTail
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
-_OF_CAMERA = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "lens_row_px", "lens_column_px")
+_OF_CAMERA = (*SLIGHT, *WARP_NUMBERS)
 
 DELAY = "delay"
 """Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
@@ -285,26 +287,7 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
             errors.append(
                 SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=source, kind="A")
             )
-        errors += _image_products(g, fits, [own is sector for own in sectors])
     return errors
-
-
-def _image_products(g: int, fits: Sequence[RecordingFit], is_own: Sequence[bool]) -> list[SharedNumber]:
-    """What errors of two numbers of sector ``g`` do together: a lens that is off its centre moves what it distorts."""
-    by_fit = [
-        np.zeros((len(fit.estimate.names), 0)) if fit.product_effect is None or not own else fit.product_effect
-        for fit, own in zip(fits, is_own, strict=True)
-    ]
-    made = []
-    for m in range(max(effect.shape[1] for effect in by_fit)):
-        effects = [
-            dict(zip(fit.estimate.names, effect[:, m].tolist(), strict=True)) if effect.shape[1] > m else {}
-            for fit, effect in zip(fits, by_fit, strict=True)
-        ]
-        made.append(
-            SharedNumber(name=f"image {g} product {m}", unit="1", effects=effects, u=1.0, source=CAMERA, kind="A")
-        )
-    return made
 
 
 def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:

@@ -36,13 +36,16 @@ _NO_TERMS = LensTerms()
 @final
 @dataclass(frozen=True, kw_only=True)
 class Lens:
-    """Distortion k, size of the image, lens centre and further terms; an image without a size is for no distortion at all."""
+    """Distortion k, size of the image, lens centre and further terms; an image without a size is for no distortion at all.
 
-    distortion: float
+    Distortion and lens centre may be arrays that broadcast against places: where many lenses show them, and they many lenses.
+    """
+
+    distortion: Any
     rows: int
     columns: int
-    off_row_px: float = 0.0
-    off_column_px: float = 0.0
+    off_row_px: Any = 0.0
+    off_column_px: Any = 0.0
     terms: LensTerms = field(default_factory=LensTerms)
 
     @property
@@ -58,7 +61,7 @@ class Lens:
     @property
     def is_straight(self) -> bool:
         """Whether image and flat plane are the same."""
-        return self.distortion == 0 and self.terms == _NO_TERMS
+        return not np.any(self.distortion) and self.terms == _NO_TERMS
 
     def seen(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Where points of the flat plane appear; numbers or arrays that broadcast, px."""
@@ -96,15 +99,16 @@ class Lens:
 
     def _flat_by_search(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         unit = self.half_diagonal_px
-        down, across = np.broadcast_arrays(
-            (row_px - self.middle_px[0]) / self.terms.row_stretch / unit, (column_px - self.middle_px[1]) / unit
+        down, across, distortion = (
+            np.asarray(one, dtype=float)
+            for one in np.broadcast_arrays(
+                (row_px - self.middle_px[0]) / self.terms.row_stretch / unit,
+                (column_px - self.middle_px[1]) / unit,
+                self.distortion,
+            )
         )
-        y, x = _flat_points(
-            np.ascontiguousarray(down, dtype=float).ravel(),
-            np.ascontiguousarray(across, dtype=float).ravel(),
-            _coefficients(self.distortion, self.terms),
-        )
-        if np.ndim(down) == 0:
+        y, x = _flat_points(down.ravel(), across.ravel(), distortion.ravel(), _coefficients(0.0, self.terms))
+        if down.ndim == 0:
             return self.middle_px[0] + unit * float(y[0]), self.middle_px[1] + unit * float(x[0])
         return self.middle_px[0] + unit * y.reshape(down.shape), self.middle_px[1] + unit * x.reshape(down.shape)
 
@@ -153,10 +157,11 @@ def _magnifications(y: Array, x: Array, of: Array, row_stretch: float) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def _flat_points(down: Array, across: Array, of: Array) -> Any:
+def _flat_points(down: Array, across: Array, distortion: Array, terms: Array) -> Any:
     """Newton's method for the point (y, x) that appears at (down, across), shapes (n,); half diagonals."""
-    out = np.empty((2, down.size))
+    out, of = np.empty((2, down.size)), terms.copy()
     for k in range(down.size):
+        of[0] = distortion[k]
         y, x = down[k], across[k]
         for _ in range(_MOST_STEPS):
             square = y * y + x * x

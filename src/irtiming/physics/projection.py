@@ -11,43 +11,67 @@ what turning by t leaves of the plane; a roll of the camera is in the direction 
 (`physics.lens`).
 
 Polar angles about the axle are those of (R - u_0 h^T) p: the keystone by itself moves no angle, but where the axle is off the
-lens centre it does, and foreshortening does, as the square of the tilt.
+lens centre it does, and foreshortening does, as the square of the tilt. On top of all that a warp may move places a little
+(`physics.warp`).
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 
 from irtiming.physics.lens import Lens
-from irtiming.records.arrays import Array
+from irtiming.physics.warp import WARP_NUMBERS, Warp
 from irtiming.records.row_timing import SectorShape
 
+_Matrix: TypeAlias = tuple[tuple[Any, Any], tuple[Any, Any]]
+
+_NO_WARP = Warp(amounts_px=(0.0,) * len(WARP_NUMBERS), unit_px=1.0)
+_UNWARPED = 4  # rounds, each of which leaves a hundredth or so of what the one before left
 _STEEPEST = 0.9  # square of the largest tilt's sine
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Projection:
-    """Axle in the image (row, column, px), keystone (rows, columns; 1/px), focal length (px) and lens."""
+    """Axle in the image (row, column, px), keystone (rows, columns; 1/px), focal length (px), lens and warp.
+
+    ``axis_px`` is by how much the pinhole's axis lies below and right of the distortion's centre.
+    Keystone, focal length, axis and what the lens has may be arrays that broadcast against places: many cameras at once.
+    """
 
     axle_px: tuple[float, float]
-    keystone_per_px: tuple[float, float]
-    focal_length_px: float
+    keystone_per_px: tuple[Any, Any]
+    focal_length_px: Any
     lens: Lens
+    warp: Warp = _NO_WARP
+    axis_px: tuple[Any, Any] = (0.0, 0.0)
 
     def seen(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         """Row and column in the image of places from the axle."""
-        return self.lens.seen(*self._undistorted(down_px, right_px))
+        row, column = self.lens.seen(*self._undistorted(down_px, right_px))
+        if self.warp.is_none:
+            return row, column
+        below, beside = self.warp.moved(down_px, right_px)
+        return row + below, column + beside
 
     def flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Places from the axle, down and right, of points of the image; numbers or arrays that broadcast."""
+        down, right = self._flat(row_px, column_px)
+        if self.warp.is_none:
+            return down, right
+        for _ in range(_UNWARPED):
+            below, beside = self.warp.moved(down, right)
+            down, right = self._flat(row_px - below, column_px - beside)
+        return down, right
+
+    def _flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         row, column = self.lens.flat(row_px, column_px)
         down, right = row - self._middle[0], column - self._middle[1]
         off_down, off_right = row - self._axle[0], column - self._axle[1]
-        if not any(self.keystone_per_px):
+        if not np.any(self.keystone_per_px):
             return off_down, off_right
         (a, b), (c, d) = self._turned
         along_row, along_column = self.keystone_per_px
@@ -57,44 +81,59 @@ class Projection:
         return (d * off_down - b * off_right) / whole, (a * off_right - c * off_down) / whole
 
     def magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        """Of the image over the wheel's plane: least of any direction, or a little less, and that of areas."""
+        """Of the image over the wheel's plane: least of any direction, or a little less, and that of areas.
+
+        A warp is too slight to matter to the least one; to areas it adds as if the rest were alike in all directions.
+        """
+        least, area = self._magnification(down_px, right_px)
+        if self.warp.is_none:
+            return least, area
+        trace, product = self.warp.larger(down_px, right_px)
+        return least, area + np.sqrt(area) * trace + product
+
+    def _magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         least, area = self.lens.magnification(*self._undistorted(down_px, right_px))
-        if not any(self.keystone_per_px):
+        if not np.any(self.keystone_per_px):
             return least, area
         shrunk = 1 + self.keystone_per_px[0] * down_px + self.keystone_per_px[1] * right_px
-        whole = float(np.linalg.det(self._about_axle))
-        return least * min(1.0, whole) / np.maximum(shrunk, 1.0) ** 2, area * whole / (shrunk * shrunk * shrunk)
+        (a, b), (c, d) = self._about_axle
+        whole = a * d - b * c
+        return least * np.minimum(1.0, whole) / np.maximum(shrunk, 1.0) ** 2, area * whole / (shrunk * shrunk * shrunk)
 
     @property
-    def tilt(self) -> Array:
-        """First two parts of the plane's unit normal in the camera, shape (2,)."""
-        t = self.focal_length_px * np.array(self.keystone_per_px)
-        return np.asarray(t * min(1.0, math.sqrt(_STEEPEST / max(float(t @ t), 1e-300))))
+    def tilt(self) -> tuple[Any, Any]:
+        """First two parts of the plane's unit normal in the camera."""
+        down, right = (self.focal_length_px * h for h in self.keystone_per_px)
+        shorter = np.minimum(1.0, np.sqrt(_STEEPEST / np.maximum(down * down + right * right, 1e-300)))
+        return down * shorter, right * shorter
 
     @cached_property
-    def _turned(self) -> Array:
-        """R, shape (2, 2)."""
-        t = self.tilt
-        return np.asarray(np.eye(2) - np.outer(t, t) / (1 + math.sqrt(1 - float(t @ t))))
+    def _turned(self) -> _Matrix:
+        """R."""
+        t, s = self.tilt
+        part = 1 / (1 + np.sqrt(1 - t * t - s * s))
+        return (1 - t * t * part, -t * s * part), (-t * s * part, 1 - s * s * part)
 
     @cached_property
-    def _axle(self) -> tuple[float, float]:
+    def _axle(self) -> tuple[Any, Any]:
         """Undistorted row and column of the axle."""
-        row, column = self.lens.flat(*self.axle_px)
-        return float(row), float(column)
+        return self.lens.flat(*self.axle_px)
 
     @cached_property
-    def _middle(self) -> tuple[float, float]:
-        return self.lens.middle_px
+    def _middle(self) -> tuple[Any, Any]:
+        (row, column), (below, beside) = self.lens.middle_px, self.axis_px
+        return row + below, column + beside
 
     @cached_property
-    def _about_axle(self) -> Array:
-        """What the projection does beside the axle, shape (2, 2)."""
-        off = np.subtract(self._axle, self._middle)
-        return np.asarray(self._turned - np.outer(off, self.keystone_per_px))
+    def _about_axle(self) -> _Matrix:
+        """What the projection does beside the axle."""
+        (a, b), (c, d) = self._turned
+        below, beside = (axle - middle for axle, middle in zip(self._axle, self._middle, strict=True))
+        along_row, along_column = self.keystone_per_px
+        return (a - below * along_row, b - below * along_column), (c - beside * along_row, d - beside * along_column)
 
     def _undistorted(self, down: Any, right: Any) -> tuple[Any, Any]:
-        if not any(self.keystone_per_px):
+        if not np.any(self.keystone_per_px):
             return self._axle[0] + down, self._axle[1] + right
         (a, b), (c, d) = self._about_axle
         shrunk = 1 + self.keystone_per_px[0] * down + self.keystone_per_px[1] * right
@@ -117,4 +156,5 @@ def projection_of(shape: SectorShape) -> Projection:
         keystone_per_px=(shape.keystone_row / unit, shape.keystone_column / unit),
         focal_length_px=unit * math.exp(shape.log_focal_length),
         lens=lens,
+        warp=Warp(amounts_px=tuple(getattr(shape, name) for name in WARP_NUMBERS), unit_px=unit),
     )

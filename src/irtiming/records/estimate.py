@@ -129,11 +129,6 @@ class RecordingFit(Protocol):
         ...
 
     @property
-    def product_effect(self) -> Array | None:
-        """Shape (k, n); change of them per standard uncertainty of products of two of those numbers' errors."""
-        ...
-
-    @property
     def widening(self) -> float:
         """Variance inflation for correlated residuals, already in the covariance."""
         ...
@@ -236,9 +231,4 @@ class EdgeDelayFit:
     @property
     def shape_effect(self) -> None:
         """The opening's shape in the image has no part in a sum over all of it."""
-        return
-
-    @property
-    def product_effect(self) -> None:
-        """The same."""
         return

@@ -41,7 +41,8 @@ class SectorShape:
     pixels, ``lens_row_px`` and ``lens_column_px`` say how far beside the middle of the image its centre lies, ``lens_terms``
     what else is known of it. ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane
     appears shorter half a diagonal of the image further down, and further right; they come from a tilted camera
-    (`physics.projection`), whose focal length is exp ``log_focal_length`` half diagonals. Offsets, radii and angles are those
+    (`physics.projection`), whose focal length is exp ``log_focal_length`` half diagonals. The ``warp_..._px`` are what moves
+    places of the image beside that (`physics.warp`): errors of lens and tilt together. Offsets, radii and angles are those
     of the wheel's plane, a px of it being as large as one of the image at the axle. ``mirrored`` is true for a
     counterclockwise wheel: then columns are counted leftwards from the axle, and polar angles, bisector and column offset
     with them.
@@ -65,6 +66,15 @@ class SectorShape:
     log_focal_length: float = 0.0
     lens_row_px: float = 0.0
     lens_column_px: float = 0.0
+    warp_aspect_px: float = 0.0
+    warp_shear_px: float = 0.0
+    warp_down_by_down_px: float = 0.0
+    warp_down_by_both_px: float = 0.0
+    warp_down_by_right_px: float = 0.0
+    warp_right_by_down_px: float = 0.0
+    warp_right_by_both_px: float = 0.0
+    warp_right_by_right_px: float = 0.0
+    warp_radial_px: float = 0.0
     lens_terms: LensTerms = field(default_factory=LensTerms)
     mirrored: bool = False
     image_rows: int = 0
@@ -84,7 +94,7 @@ class SectorFit:
     Parameters
     ----------
     shape, names, covariance
-        The sector; names (n,) of its numbers and their covariance (n, n).
+        The sector; names (n,) of its numbers that may be off and their covariance (n, n).
     contrast
         Shape (roi rows, roi columns); how much each pixel takes part, as measured: about 1 for a pixel wholly in the light.
     model_contrast
@@ -125,6 +135,9 @@ class SectorFit:
         First row, end row, first column, end column, ends excluded.
     n_rounds
         How often it was fitted, each time with the timing of the last.
+    camera
+        Lens and tilt as image and prior knowledge have them together; None where they were not settled. They need not be those of
+        ``shape``, which the warp takes to the same place.
     """
 
     __repr__ = short_repr
@@ -155,9 +168,20 @@ class SectorFit:
     reduced_chi_square: float
     roi: tuple[int, int, int, int]
     n_rounds: int
+    camera: Estimate | None = None
+
+    def value(self, name: str) -> float:
+        """A number of the shape, or of lens and tilt as they are settled."""
+        if self.camera is not None and name in self.camera:
+            return self.camera.value(name)
+        return float(getattr(self.shape, name))
 
     def u(self, name: str) -> float:
-        """Standard uncertainty of a number of the shape."""
+        """Standard uncertainty of that; 0 for one that is taken as exact."""
+        if self.camera is not None and name in self.camera:
+            return self.camera.u(name)
+        if name not in self.names:
+            return 0.0
         k = self.names.index(name)
         return float(self.covariance[k, k]) ** 0.5
 
@@ -236,8 +260,6 @@ class RowTimingFit:
     shape_names, shape_effect
         Numbers of the sector's shape; change of each fitted number per unit of each of them, shape (k, n_shape), in the order
         of ``estimate.names``.
-    product_effect
-        Shape (k, n_product); what errors of two numbers of the shape do together, per standard uncertainty of their product.
     row_px
         Shape (n_row,); rows that were fitted.
     wheel_angle_rad
@@ -281,7 +303,6 @@ class RowTimingFit:
     gain_dn: Array
     widening: float
     blackbody_temperature_k: float | None = None
-    product_effect: Array | None = None
     sway: Sway | None = None
 
     @property
@@ -298,7 +319,6 @@ class RowTimingFit:
             self,
             estimate=self.estimate.pick(*kept),
             shape_effect=self.shape_effect[at],
-            product_effect=None if self.product_effect is None else self.product_effect[at],
             held={**self.held, **held},
         )
 

@@ -1,6 +1,6 @@
 """The fits behind a result as plain data, for JSON: joint fit, recording by recording, as published, opening, two constants."""
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from math import inf
 from typing import Any
 
@@ -10,7 +10,7 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.diagnosis import Diagnosis
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.result import LEAST_WHITENESS, Profile
-from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.row_timing import RowTimingFit, SectorFit, SectorShape
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.report import budget
 from irtiming.report.camera_noise import OF_CAMERA
@@ -150,10 +150,9 @@ def published(analysis: Analysis) -> list[dict[str, Any]]:
 
 def opening(found: SectorFit) -> dict[str, Any]:
     """The fitted sector."""
-    names = found.names
-    u = dict(zip(names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    names = [field.name for field in fields(SectorShape) if field.type is float]
     return {
-        **{name: {"value": float(getattr(found.shape, name)), "standard_uncertainty": u[name]} for name in names},
+        **{name: {"value": found.value(name), "standard_uncertainty": found.u(name)} for name in names},
         "mirrored": found.shape.mirrored,
         "row_delay_by_phases": {"value": found.row_delay_s, "standard_uncertainty": found.u_row_delay_s, "unit": "s"},
         "reduced_chi_square": found.reduced_chi_square,

@@ -37,6 +37,7 @@ def _seen(*, plate, mirrored):
     sector = SimpleNamespace(
         shape=drawn, names=SHAPE_NUMBERS, covariance=np.zeros((n, n)), contrast=(1 - plate) * light + ring,
         model_contrast=light, ring=ring, ring_angle_rad=angle, roi=ROI, u=lambda name: 0.0,
+        value=lambda name: getattr(drawn, name),
     )  # fmt: skip
     return sector, summed, angle
 

@@ -12,6 +12,7 @@ from irtiming.inference.optimiser import minimise
 from irtiming.physics import blurred_sector
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.physics.response.first_order_lag import HARMONICS
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles
 
@@ -197,8 +198,9 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
     for k, step in enumerate(SHAPE_STEPS):
         moved = [_six(row_fit.fit(rows, camera.model, light=one, start=fit)) for one in wrong[k]]
         slope = (moved[0] - moved[1]) / (2 * step)
+        odd = 0.02 if SHAPE_NUMBERS[k] not in WARP_NUMBERS else 0.1  # of these a step is large: the rows' gains follow
         np.testing.assert_allclose(
-            fit.shape_effect[:, k] / u, slope / u, rtol=0.05, atol=0.02 / step, err_msg=SHAPE_NUMBERS[k]
+            fit.shape_effect[:, k] / u, slope / u, rtol=0.05, atol=odd / step, err_msg=SHAPE_NUMBERS[k]
         )
 
 

@@ -38,9 +38,9 @@ def test_slopes_that_were_kept_lead_to_the_same_place_with_fewer_images() -> Non
     """Oracle: the numbers that the curve was made with, and one image a step, against one more for each number's slope."""
     kept, first, again, alone = Slopes(), _Curve(), _Curve(), _Curve()
     near = {name: value + 0.02 for name, value in TRUE.items()}
-    searched(first.misfit(), [{name: value + 0.5 for name, value in TRUE.items()}], free=FREE, n_before=2, slopes=kept)
-    with_kept = searched(again.misfit(), [near], free=FREE, n_before=2, slopes=kept)
-    without = searched(alone.misfit(), [near], free=FREE, n_before=2)
+    searched(first.misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, n_before=2, slopes=kept)
+    with_kept = searched(again.misfit(), near, free=FREE, n_before=2, slopes=kept)
+    without = searched(alone.misfit(), near, free=FREE, n_before=2)
     assert with_kept.x == pytest.approx([TRUE[name] for name in FREE], abs=2e-3)
     assert without.x == pytest.approx(with_kept.x, abs=2e-3)
     assert again.asked == with_kept.nfev
@@ -53,13 +53,13 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
     wrong.matrix = -np.stack([np.ones(40), PLACE, np.sin(3 * PLACE)], axis=1)
     with_wrong = searched(
         _Curve(0.01).misfit(),
-        [{name: value + 0.5 for name, value in TRUE.items()}],
+        {name: value + 0.5 for name, value in TRUE.items()},
         free=FREE,
         n_before=2,
         slopes=wrong,
     )
     other_length = searched(
-        _Curve(0.01).misfit(), [{name: value + 0.5 for name, value in TRUE.items()}], free=FREE, n_before=2,
+        _Curve(0.01).misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, n_before=2,
         slopes=Slopes(matrix=np.ones((7, 3))),
     )  # fmt: skip
     assert other_length.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)

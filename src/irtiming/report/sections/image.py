@@ -276,7 +276,7 @@ def sector(found: SectorFit) -> Table:
     rows = [
         (
             t(words),
-            decimal(f"{getattr(found.shape, name) * factor:.4f}").replace("-", "−"),
+            decimal(f"{found.value(name) * factor:.4f}").replace("-", "−"),
             significant(found.u(name) * factor),
         )
         for words, name, factor in _SHAPE

@@ -1,0 +1,221 @@
+r"""Lens and tilt settled: not the best of them, but all that image and prior knowledge allow, weighed.
+
+Distortion, its centre, the focal length and two tilts act on the image by their products, so that quite unlike sets of them look
+nearly alike, and the best one, on the floor of a bent valley, says little of where the truth lies. But all of them do no more
+than displace the image a little (`physics.warp`), and in its nine numbers w the image is linear. So the contrast image says, with
+the sector's other numbers y free to follow,
+
+.. math:: -2 \log L = (w - \hat w)^T N (w - \hat w),
+
+lens and tilt give w in closed form but for what is uneven in a lens, and draws of them by prior and L give the mean of w and its
+covariance, with which y follows.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from irtiming.estimate.lens_knowledge import CAMERA_NUMBERS, LensKnowledge
+from irtiming.inference import clustered, tempered
+from irtiming.physics import lens
+from irtiming.physics.lens import Lens
+from irtiming.physics.projection import Projection, projection_of
+from irtiming.physics.warp import displacements
+from irtiming.records.arrays import Array, Ticks
+from irtiming.records.estimate import Estimate
+from irtiming.records.row_timing import SectorShape
+
+SLIGHT = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "lens_row_px", "lens_column_px")
+"""Numbers of a sector's shape that lens and tilt make, and that are found once the rest is."""
+
+_RADIAL, _AROUND = 5, 7  # places in the sector, by Gauss-Legendre: a cubic needs no more
+_UNEVEN = (
+    3e-4  # of half a diagonal: what no such lens keeps to, decentred elements above all (OpenCV's tangential terms)
+)
+_FLAT = 1e-11  # of the largest: sizes of axes along which an image says nothing
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Settled:
+    """By how much the sector's numbers and then those of the warp move, shape (n,), their covariance (n, n), lens and tilt."""
+
+    moved: Array
+    covariance: Array
+    camera: Estimate
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ImageWord:
+    """What the contrast image says near a sector, with nothing known of lens and tilt.
+
+    ``residual`` (m,) with derivatives ``jacobian`` (m, n) by the sector's numbers and then, ``n_warp`` of them, by those of the
+    warp; ``clusters`` (m,) number residuals that err alike, -1 for what is known beforehand.
+    """
+
+    residual: Array
+    jacobian: Array
+    clusters: Ticks
+    n_warp: int
+
+
+def settled(word: ImageWord, shape: SectorShape, *, known: LensKnowledge) -> Settled:
+    """Mean and covariance of all that lens, tilt and image allow.
+
+    Parameters
+    ----------
+    word
+        Of the image near ``shape``.
+    shape
+        The sector with the best lens and tilt.
+    known
+        Of the lens beforehand.
+    """
+    n_own = word.jacobian.shape[1] - word.n_warp
+    plain, gradient = word.jacobian.T @ word.jacobian, -word.jacobian.T @ word.residual
+    best, follow, narrow = _solved(plain, gradient, n_own=n_own)
+    at_best = np.concatenate([narrow @ gradient[:n_own] + follow @ best, best])
+    held = clustered.normal_matrix(word.jacobian, word.residual + word.jacobian @ at_best, clusters=word.clusters)
+    _, follow_held, u_own = _solved(held, gradient, n_own=n_own)
+    beside = held[n_own:, n_own:] + held[n_own:, :n_own] @ follow_held
+    cameras = _Cameras(shape=shape, known=known)
+    u_px = _UNEVEN * math.hypot(shape.image_rows, shape.image_columns) / 2
+    uneven = np.linalg.inv(beside + np.eye(word.n_warp) / u_px**2)
+    smoothed = (np.eye(word.n_warp) - beside @ uneven) @ beside
+
+    def log_likelihood(units: Array) -> Array:
+        off = cameras.warp(units) - best
+        return np.where(cameras.is_possible(units), -0.5 * np.einsum("ni,ij,nj->n", off, smoothed, off), -np.inf)
+
+    units = tempered.draws(log_likelihood, n_numbers=cameras.n_free)
+    warp = cameras.warp(units)
+    warp = warp + (best - warp) @ beside @ uneven  # what the image says of each lens's unevenness
+    mean, spread = warp.mean(axis=0), np.cov(warp.T) + uneven
+    own = narrow @ gradient[:n_own] + follow @ mean
+    through = np.concatenate([follow_held, np.eye(word.n_warp)])
+    covariance = through @ spread @ through.T
+    covariance[:n_own, :n_own] += u_own
+    return Settled(moved=np.concatenate([own, mean]), covariance=covariance, camera=cameras.estimate(units))
+
+
+def _solved(normal: Array, gradient: Array, *, n_own: int) -> tuple[Array, Array, Array]:
+    """Best warp (n_warp,), how the first ``n_own`` numbers follow it (n_own, n_warp), and their covariance given it."""
+    inverse = _inverse(normal[:n_own, :n_own])
+    follow = -inverse @ normal[:n_own, n_own:]
+    beside = normal[n_own:, n_own:] + normal[n_own:, :n_own] @ follow
+    return _inverse(beside) @ (gradient[n_own:] + follow.T @ gradient[:n_own]), follow, inverse
+
+
+def _inverse(normal: Array) -> Array:
+    """Of a normal matrix, which may say nothing along some axes."""
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    return np.asarray(
+        np.linalg.pinv(normal / np.outer(scale, scale), rcond=_FLAT, hermitian=True) / np.outer(scale, scale)
+    )
+
+
+@final
+class _Cameras:
+    """Lenses and tilts in units of what is known of them, shape (n, n_free), and how they warp the image against ``shape``."""
+
+    def __init__(self, *, shape: SectorShape, known: LensKnowledge) -> None:
+        self._shape, self._known = shape, known
+        self._free = [name for name in CAMERA_NUMBERS if known.prior(name).standard_uncertainty > 0]
+        self._places, self._taken_off = _places(shape)
+        self._before = np.concatenate(projection_of(shape).seen(*self._places))
+
+    @property
+    def n_free(self) -> int:
+        """Numbers that are not known exactly."""
+        return len(self._free)
+
+    def is_possible(self, units: Array) -> Array:
+        """Whether each lens shows every point of the image once, shape (n,)."""
+        distortion = self._stated(units)["distortion"]
+        return np.asarray((distortion >= lens.LOWEST) & (distortion <= lens.HIGHEST))
+
+    def warp(self, units: Array) -> Array:
+        """Numbers of the warp, shape (n, n_warp)."""
+        numbers = {name: one[:, None] for name, one in self._numbers(units).items()}
+        projection = self._projection(numbers)
+        row, column = projection.seen(*self._places)
+        middle, unit = projection.lens.middle_px, projection.lens.half_diagonal_px
+        below, beside = row - middle[0], column - middle[1]
+        further = (
+            numbers["quartic"] * ((below**2 + beside**2) / unit**2) ** 2
+        )  # beside the one that a calibration states
+        row, column = row + below * further, column + beside * further
+        seen = np.concatenate(np.broadcast_arrays(row, column), axis=1)
+        return np.asarray((seen - self._before) @ self._taken_off.T)
+
+    def estimate(self, units: Array) -> Estimate:
+        """Mean and covariance of the draws; tilts as the keystones that they make."""
+        numbers = self._numbers(units)
+        drawn = np.array([numbers[name] for name in SLIGHT]).T
+        return Estimate(
+            names=SLIGHT,
+            units=tuple("px" if name.endswith("_px") else "1" for name in SLIGHT),
+            values=drawn.mean(axis=0),
+            covariance=np.cov(drawn.T),
+        )
+
+    def _stated(self, units: Array) -> dict[str, Array]:
+        """CAMERA_NUMBERS, shape (n,) each."""
+        found = {}
+        for name in CAMERA_NUMBERS:
+            prior = self._known.prior(name)
+            unit = units[:, self._free.index(name)] if name in self._free else np.zeros(len(units))
+            found[name] = prior.value + prior.standard_uncertainty * unit
+        return found
+
+    def _numbers(self, units: Array) -> dict[str, Array]:
+        """Those of a sector's shape, those of lenses that there cannot be at their limit."""
+        found = self._stated(units)
+        found["distortion"] = np.clip(found["distortion"], lens.LOWEST, lens.HIGHEST)
+        length = np.exp(found["log_focal_length"])
+        return found | {"keystone_row": found["tilt_row"] / length, "keystone_column": found["tilt_column"] / length}
+
+    def _projection(self, numbers: dict[str, Array]) -> Projection:
+        shape = self._shape
+        optics = Lens(
+            distortion=numbers["distortion"],
+            rows=shape.image_rows,
+            columns=shape.image_columns,
+            off_row_px=numbers["lens_row_px"],
+            off_column_px=numbers["lens_column_px"],
+            terms=shape.lens_terms,
+        )
+        unit = optics.half_diagonal_px
+        return Projection(
+            axle_px=(shape.axle_row_px, shape.axle_column_px),
+            keystone_per_px=(numbers["keystone_row"] / unit, numbers["keystone_column"] / unit),
+            focal_length_px=unit * np.exp(numbers["log_focal_length"]),
+            lens=optics,
+            axis_px=(numbers["axis_row_px"], numbers["axis_column_px"]),
+        )
+
+
+def _places(shape: SectorShape) -> tuple[Sequence[Array], Array]:
+    """Places in the sector, down and right from the axle, two of shape (p,), and what takes the warp's numbers off displacements.
+
+    The latter is of shape (n_warp, 2 p); a shift, a turn and a scale are fitted beside them and left out.
+    """
+    along, weight = np.polynomial.legendre.leggauss(_RADIAL)
+    around, share = np.polynomial.legendre.leggauss(_AROUND)
+    radius = (
+        shape.outer_radius_px + shape.inner_radius_px + along * (shape.outer_radius_px - shape.inner_radius_px)
+    ) / 2
+    polar = shape.bisector_rad + shape.opening_angle_rad / 2 * around
+    down = shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel()
+    across = shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()
+    right = -across if shape.mirrored else across
+    unit_px = math.hypot(shape.image_rows, shape.image_columns) / 2
+    none, one = np.zeros(down.size), np.ones(down.size)
+    trivial = [(one, none), (none, one), (down / unit_px, right / unit_px), (-right / unit_px, down / unit_px)]
+    fields = np.array([np.concatenate(field) for field in (*trivial, *displacements(down, right, unit_px=unit_px))])
+    light = np.sqrt(np.tile(np.multiply.outer(radius * weight, share).ravel(), 2))
+    return (down, right), np.asarray((np.linalg.pinv((fields * light).T) * light)[len(trivial) :])

@@ -1,0 +1,37 @@
+"""`inference.clustered`: covariances of parameters whose residuals err alike within clusters."""
+
+import numpy as np
+
+from irtiming.inference import clustered
+
+
+def test_covariance_holds_for_residuals_that_scatter_more_than_noise():
+    """Oracle: the sandwich of the textbook, written out cluster by cluster; two residuals each, and two priors of none."""
+    rng = np.random.default_rng(2)
+    jacobian, residual = rng.normal(size=(42, 3)), 5 * rng.normal(size=42)
+    clusters = np.append([-1, -1], np.tile(np.arange(20), 2))
+    white = np.linalg.inv(jacobian.T @ jacobian)
+    middle = np.zeros((3, 3))
+    for k in range(20):
+        score = jacobian[2 + k] * residual[2 + k] + jacobian[22 + k] * residual[22 + k]
+        middle += np.outer(score, score)
+    expected = white @ middle @ white
+    assert np.all(np.diag(expected) > np.diag(white))
+    np.testing.assert_allclose(clustered.covariance(jacobian, residual, clusters=clusters), expected)
+    calm = clustered.covariance(jacobian, residual / 1e3, clusters=clusters)
+    np.testing.assert_allclose(calm, white)
+
+
+def test_the_normal_matrix_is_its_inverse_and_says_nothing_where_residuals_do_not():
+    """Oracle: the inverse; and a parameter that is the sum of two others, along which there is nothing to be told."""
+    rng = np.random.default_rng(3)
+    jacobian, residual = rng.normal(size=(60, 3)), 2 * rng.normal(size=60)
+    clusters = np.tile(np.arange(20), 3)
+    found = clustered.normal_matrix(jacobian, residual, clusters=clusters)
+    np.testing.assert_allclose(
+        found @ clustered.covariance(jacobian, residual, clusters=clusters), np.eye(3), atol=1e-9
+    )
+    mixed = np.column_stack([jacobian, jacobian[:, 0] + jacobian[:, 1]])
+    again = clustered.normal_matrix(mixed, residual, clusters=clusters)
+    np.testing.assert_allclose(again @ [1.0, 1.0, 0.0, -1.0], 0.0, atol=1e-3)
+    np.testing.assert_allclose(again[:3, :3], found, rtol=1e-6)
