@@ -11,8 +11,6 @@ lens and tilt give w in closed form but for what is uneven in a lens, and draws 
 covariance, with which y follows.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -20,7 +18,7 @@ import numpy as np
 
 from irtiming.estimate.lens_knowledge import CAMERA_NUMBERS, LensKnowledge
 from irtiming.inference import clustered, tempered
-from irtiming.physics import lens
+from irtiming.physics import blurred_sector, lens
 from irtiming.physics.lens import Lens
 from irtiming.physics.projection import Projection, projection_of
 from irtiming.physics.warp import displacements
@@ -31,10 +29,8 @@ from irtiming.records.row_timing import SectorShape
 SLIGHT = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "lens_row_px", "lens_column_px")
 """Numbers of a sector's shape that lens and tilt make, and that are found once the rest is."""
 
-_RADIAL, _AROUND = 5, 7  # places in the sector, by Gauss-Legendre: a cubic needs no more
-_UNEVEN = (
-    3e-4  # of half a diagonal: what no such lens keeps to, decentred elements above all (OpenCV's tangential terms)
-)
+_RADIAL, _AROUND = 5, 7  # places in the sector: a cubic needs no more
+_UNEVEN = 3e-4  # of half a diagonal: what no such lens keeps to; OpenCV's tangential terms are as large
 _FLAT = 1e-11  # of the largest: sizes of axes along which an image says nothing
 
 
@@ -77,13 +73,13 @@ def settled(word: ImageWord, shape: SectorShape, *, known: LensKnowledge) -> Set
     """
     n_own = word.jacobian.shape[1] - word.n_warp
     plain, gradient = word.jacobian.T @ word.jacobian, -word.jacobian.T @ word.residual
-    best, follow, narrow = _solved(plain, gradient, n_own=n_own)
+    follow, narrow, of_warp = _with_own_following(plain, n_own=n_own)
+    best = _inverse(of_warp) @ (gradient[n_own:] + follow.T @ gradient[:n_own])
     at_best = np.concatenate([narrow @ gradient[:n_own] + follow @ best, best])
     held = clustered.normal_matrix(word.jacobian, word.residual + word.jacobian @ at_best, clusters=word.clusters)
-    _, follow_held, u_own = _solved(held, gradient, n_own=n_own)
-    beside = held[n_own:, n_own:] + held[n_own:, :n_own] @ follow_held
-    cameras = _Cameras(shape=shape, known=known)
-    u_px = _UNEVEN * math.hypot(shape.image_rows, shape.image_columns) / 2
+    follow_held, u_own, beside = _with_own_following(held, n_own=n_own)
+    cameras = _Cameras(shape, known=known)
+    u_px = _UNEVEN * cameras.unit_px
     uneven = np.linalg.inv(beside + np.eye(word.n_warp) / u_px**2)
     smoothed = (np.eye(word.n_warp) - beside @ uneven) @ beside
 
@@ -102,12 +98,11 @@ def settled(word: ImageWord, shape: SectorShape, *, known: LensKnowledge) -> Set
     return Settled(moved=np.concatenate([own, mean]), covariance=covariance, camera=cameras.estimate(units))
 
 
-def _solved(normal: Array, gradient: Array, *, n_own: int) -> tuple[Array, Array, Array]:
-    """Best warp (n_warp,), how the first ``n_own`` numbers follow it (n_own, n_warp), and their covariance given it."""
+def _with_own_following(normal: Array, *, n_own: int) -> tuple[Array, Array, Array]:
+    """How the first ``n_own`` numbers follow the warp (n_own, n_warp), their covariance given it, and its normal matrix then."""
     inverse = _inverse(normal[:n_own, :n_own])
     follow = -inverse @ normal[:n_own, n_own:]
-    beside = normal[n_own:, n_own:] + normal[n_own:, :n_own] @ follow
-    return _inverse(beside) @ (gradient[n_own:] + follow.T @ gradient[:n_own]), follow, inverse
+    return follow, inverse, normal[n_own:, n_own:] + normal[n_own:, :n_own] @ follow
 
 
 def _inverse(normal: Array) -> Array:
@@ -122,11 +117,14 @@ def _inverse(normal: Array) -> Array:
 class _Cameras:
     """Lenses and tilts in units of what is known of them, shape (n, n_free), and how they warp the image against ``shape``."""
 
-    def __init__(self, *, shape: SectorShape, known: LensKnowledge) -> None:
+    def __init__(self, shape: SectorShape, *, known: LensKnowledge) -> None:
         self._shape, self._known = shape, known
         self._free = [name for name in CAMERA_NUMBERS if known.prior(name).standard_uncertainty > 0]
-        self._places, self._taken_off = _places(shape)
-        self._before = np.concatenate(projection_of(shape).seen(*self._places))
+        now = projection_of(shape)
+        self.unit_px = now.lens.half_diagonal_px
+        *self._places, area = blurred_sector.places(shape, n_radial=_RADIAL, n_around=_AROUND)
+        self._taken_off = _taken_off(*self._places, area_px2=area, unit_px=self.unit_px)
+        self._before = np.concatenate(now.seen(*self._places))
 
     @property
     def n_free(self) -> int:
@@ -135,7 +133,7 @@ class _Cameras:
 
     def is_possible(self, units: Array) -> Array:
         """Whether each lens shows every point of the image once, shape (n,)."""
-        distortion = self._stated(units)["distortion"]
+        distortion = self._stated("distortion", units)
         return np.asarray((distortion >= lens.LOWEST) & (distortion <= lens.HIGHEST))
 
     def warp(self, units: Array) -> Array:
@@ -143,11 +141,9 @@ class _Cameras:
         numbers = {name: one[:, None] for name, one in self._numbers(units).items()}
         projection = self._projection(numbers)
         row, column = projection.seen(*self._places)
-        middle, unit = projection.lens.middle_px, projection.lens.half_diagonal_px
+        middle = projection.lens.middle_px
         below, beside = row - middle[0], column - middle[1]
-        further = (
-            numbers["quartic"] * ((below**2 + beside**2) / unit**2) ** 2
-        )  # beside the one that a calibration states
+        further = numbers["quartic"] * ((below**2 + beside**2) / self.unit_px**2) ** 2
         row, column = row + below * further, column + beside * further
         seen = np.concatenate(np.broadcast_arrays(row, column), axis=1)
         return np.asarray((seen - self._before) @ self._taken_off.T)
@@ -163,18 +159,15 @@ class _Cameras:
             covariance=np.cov(drawn.T),
         )
 
-    def _stated(self, units: Array) -> dict[str, Array]:
-        """CAMERA_NUMBERS, shape (n,) each."""
-        found = {}
-        for name in CAMERA_NUMBERS:
-            prior = self._known.prior(name)
-            unit = units[:, self._free.index(name)] if name in self._free else np.zeros(len(units))
-            found[name] = prior.value + prior.standard_uncertainty * unit
-        return found
+    def _stated(self, name: str, units: Array) -> Array:
+        """One of CAMERA_NUMBERS, shape (n,)."""
+        prior = self._known.prior(name)
+        unit = units[:, self._free.index(name)] if name in self._free else np.zeros(len(units))
+        return np.asarray(prior.value + prior.standard_uncertainty * unit)
 
     def _numbers(self, units: Array) -> dict[str, Array]:
         """Those of a sector's shape, those of lenses that there cannot be at their limit."""
-        found = self._stated(units)
+        found = {name: self._stated(name, units) for name in CAMERA_NUMBERS}
         found["distortion"] = np.clip(found["distortion"], lens.LOWEST, lens.HIGHEST)
         length = np.exp(found["log_focal_length"])
         return found | {"keystone_row": found["tilt_row"] / length, "keystone_column": found["tilt_column"] / length}
@@ -189,7 +182,7 @@ class _Cameras:
             off_column_px=numbers["lens_column_px"],
             terms=shape.lens_terms,
         )
-        unit = optics.half_diagonal_px
+        unit = self.unit_px
         return Projection(
             axle_px=(shape.axle_row_px, shape.axle_column_px),
             keystone_per_px=(numbers["keystone_row"] / unit, numbers["keystone_column"] / unit),
@@ -199,23 +192,15 @@ class _Cameras:
         )
 
 
-def _places(shape: SectorShape) -> tuple[Sequence[Array], Array]:
-    """Places in the sector, down and right from the axle, two of shape (p,), and what takes the warp's numbers off displacements.
+def _taken_off(down_px: Array, right_px: Array, *, area_px2: Array, unit_px: float) -> Array:
+    """What takes the warp's numbers off displacements at places (p,), down and then right; shape (n_warp, 2 p).
 
-    The latter is of shape (n_warp, 2 p); a shift, a turn and a scale are fitted beside them and left out.
+    A shift, a turn and a scale are fitted beside them and left out.
     """
-    along, weight = np.polynomial.legendre.leggauss(_RADIAL)
-    around, share = np.polynomial.legendre.leggauss(_AROUND)
-    radius = (
-        shape.outer_radius_px + shape.inner_radius_px + along * (shape.outer_radius_px - shape.inner_radius_px)
-    ) / 2
-    polar = shape.bisector_rad + shape.opening_angle_rad / 2 * around
-    down = shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel()
-    across = shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()
-    right = -across if shape.mirrored else across
-    unit_px = math.hypot(shape.image_rows, shape.image_columns) / 2
-    none, one = np.zeros(down.size), np.ones(down.size)
-    trivial = [(one, none), (none, one), (down / unit_px, right / unit_px), (-right / unit_px, down / unit_px)]
-    fields = np.array([np.concatenate(field) for field in (*trivial, *displacements(down, right, unit_px=unit_px))])
-    light = np.sqrt(np.tile(np.multiply.outer(radius * weight, share).ravel(), 2))
-    return (down, right), np.asarray((np.linalg.pinv((fields * light).T) * light)[len(trivial) :])
+    none, one = np.zeros(down_px.size), np.ones(down_px.size)
+    down, right = down_px / unit_px, right_px / unit_px
+    trivial = [(one, none), (none, one), (down, right), (-right, down)]
+    warps = displacements(down_px, right_px, unit_px=unit_px)
+    fields = np.array([np.concatenate(field) for field in (*trivial, *warps)])
+    light = np.sqrt(np.tile(area_px2, 2))
+    return np.asarray((np.linalg.pinv((fields * light).T) * light)[len(trivial) :])

@@ -90,8 +90,7 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
     if calibration is not None:
         known = _placed(calibration.focal_length_px[0], calibration.centre_px, image=image)
         return LensKnowledge(
-            known=known | {"distortion": _in_half_diagonals(calibration, unit)},
-            terms=_terms(calibration, unit),
+            known=known | {"distortion": _in_half_diagonals(calibration, unit)}, terms=_terms(calibration, unit)
         )
     known = {
         "distortion": _as_stated(camera, image=image),

@@ -11,11 +11,11 @@ from typing import final
 import numpy as np
 from scipy.special import chdtrc
 
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS
+from irtiming.estimate.row_light import slopes
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.pixel_maps import ReadoutPattern
-from irtiming.records.row_timing import SectorFit
+from irtiming.records.row_timing import SectorFit, SectorShape
 
 _FREE = 100.0  # standard uncertainties of the shape's numbers
 _FAR, _FEW = 8.0, 0.01  # standard uncertainties, and share of the pixels that may be as far as that by themselves
@@ -78,19 +78,13 @@ def shape_effect_s(sector: SectorFit, *, row_px: Ticks, column_px: Ticks, omega:
     omega
         Angular frequency of the wheel, rad/s.
     """
-    shape = sector.shape
-    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
 
-    def angle(name: str, side: float) -> Array:
-        other = replace(shape, **{name: getattr(shape, name) + side * step_of[name]})
-        place, _ = blurred_sector.pixel_places(other, roi=sector.roi)
+    def angle(shape: SectorShape) -> Array:
+        place, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
         return np.asarray(place[row_px - sector.roi[0], column_px - sector.roi[2]])
 
-    names = [name for name in sector.names if name in step_of]
-    at = [sector.names.index(name) for name in names]
-    slopes = np.array([(angle(name, 1.0) - angle(name, -1.0)) / (2 * step_of[name]) for name in names]).T
-    sizes, axes = np.linalg.eigh(sector.covariance[np.ix_(at, at)])
-    return np.asarray(slopes @ (axes * np.sqrt(np.maximum(sizes, 0.0))) / omega)
+    sizes, axes = np.linalg.eigh(sector.covariance)
+    return np.asarray(slopes(angle, sector).T @ (axes * np.sqrt(np.maximum(sizes, 0.0))) / omega)
 
 
 @final

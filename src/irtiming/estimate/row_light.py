@@ -1,6 +1,6 @@
 """How the opening's light lies over polar angle, row by row: the sector of the contrast image, and what it leaves over."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import final
 
@@ -13,15 +13,17 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
 
 SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type is float)
-"""Numbers of the sector in the order of its covariance."""
+"""Numbers of a sector's shape."""
 
-_STEPS = dict.fromkeys(WARP_NUMBERS, 0.02) | {
+STEP_OF = dict.fromkeys(SHAPE_NUMBERS, 3e-3) | dict.fromkeys(WARP_NUMBERS, 0.02) | {
     "bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "keystone_row": 1e-4, "keystone_column": 1e-4,
     "log_focal_length": 0.01, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
     "glare_px": 3e-2,
 }  # fmt: skip
-SHAPE_STEPS = tuple(_STEPS.get(name, 3e-3) for name in SHAPE_NUMBERS)
 """By how much each is varied for a derivative."""
+
+SHAPE_STEPS = tuple(STEP_OF[name] for name in SHAPE_NUMBERS)
+"""The same in the order of SHAPE_NUMBERS."""
 
 _LEAST_LIGHT_PX2 = 3.0
 _FEWEST_ROWS = 6
@@ -124,6 +126,25 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
         return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
 
     return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
+
+
+def slopes(of: Callable[[SectorShape], Array], sector: SectorFit) -> Array:
+    """Derivatives of what a shape makes to the numbers of the sector that may be off, shape (n, ...).
+
+    Parameters
+    ----------
+    of
+        Makes an array of any shape.
+    sector
+        Tells the shape and those numbers, in the order of its covariance.
+    """
+
+    def moved(name: str, step: float) -> Array:
+        return of(replace(sector.shape, **{name: getattr(sector.shape, name) + step}))
+
+    return np.array([
+        (moved(name, STEP_OF[name]) - moved(name, -STEP_OF[name])) / (2 * STEP_OF[name]) for name in sector.names
+    ])  # fmt: skip
 
 
 def shape_of(

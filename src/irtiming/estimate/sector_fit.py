@@ -23,8 +23,8 @@ from irtiming.estimate import contrast_look, lens_and_tilt, lens_knowledge, sect
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.lens_and_tilt import SLIGHT, ImageWord
 from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation
-from irtiming.estimate.sector_image import BLUR_SHAPES, NUMBERS, SeenContrast, Sharp, View
+from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
+from irtiming.estimate.sector_image import EXCHANGES, NUMBERS, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Misfit, Slopes, searched
 from irtiming.inference import clustered
 from irtiming.physics import blurred_sector
@@ -32,7 +32,6 @@ from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
-from irtiming.records.estimate import Estimate
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit
@@ -118,12 +117,12 @@ def settled(
     last = lens_and_tilt.settled(word, images.view.shape(best.numbers), known=best.known)
     names = [*(name for name in best.free if name not in SLIGHT), *WARP_NUMBERS]
     n_own = len(names) - len(WARP_NUMBERS)
-    at = np.delete(np.arange(last.moved.size), slice(n_own, n_own + len(BLUR_SHAPES)))
-    numbers = {**best.numbers} | {
+    at = np.delete(np.arange(last.moved.size), slice(n_own, n_own + len(EXCHANGES)))
+    numbers = best.numbers | {
         name: best.numbers[name] + float(move) for name, move in zip(names, last.moved[at], strict=True)
     }
-    told = _told(images, numbers, known=(names, last.covariance[np.ix_(at, at)], best.chi_square), camera=last.camera)
-    return replace(told, n_rounds=start.n_rounds + 1)
+    told = _told(images, numbers, names=names, covariance=last.covariance[np.ix_(at, at)], chi_square=best.chi_square)
+    return replace(told, n_rounds=start.n_rounds + 1, camera=last.camera)
 
 
 def fit_row_by_row(
@@ -195,14 +194,14 @@ def _searched(
 
 def _as_it_is(images: _Images, best: _Best, *, start: SectorFit | None) -> SectorFit:
     covariance = clustered.covariance(best.slopes, best.residual, clusters=best.clusters)
-    told = _told(images, best.numbers, known=(best.free, covariance, best.chi_square))
+    told = _told(images, best.numbers, names=best.free, covariance=covariance, chi_square=best.chi_square)
     return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
 
 
 def _reshaped(images: _Images, best: _Best) -> list[Array]:
     """What a blur of another shape does to the residual, per standard uncertainty of what is known of it, shape (m,) each."""
     sharp, columns = images.sharp(best.numbers), []
-    for axis, away in BLUR_SHAPES:
+    for axis, away in EXCHANGES:
         moved = [one.exchanged(_U_SHARED, axis=axis, away=away) for one in sharp]
         here = np.concatenate(images.misfit(best.numbers, moved))
         columns.append(np.concatenate([np.zeros(_N_PRIORS), here - best.residual[_N_PRIORS:]]))
@@ -222,7 +221,7 @@ def _without_camera(images: _Images, best: _Best) -> ImageWord:
 
     own = [one for name, one in zip(best.free, best.slopes.T, strict=True) if name not in SLIGHT]
     jacobian = np.stack([*own, *_reshaped(images, best), *(warped(name) for name in WARP_NUMBERS)], axis=1)[kept]
-    prior = np.eye(jacobian.shape[1])[len(own) : len(own) + len(BLUR_SHAPES)]
+    prior = np.eye(jacobian.shape[1])[len(own) : len(own) + len(EXCHANGES)]
     return ImageWord(
         residual=np.append(residual[kept], np.zeros(len(prior))),
         jacobian=np.concatenate([jacobian, prior]),
@@ -239,7 +238,8 @@ def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig
     images = _images(recordings, wheel, rig=rig, timing=timing, known=None)
     known = lens_knowledge.knowledge(rig.camera, image=images.view.image)
     numbers = sector_image.first_guess(images.seen[0], images.view) | known.start
-    return replace(_told(images, numbers, known=((), np.zeros((0, 0)), 1.0)), n_rounds=0)
+    told = _told(images, numbers, names=(), covariance=np.zeros((0, 0)), chi_square=1.0)
+    return replace(told, n_rounds=0)
 
 
 def _chi_square(images: _Images, residual: Array) -> float:
@@ -288,11 +288,11 @@ def variations(
     One for each number that may be off, in the order of its covariance.
     """
     images = _images(recordings, wheel, rig=rig, timing=timing, known=found)
-    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
-    return tuple(_varied(images, found, _numbers(found), name=name, step=step_of[name]) for name in found.names)
+    return tuple(_varied(images, found, _numbers(found), name=name) for name in found.names)
 
 
-def _varied(images: _Images, found: SectorFit, numbers: Mapping[str, float], *, name: str, step: float) -> Variation:
+def _varied(images: _Images, found: SectorFit, numbers: Mapping[str, float], *, name: str) -> Variation:
+    step = STEP_OF[name]
     ahead, behind = (
         replace(found, **_light(images.contrast(moved), moved, view=images.view))
         for moved in ({**numbers, name: numbers[name] + way * step} for way in (1, -1))
@@ -329,17 +329,17 @@ def _told(
     images: _Images,
     numbers: Mapping[str, float],
     *,
-    known: tuple[Sequence[str], Array, float],
-    camera: Estimate | None = None,
+    names: Sequence[str],
+    covariance: Array,
+    chi_square: float,
 ) -> SectorFit:
-    """The measured contrast, split into sector, plate and excess, with names, covariance and how well all fits."""
+    """The measured contrast, split into sector, plate and excess, with what is known of the numbers and how well all fits."""
     view, seen = images.view, images.contrast(numbers)
     inside = view.good & (seen.sharp > _WELL_INSIDE)
     border = view.good & (np.abs(seen.sharp - 0.5) < _BORDER)
     weight = _border_weight(seen.sharp, numbers["blur_px"])
     gains = _scatter(seen.residual[inside], seen.u)
     burrs = _scatter((seen.residual / weight)[border], seen.u)
-    names, covariance, chi_square = known
     of_shape = [k for k, name in enumerate(names) if name in SHAPE_NUMBERS]
     variance = dict(zip(names, np.diag(covariance).tolist(), strict=True))
     return SectorFit(
@@ -361,7 +361,6 @@ def _told(
         reduced_chi_square=chi_square,
         roi=view.roi,
         n_rounds=1,
-        camera=camera,
     )
 
 

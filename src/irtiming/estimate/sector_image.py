@@ -163,7 +163,7 @@ class Sharp:
         return replace(self, sector=self.sector + change[..., 0] + 1j * change[..., 1])
 
 
-BLUR_SHAPES = ((0, 1), (1, 1), (0, 2), (1, 2))
+EXCHANGES = ((0, 1), (1, 1), (0, 2), (1, 2))
 """Axes, and distances in px, of exchanges that turn a Gaussian blur into any that is a little different where it matters."""
 
 

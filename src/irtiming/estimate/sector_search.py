@@ -76,7 +76,7 @@ class Slopes:
 def searched(
     misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, slopes: Slopes | None = None
 ) -> OptimizeResult:
-    """The search.
+    """Where a search from one place ends; a whole one, also where slopes of others led it nowhere.
 
     Parameters
     ----------

@@ -5,13 +5,12 @@ A blackbody of another temperature shows the plate with another share of its con
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS
+from irtiming.estimate.row_light import slopes
 from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
@@ -122,22 +121,17 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         for one in (sector.contrast - sector.ring, sector.model_contrast)
     )
 
-    def seen(**numbers: Any) -> Array:
+    def seen(at: SectorShape) -> Array:
         """Mean angle of the light from the bisector, by how much each edge misses the axle, and what uneven light turns."""
-        at = replace(shape, **numbers)
         angle, _ = blurred_sector.pixel_places(at, roi=sector.roi)
         uneven = np.sum(light * angle) / np.sum(light) - np.sum(even * angle) / np.sum(even)
         return np.array([np.sum(light * angle) / np.sum(light), *_edge_miss_px(at), uneven])
 
-    step_of = dict(zip(SHAPE_NUMBERS, SHAPE_STEPS, strict=True))
-    slopes = np.array([
-        (seen(**{name: getattr(shape, name) + step}) - seen(**{name: getattr(shape, name) - step})) / (2 * step)
-        for name, step in ((name, step_of[name]) for name in sector.names)
-    ])  # fmt: skip
-    shift, low, high, uneven = seen()
+    by_number = slopes(seen, sector)
+    shift, low, high, uneven = seen(shape)
     ends, share = plate_light.spread(sector, summed, shift_rad=float(shift))
     lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
-    u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", slopes, sector.covariance, slopes))
+    u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", by_number, sector.covariance, by_number))
     return AxleView(
         row_px=shape.axle_row_px,
         column_px=shape.axle_column_px,

@@ -16,10 +16,8 @@ from irtiming.records.arrays import Array
 _SEED = 2023
 _KEPT = 0.5  # of the draws: how many, in effect, a step may leave apart
 _MOVES, _LAST_MOVES, _EVERY = 6, 48, 6
-_JUMP, _JUMPS = (
-    2.38,
-    (0.2, 1.1),
-)  # of the best length of a difference in many normal dimensions, shorter and longer in turn
+_JUMP = 2.38  # over the root of twice the dimensions: the best length of a difference where all is normal
+_JUMPS = (0.2, 1.1)  # of it: shorter and longer in turn
 _FULL_JUMPS = 0.1  # share of moves by whole differences, which lead from one summit to another
 
 
@@ -46,7 +44,7 @@ def draws(log_likelihood: Callable[[Array], Array], *, n_numbers: int, n_draws: 
     while share < 1.0:
         rise = _rise(crowd.told, 1.0 - share)
         crowd.pick(np.exp(rise * (crowd.told - crowd.told.max())))
-        share = min(share + rise, 1.0) if rise < 1.0 - share else 1.0
+        share = share + rise if rise < 1.0 - share else 1.0
         for _ in range(_MOVES):
             crowd.move(share)
     found = []

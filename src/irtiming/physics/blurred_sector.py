@@ -106,14 +106,32 @@ def _widths_with_glare(shape: SectorShape) -> tuple[float, float]:
     return math.hypot(rows, shape.glare_px), math.hypot(columns, shape.glare_px)
 
 
+def places(shape: SectorShape, *, n_radial: int, n_around: int) -> tuple[Array, Array, Array]:
+    """Places in the sector in the wheel's plane: down and right from the axle (px), and the area of each (px^2).
+
+    ``n_radial`` and ``n_around`` Gauss-Legendre nodes in radius and in angle; three arrays of shape (n_radial n_around,).
+    """
+    nodes = _grid(shape, n_radial=n_radial, n_around=n_around)
+    return nodes.down, _sense(shape) * nodes.across, nodes.area
+
+
 def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
-    half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
-    half_angle = shape.opening_angle_rad / 2
+    width, angle = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad
     wide = _widest(shape, projection_of(shape))
     along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))
-    radial, radial_weight = _gauss_legendre(max(8, math.ceil(2 * half_width / along)))
-    for_waves = math.ceil(half_angle * n_harmonics) + _MORE_NODES
-    around, around_weight = _gauss_legendre(max(for_waves, math.ceil(2 * half_angle * shape.outer_radius_px / across)))
+    for_waves = math.ceil(angle / 2 * n_harmonics) + _MORE_NODES
+    return _grid(
+        shape,
+        n_radial=max(8, math.ceil(width / along)),
+        n_around=max(for_waves, math.ceil(angle * shape.outer_radius_px / across)),
+    )
+
+
+def _grid(shape: SectorShape, *, n_radial: int, n_around: int) -> _Nodes:
+    half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
+    half_angle = shape.opening_angle_rad / 2
+    radial, radial_weight = _gauss_legendre(n_radial)
+    around, around_weight = _gauss_legendre(n_around)
     radius = shape.inner_radius_px + half_width * (1 + radial)
     polar = shape.bisector_rad + half_angle * around
     to_edge = np.sin(np.minimum(half_angle * (1 - np.abs(around)), np.pi / 2))
