@@ -14,7 +14,7 @@ from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.arrays import Array, ComplexArray
+from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -22,6 +22,7 @@ _TABLE = 16384
 _HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
 _WIDTH_STEP = math.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
+_WIDTHS = np.geomspace(_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS)
 _ORDERS = np.fft.fftfreq(_TABLE, 1 / _TABLE)  # of each entry of the table's spectrum
 _SHORTEST_WAVE = 2.0  # in gaps of a quadrature: what it resolves
 _SHARPNESS = 8  # with which what is shorter ends
@@ -69,18 +70,26 @@ class Look:
 
         Frames are few, so that the table is rough: a handful of its values would not tell its mean.
         """
-        angles = np.ascontiguousarray(angle_rad)
-        return np.asarray(_means(self._smooth, angles.ravel(), width_rad.ravel()).reshape(angles.shape))
+        angles, smooth = np.ascontiguousarray(angle_rad), self._smoothed(width_rad.min(), width_rad.max())
+        return np.asarray(_means(smooth, angles.ravel(), width_rad.ravel()).reshape(angles.shape))
 
     def _between(self, table: ComplexArray, angle_rad: Array) -> ComplexArray:
         angles = np.ascontiguousarray(angle_rad)
         return np.asarray(_interpolated(table, angles.ravel()).reshape(angles.shape))
 
+    def _smoothed(self, narrowest_rad: float, widest_rad: float) -> ComplexArray:
+        """The table smoothed by Gaussians from the narrowest to the widest, shape (70, 16384); those between both are made."""
+        table, is_made = self._smooth
+        first, last = int(_place_of_width(narrowest_rad)), int(_place_of_width(widest_rad)) + 1
+        for k in first + np.flatnonzero(~is_made[first : last + 1]):
+            table[k] = np.fft.ifft(self._spectrum * np.exp(-0.5 * (_ORDERS * _WIDTHS[k]) ** 2))
+            is_made[k] = True
+        return table
+
     @cached_property
-    def _smooth(self) -> ComplexArray:
-        """The table smoothed by Gaussians from the narrowest to the widest, shape (70, 16384)."""
-        widths = np.geomspace(_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS)[:, None]
-        return np.asarray(np.fft.ifft(self._spectrum * np.exp(-0.5 * (_ORDERS * widths) ** 2)))
+    def _smooth(self) -> tuple[ComplexArray, Mask]:
+        """Room for the smoothed tables, and which of them are made: an image asks for a few neighbours."""
+        return np.empty((_N_WIDTHS, _TABLE), complex), np.zeros(_N_WIDTHS, bool)
 
     @cached_property
     def _without_waves(self) -> dict[float, ComplexArray]:
@@ -105,6 +114,12 @@ def _interpolated(table: ComplexArray, angle: Array) -> Any:
 
 
 @njit(cache=True, nogil=True)
+def _place_of_width(width: float) -> float:
+    """Where a width stands among those of the smoothed tables."""
+    return min(max(math.log(width / _NARROWEST_RAD) / _WIDTH_STEP, 0.0), _N_WIDTHS - 1.001)
+
+
+@njit(cache=True, nogil=True)
 def _means(smooth: ComplexArray, angle: Array, width: Array) -> Any:
     """Smoothed tables (70, 16384) at each angle, between the two of the nearest widths, shape (n,)."""
     out = np.empty(angle.size, np.complex128)
@@ -112,7 +127,7 @@ def _means(smooth: ComplexArray, angle: Array, width: Array) -> Any:
         place = angle[k] % TURN * (_TABLE / TURN)
         below = int(place)
         part, above, below = place - below, (below + 1) % _TABLE, below % _TABLE
-        wide = min(max(math.log(width[k] / _NARROWEST_RAD) / _WIDTH_STEP, 0.0), _N_WIDTHS - 1.001)
+        wide = _place_of_width(width[k])
         narrower = int(wide)
         first = (1 - part) * smooth[narrower, below] + part * smooth[narrower, above]
         second = (1 - part) * smooth[narrower + 1, below] + part * smooth[narrower + 1, above]
@@ -150,7 +165,7 @@ def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: 
         )
         point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
         angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
-        waves = np.exp(1j * np.multiply.outer(order, angle))
-        np.add.at(spectrum, -order, point * (waves @ one.contrast_image.frame_weight) / 2)
-        np.add.at(spectrum, order, point.conj() * (waves.conj() @ one.contrast_image.frame_weight) / 2)
+        waves, weight = wheel_harmonics.later(angle, n_harmonics=_HARMONICS), one.contrast_image.frame_weight
+        np.add.at(spectrum, -order, point * (weight @ waves) / 2)
+        np.add.at(spectrum, order, (point * (weight.conj() @ waves)).conj() / 2)
     return np.fft.ifft(spectrum) * _TABLE

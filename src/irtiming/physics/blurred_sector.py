@@ -34,6 +34,7 @@ from irtiming.errors import GeometryError
 from irtiming.physics import gaussian_spread
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
+from irtiming.physics.wheel_harmonics import later
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
@@ -381,6 +382,7 @@ def with_glare(image: ComplexArray, shape: SectorShape) -> ComplexArray:
     return np.asarray((1 - shape.glare) * image + shape.glare * spread)
 
 
+@lru_cache(maxsize=16)
 def _gaussian(n: int, width: float) -> Array:
     """What each of so many pixels has of the light of each, shape (n, n)."""
     apart = np.arange(n)[:, None] - np.arange(n)
@@ -396,8 +398,8 @@ def glare_harmonics(
     """
     points = glare_points(shape, n_harmonics=n_harmonics)
     into_sum = glare_kept(points, summed, shape=shape, roi=roi)
-    waves = np.exp(-1j * np.multiply.outer(points.angle_rad, np.arange(n_harmonics + 1)))
-    return np.asarray(into_sum.T @ (waves * points.area_px2[:, None]))
+    waves = later(-points.angle_rad, n_harmonics=n_harmonics) * points.area_px2[:, None]
+    return np.asarray(into_sum.T @ waves.real + 1j * (into_sum.T @ waves.imag))
 
 
 def glare_kept(points: LightPoints, summed: Mask, *, shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:

@@ -13,11 +13,17 @@ REACH = 5.0
 """Blurs beyond which no light comes."""
 
 _TABLE_END, _TABLE_STEPS = 7, 128  # of the Gaussian's integral, in and per standard deviation
-_TABLE_PLACES = np.arange(-_TABLE_END * _TABLE_STEPS, _TABLE_END * _TABLE_STEPS + 2) / _TABLE_STEPS
-_GAUSSIAN = np.stack(
-    [ndtr(_TABLE_PLACES) - 0.5, np.exp(-(_TABLE_PLACES**2) / 2) / (math.sqrt(2 * np.pi) * _TABLE_STEPS)], axis=1
-)
-"""Its integral from zero on, and how much that grows in a step of the table: cubics in between."""
+
+
+def _cubics() -> Array:
+    """Coefficients of the cubic in each step of the table, by Hermite: the Gaussian's integral from zero on, shape (n, 4)."""
+    place = np.arange(-_TABLE_END * _TABLE_STEPS, _TABLE_END * _TABLE_STEPS + 2) / _TABLE_STEPS
+    value, slope = ndtr(place) - 0.5, np.exp(-(place**2) / 2) / (math.sqrt(2 * np.pi) * _TABLE_STEPS)
+    rise, first, last = np.diff(value), slope[:-1], slope[1:]
+    return np.stack([value[:-1], first, 3 * rise - 2 * first - last, first + last - 2 * rise], axis=1)
+
+
+_GAUSSIAN = _cubics()
 
 
 def deposit(
@@ -42,22 +48,21 @@ def deposit(
 
 
 @njit(cache=True, nogil=True)
-def _below(place: float) -> float:
-    """Part of a Gaussian about zero below a place in units of its standard deviation, less a half; to 1e-11."""
-    at = (place + _TABLE_END) * _TABLE_STEPS
-    k = int(min(max(at, 0.0), 2.0 * _TABLE_END * _TABLE_STEPS))
-    on = min(max(at - k, 0.0), 1.0)
-    low, high, slope, next_slope = _GAUSSIAN[k, 0], _GAUSSIAN[k + 1, 0], _GAUSSIAN[k, 1], _GAUSSIAN[k + 1, 1]
-    rise = high - low
-    return float(low + on * (slope + on * (3 * rise - 2 * slope - next_slope + on * (slope + next_slope - 2 * rise))))
+def _below(at: float) -> float:
+    """Part of a Gaussian about zero below a place, counted in steps of the table from its beginning, less a half; to 1e-11."""
+    inside = min(max(at, 0.0), 2.0 * _TABLE_END * _TABLE_STEPS)
+    k = int(inside)
+    on = inside - k
+    return float(_GAUSSIAN[k, 0] + on * (_GAUSSIAN[k, 1] + on * (_GAUSSIAN[k, 2] + on * _GAUSSIAN[k, 3])))
 
 
 @njit(cache=True, nogil=True)
 def _along_axis(place: float, first: int, last: int, blur: float, out: Array) -> None:
-    """Part of a Gaussian about a place that falls into each of these pixels."""
-    below = _below((first - 0.5 - place) / blur)
-    for j in range(first, last + 1):
-        above = _below((j + 0.5 - place) / blur)
+    """Part of a Gaussian about a place that falls into each of these pixels, from the beginning of ``out`` on."""
+    at, pixel = ((first - 0.5 - place) / blur + _TABLE_END) * _TABLE_STEPS, _TABLE_STEPS / blur
+    below = _below(at)
+    for j in range(last - first + 1):
+        above = _below(at + (j + 1) * pixel)
         out[j] = above - below
         below = above
 
@@ -73,11 +78,13 @@ def _deposit(row: Array, column: Array, light: Array, blur: tuple[float, float],
     for k in range(row.size):
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
+        if first_row > last_row or first > last:
+            continue
         _along_axis(row[k], first_row, last_row, blur[0], down)
         _along_axis(column[k], first, last, blur[1], across)
-        for i in range(first_row, last_row + 1):
-            for part in range(n):
-                along = light[k, part] * down[i]
-                for j in range(first, last + 1):
-                    out[part, i, j] += along * across[j]
+        for part in range(n):
+            for i in range(first_row, last_row + 1):
+                along, line = light[k, part] * down[i - first_row], out[part, i, first : last + 1]
+                for j in range(line.size):
+                    line[j] += along * across[j]
     return out

@@ -350,13 +350,24 @@ def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: floa
     -------
     Same shape; the exposed fraction grows by b times this. On a slope it is (u^3 - u) / 4.
     """
-    centre = model.opening_coordinate_rad + np.asarray(wheel_angle_rad) + sweep_rad / 2
-    bowed = np.zeros(centre.shape)
-    for sign, edge in zip(EDGE_SIGNS, model.cutout_edges_rad, strict=True):
-        beside = np.mod(edge - centre + np.pi, TURN) - np.pi
-        u = np.clip(beside / (model.opening_angle_rad / 2), -1.0, 1.0)
-        bowed += sign * (u - u**3) / 4
-    return bowed
+    centre = np.asarray(model.opening_coordinate_rad + np.asarray(wheel_angle_rad) + sweep_rad / 2)
+    found = _bowed(centre.ravel(), np.array(model.cutout_edges_rad), model.opening_angle_rad)
+    return np.asarray(found.reshape(centre.shape))
+
+
+@njit(cache=True, nogil=True)
+def _bowed(centre: Array, edges: Array, gamma: float) -> Any:
+    """Bowed fraction from the opening's centre in the middle of the window, shape (n,)."""
+    out = np.empty(centre.size)
+    for k in range(centre.size):
+        bowed, sign = 0.0, -1.0
+        for i in range(4):
+            beside = (edges[i] - centre[k] + math.pi) % TURN - math.pi
+            u = min(max(beside / (gamma / 2), -1.0), 1.0)
+            bowed += sign * (u - u**3) / 4
+            sign = -sign
+        out[k] = bowed
+    return out
 
 
 def slope_centres_rad(model: WheelModel) -> Array:
