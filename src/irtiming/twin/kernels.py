@@ -8,13 +8,14 @@ from numba import njit
 
 _NEWTON_STEPS = 6
 _SMALLEST_STEP = 1e-9
+_SMALL = 0.13  # of the ratio of an angle's sides
 
 
 class View(NamedTuple):
     """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image.
 
-    ``middle_*`` is the lens's axis. In a tilted view, one step to the right in the plane is ``*_of_right`` to the right, down
-    and away from the camera, and so one step down.
+    ``middle_*`` is the lens's axis, ``mask_right`` and ``mask_up`` the direction of the mask's opening. In a tilted view, one
+    step to the right in the plane is ``*_of_right`` to the right, down and away from the camera, and so one step down.
     """
 
     middle_row: float
@@ -33,8 +34,9 @@ class View(NamedTuple):
     mask_y: float
     mask_inner: float
     mask_outer: float
-    mask_centre: float
-    mask_half: float
+    mask_right: float
+    mask_up: float
+    mask_half_cosine: float
     tilted: bool
     focal: float
     right_of_right: float
@@ -51,8 +53,10 @@ def undistorted(row: float, column: float, half_diagonal: float, distortion: flo
 
     Newton's method for r_u in r_d = r_u (1 + k r_u^2), radii in half diagonals.
     """
-    seen = math.hypot(row, column) / half_diagonal
-    if distortion == 0.0 or seen == 0.0:
+    if distortion == 0.0:
+        return row, column
+    seen = math.sqrt(row * row + column * column) / half_diagonal
+    if seen == 0.0:
         return row, column
     radius = seen
     for _ in range(_NEWTON_STEPS):
@@ -105,10 +109,29 @@ def wrapped(angle: float) -> float:
 def in_opening(x: float, y: float, view: View) -> bool:
     """Whether a point of the rig plane lies in the mask's annular sector."""
     x, y = x - view.mask_x, y - view.mask_y
-    radius = math.hypot(x, y)
+    radius = math.sqrt(x * x + y * y)
     if radius < view.mask_inner or radius > view.mask_outer:
         return False
-    return abs(wrapped(math.atan2(y, x) - view.mask_centre)) <= view.mask_half
+    return x * view.mask_right + y * view.mask_up >= radius * view.mask_half_cosine
+
+
+@njit(cache=True, nogil=True)
+def in_ring(x: float, y: float, view: View) -> bool:
+    """Whether the wheel's cutouts sweep over a point of the rig plane."""
+    radius = math.sqrt(x * x + y * y)
+    return view.ring_inner <= radius <= view.ring_outer
+
+
+@njit(cache=True, nogil=True)
+def turned(x: float, y: float, direction: tuple[float, float]) -> float:
+    """Angle from a direction, of the length 1, to that of a point; a series where it is small, to 1e-13."""
+    along, across = x * direction[0] + y * direction[1], y * direction[0] - x * direction[1]
+    if abs(across) > _SMALL * along:
+        return math.atan2(across, along)
+    ratio = across / along
+    square = ratio * ratio
+    series = 1 / 9 - square * (1 / 11 - square / 13)
+    return ratio * (1 - square * (1 / 3 - square * (1 / 5 - square * (1 / 7 - square * series))))
 
 
 @njit(cache=True, nogil=True)

@@ -19,7 +19,7 @@ from scipy.special import ndtr
 
 from irtiming.records.arrays import Array
 from irtiming.twin.glare import stray_places
-from irtiming.twin.kernels import View, in_opening, scatter, to_rig, wrapped
+from irtiming.twin.kernels import View, in_opening, in_ring, scatter, to_rig, turned
 from irtiming.twin.rays import Indices, Offsets, view_of
 from irtiming.twin.scene import Scene
 
@@ -193,8 +193,7 @@ def _variant(row: int, column: int, variants: int) -> int:
 def _kind_of_place(row: float, column: float, view: View) -> int:
     """What a cutout shows at a place of the image: 0 the opening, 1 the plate; 2 where there is no cutout."""
     x, y = to_rig(row, column, view)
-    radius = math.hypot(x, y)
-    if radius < view.ring_inner or radius > view.ring_outer:
+    if not in_ring(x, y, view):
         return 2
     return 0 if in_opening(x, y, view) else 1
 
@@ -219,13 +218,13 @@ def _kind_of_pixel(row: int, column: int, view: View, reach: float) -> int:
 def _trace_pixel(rays: Offsets, place: tuple[int, int, float], view: View, spread: Offsets) -> tuple[int, int]:
     """Angles of a pixel's rays minus that of its centre, those to the opening and those to the plate; how many."""
     row, column, centre = place
+    direction = (math.cos(centre), math.sin(centre))
     opening, plate = 0, 0
     for ray in range(spread.shape[0]):
         x, y = to_rig(row + spread[ray, 0], column + spread[ray, 1], view)
-        radius = math.hypot(x, y)
-        if radius < view.ring_inner or radius > view.ring_outer:
+        if not in_ring(x, y, view):
             continue
-        angle = wrapped(math.atan2(y, view.mirror * x) - centre)
+        angle = turned(view.mirror * x, y, direction)
         if in_opening(x, y, view):
             rays[0, opening] = angle
             opening += 1

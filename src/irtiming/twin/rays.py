@@ -18,7 +18,7 @@ from numba import njit
 from scipy.special import ndtri
 
 from irtiming.records.arrays import Array
-from irtiming.twin.kernels import View, in_opening, scatter, to_rig, undistorted, wrapped
+from irtiming.twin.kernels import View, in_opening, in_ring, scatter, to_rig, turned, undistorted
 from irtiming.twin.optics import Optics
 from irtiming.twin.scene import ChopperWheel, MaskPlate, Scene
 
@@ -194,8 +194,9 @@ def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tupl
         mask_y=mask.centre_y_m,
         mask_inner=mask.inner_radius_m,
         mask_outer=mask.outer_radius_m,
-        mask_centre=mask.centre_angle_rad,
-        mask_half=mask.opening_angle_rad / 2,
+        mask_right=math.cos(mask.centre_angle_rad),
+        mask_up=math.sin(mask.centre_angle_rad),
+        mask_half_cosine=math.cos(mask.opening_angle_rad / 2),
         tilted=optics.is_tilted,
         focal=optics.focal_length_px,
         right_of_right=math.cos(beside),
@@ -224,6 +225,7 @@ def _trace_row(row: int, columns: int, view: View, steps: Any, reach: tuple[int,
         if radius < view.ring_inner - margin or radius > view.ring_outer + margin:
             continue
         centre = math.atan2(y, view.mirror * x)
+        direction = (math.cos(centre), math.sin(centre))
         found = np.zeros(2, np.int32)
         for ray in range(n_ray):
             cell_row, cell_column = row + row_step[ray], column + column_step[ray]
@@ -231,11 +233,10 @@ def _trace_row(row: int, columns: int, view: View, steps: Any, reach: tuple[int,
             place_row = cell_row - 0.5 + (sub_row[ray] + 0.5 + jitter_row) / along
             place_column = cell_column - 0.5 + (sub_column[ray] + 0.5 + jitter_column) / along
             x, y = to_rig(place_row, place_column, view)
-            radius = math.hypot(x, y)
-            if radius < view.ring_inner or radius > view.ring_outer:
+            if not in_ring(x, y, view):
                 continue
             kind = 0 if in_opening(x, y, view) else 1
-            behind[kind, found[kind]] = wrapped(math.atan2(y, view.mirror * x) - centre)
+            behind[kind, found[kind]] = turned(view.mirror * x, y, direction)
             found[kind] += 1
         if found[0] + found[1] > 0:
             pixel[live], reference[live] = row * columns + column, centre
