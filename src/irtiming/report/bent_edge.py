@@ -1,7 +1,8 @@
 """A frame in which an edge crosses the opening, and the bend that the rolling readout gives it."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
 
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -11,8 +12,11 @@ from irtiming.records.row_timing import RowTimingFit
 from irtiming.report import sheet
 from irtiming.report.language import t
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
-def draw(axes: Axes, analysis: Analysis, *, marked: dict[int, str]) -> None:
+
+def draw(axes: "Axes", analysis: Analysis, *, marked: dict[int, str]) -> None:
     """The frame, the edge as read row by row and as a snapshot would show it, and lines at the marked rows.
 
     Parameters

@@ -1,22 +1,23 @@
 """A parameter's uncertainty budget as bars, for notebooks."""
 
 from collections.abc import Mapping
-from typing import TypeAlias
-
-from matplotlib.axes import Axes
+from typing import TYPE_CHECKING, TypeAlias
 
 from irtiming.report import sheet
 from irtiming.report.language import t
 from irtiming.report.quantity import Quantity
 from irtiming.report.rounding import time_unit
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _MOST = 12
 
-Drawn: TypeAlias = Axes
+Drawn: TypeAlias = "Axes"
 """Axes of matplotlib, for those who may not load it."""
 
 
-def draw(name: str, quantity: Quantity, *, parts: Mapping[str, float], axes: Axes | None = None) -> Axes:
+def draw(name: str, quantity: Quantity, *, parts: Mapping[str, float], axes: "Axes | None" = None) -> "Axes":
     """Bars of what each source adds, the largest on top, in axes of its own if none are given.
 
     Parameters

@@ -1,18 +1,20 @@
 """Maps of every pixel's timing as a picture: images, histograms of pulls, means over rows and columns."""
 
 import io
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.arrays import Array
 from irtiming.records.pixel_maps import LineMeans, PixelMaps
 from irtiming.records.reduced import Region
 from irtiming.report import sheet
 
-Drawn: TypeAlias = Axes
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Drawn: TypeAlias = "Axes"
 """Axes of matplotlib, for those who may not load it."""
 
 _UNITS = {"_s": (1e6, "µs"), "_dn": (1.0, "DN")}
@@ -26,7 +28,7 @@ _TITLES = {
 }  # fmt: skip
 
 
-def draw(name: str, image: Array, *, roi: Region, axes: Axes | None = None) -> Axes:
+def draw(name: str, image: Array, *, roi: Region, axes: "Axes | None" = None) -> "Axes":
     """One map with its scale, over all but the rarest values, in axes of its own if none are given.
 
     Parameters
@@ -63,7 +65,7 @@ def draw(name: str, image: Array, *, roi: Region, axes: Axes | None = None) -> A
     return axes
 
 
-def figure(maps: PixelMaps) -> Figure:
+def figure(maps: PixelMaps) -> "Figure":
     """Deviation, delay, contrast and time constant or noise; histograms of their pulls; means over rows and columns.
 
     Parameters
@@ -118,7 +120,7 @@ def _heading(maps: PixelMaps) -> str:
     return f"{maps.delay_name.replace('_', ' ').capitalize()} of {maps.n_pixels} pixels ({strays}); {rows}"
 
 
-def _histogram(axes: Axes, name: str, maps: PixelMaps) -> None:
+def _histogram(axes: "Axes", name: str, maps: PixelMaps) -> None:
     """Of a map: of deviations over their standard uncertainties with the normal curve, of others of the values."""
     image, u = maps.images[name], maps.images.get(f"u_{name}")
     if name == "deviation_s":
@@ -139,7 +141,7 @@ def _histogram(axes: Axes, name: str, maps: PixelMaps) -> None:
     axes.set_yticks([])
 
 
-def _means(axes: Axes, means: LineMeans, *, axis: str) -> None:
+def _means(axes: "Axes", means: LineMeans, *, axis: str) -> None:
     many = means.n_pixels >= _FEWEST
     axes.errorbar(
         means.line_px[many], 1e6 * means.deviation_s[many], 1e6 * means.u_delay_s[many], fmt=".", color=sheet.BLUE,

@@ -1,22 +1,22 @@
 """The look of all figures, and how a figure becomes SVG text inside a page.
 
 Figures are made with matplotlib's objects alone, no global state of pyplot; letters become paths and pictures are
-embedded, so that the text holds no link to anything outside.
+embedded, so that the text holds no link to anything outside. Who draws no figure does not wait for matplotlib either.
 """
 
 import io
 import re
 from collections.abc import Sequence
-from typing import Any, final
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import Formatter
 
 from irtiming.records.arrays import Array
-from irtiming.report.language import decimal, language, t
+from irtiming.report.language import language, t
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 INK, FAINT, GRID = "#1d2733", "#7a8794", "#e3e8ee"
 BLUE, RED, GREEN, PURPLE, ORANGE = "#1f5fa8", "#c0271d", "#1d7a3a", "#7b3fa0", "#d98200"
@@ -36,15 +36,19 @@ _STYLE: Any = {
 
 def style() -> Any:
     """Context in which figures are made: house style, restored at its end."""
+    import matplotlib as mpl
+
     return mpl.rc_context(_STYLE)
 
 
-def figure(*, height_in: float, width_in: float = 9.6) -> Figure:
+def figure(*, height_in: float, width_in: float = 9.6) -> "Figure":
     """Empty figure whose axes keep clear of each other."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
-def svg(drawn: Figure, *, title: str) -> str:
+def svg(drawn: "Figure", *, title: str) -> str:
     """SVG element with its own names, fit to stand inside an HTML page beside others.
 
     Parameters
@@ -54,6 +58,8 @@ def svg(drawn: Figure, *, title: str) -> str:
     title
         What a reader who does not look at the figure gets; also makes the names inside unique.
     """
+    import matplotlib as mpl
+
     text = io.StringIO()
     if language() != "en":
         _numbers_in_language(drawn)
@@ -68,50 +74,23 @@ def svg(drawn: Figure, *, title: str) -> str:
     return body.replace("<svg", f'<svg role="img" aria-label="{label}" style="stroke-linejoin:round"', 1)
 
 
-def _numbers_in_language(drawn: Figure) -> None:
+def _numbers_in_language(drawn: "Figure") -> None:
     """Give the numbers at every axis the decimal mark of the language."""
+    from irtiming.report.localised_ticks import Localised
+
     for axes in drawn.axes:
         for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(_Localised(axis.get_major_formatter()))
+            axis.set_major_formatter(Localised(axis.get_major_formatter()))
 
 
-@final
-class _Localised(Formatter):
-    """Writes what another formatter writes, with the decimal mark of the language."""
-
-    def __init__(self, written_by: Formatter) -> None:
-        self._written_by = written_by
-
-    def __call__(self, x: float, pos: int | None = None) -> str:
-        """One number at an axis."""
-        return decimal(self._written_by(x, pos))
-
-    def format_ticks(self, values: Any) -> list[str]:
-        """All numbers at an axis."""
-        return [decimal(one) for one in self._written_by.format_ticks(values)]
-
-    def get_offset(self) -> str:
-        """What all of them have in common."""
-        return decimal(self._written_by.get_offset())
-
-    def set_axis(self, axis: Any) -> None:
-        """The axis, which the other one needs too."""
-        super().set_axis(axis)
-        self._written_by.set_axis(axis)
-
-    def set_locs(self, locs: Any) -> None:
-        """Where the numbers are, which the other one needs too."""
-        self._written_by.set_locs(locs)
-
-
-def points(axes: Axes, *, x: Array, y: Array, colour: str, label: str | None = None) -> None:
+def points(axes: "Axes", *, x: Array, y: Array, colour: str, label: str | None = None) -> None:
     """Small points, shapes (n,); as a picture where there are very many."""
     axes.plot(
         x, y, ".", color=colour, markersize=2.2, markeredgewidth=0, label=label, rasterized=np.size(x) > _MANY_POINTS
     )
 
 
-def degrees_axis(axes: Axes, *, label: str | None) -> None:
+def degrees_axis(axes: "Axes", *, label: str | None) -> None:
     """Abscissa of a whole turn in degrees."""
     axes.set_xlim(0, 360)
     axes.set_xticks(range(0, 361, 45))
@@ -120,12 +99,12 @@ def degrees_axis(axes: Axes, *, label: str | None) -> None:
         axes.set_xlabel(label)
 
 
-def zero_line(axes: Axes) -> None:
+def zero_line(axes: "Axes") -> None:
     """Horizontal line at zero, behind the points."""
     axes.axhline(0, color=FAINT, linewidth=0.8, zorder=1)
 
 
-def robust_limits(axes: Axes, values: Sequence[Array], *, least: float = 0.0) -> None:
+def robust_limits(axes: "Axes", values: Sequence[Array], *, least: float = 0.0) -> None:
     """Ordinate symmetric about zero that holds all values, of any shape, with some air."""
     largest = max((float(np.max(np.abs(v))) for v in values if np.size(v)), default=0.0)
     largest = max(1.15 * largest, least, 1e-12)

@@ -6,8 +6,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
-
 from irtiming.errors import ArchiveError
 
 _FONTS = {400: "DejaVuSans.ttf", 700: "DejaVuSans-Bold.ttf"}
@@ -16,6 +14,8 @@ VARIANT = "pdf/a-3u"
 
 def font_css() -> str:
     """CSS with the fonts inside: those that matplotlib brings along, the same on every computer."""
+    import matplotlib as mpl
+
     folder = Path(mpl.get_data_path()) / "fonts" / "ttf"
     faces = []
     for weight, name in _FONTS.items():

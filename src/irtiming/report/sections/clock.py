@@ -1,12 +1,16 @@
 """A clock as its pulses show it: error, drift, scatter and stability, in tables and a figure."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.figure import Figure
 
 from irtiming.records.clock_check import CameraClock, ClockCheck
 from irtiming.report import sheet
 from irtiming.report.blocks import Table
 from irtiming.report.rounding import significant
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _PPM = 1e6
 _NS = 1e9
@@ -75,7 +79,7 @@ def cameras(found: tuple[CameraClock, ...]) -> Table:
     )
 
 
-def picture(checks: tuple[ClockCheck, ...]) -> Figure:
+def picture(checks: tuple[ClockCheck, ...]) -> "Figure":
     """Above, how much later than regular each pulse was stamped; below, the Allan deviation."""
     with sheet.style():
         drawn = sheet.figure(height_in=4.6)

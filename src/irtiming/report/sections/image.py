@@ -1,10 +1,8 @@
 """What the camera recorded of the opening: mean frames with what was found in them, histogram, fitted sector and contrast."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, Rectangle
 
 from irtiming.physics.projection import projection_of
 from irtiming.records.analysis import Analysis
@@ -16,6 +14,12 @@ from irtiming.report.blocks import Panel, Section, Table, of_tables
 from irtiming.report.language import decimal, heads, t
 from irtiming.report.rounding import significant
 from irtiming.report.sections import level
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
 _SUM, _OUTLINE, _RED, _BOX, _BAD = "#ffd23f", "#35c4f0", "#ff4d4d", "#58e08f", "#b86bff"
 _SHAPE = (
@@ -100,8 +104,10 @@ def _contrast_panel(fit: SectorFit) -> Panel:
     )
 
 
-def mean_frames(analysis: Analysis) -> Figure:
+def mean_frames(analysis: Analysis) -> "Figure":
     """Mean frame of the open wheel with what was found in it; beside it, the summed region closely."""
+    from matplotlib.patches import Rectangle
+
     recording = analysis.recordings[0]
     opening = recording.opening
     with sheet.style():
@@ -126,21 +132,21 @@ def mean_frames(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _label(*panels: Axes) -> None:
+def _label(*panels: "Axes") -> None:
     for axes in panels:
         axes.set_xlabel(t("column (px)"))
         axes.set_ylabel(t("row (px)"))
         axes.grid(visible=False)
 
 
-def picture(axes: Axes, frame: Array, *, label: str = "") -> None:
+def picture(axes: "Axes", frame: Array, *, label: str = "") -> None:
     """Grey picture (row, column), black to white over all but the rarest values, with its scale beside it."""
     low, high = (float(v) for v in np.quantile(frame, [0.002, 0.998]))
     shades = axes.imshow(frame, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
     axes.figure.colorbar(shades, ax=axes, label=label or t("corrected value (DN)"), shrink=0.8, pad=0.02)
 
 
-def _outlines(axes: Axes, opening: Opening, *, closely: bool) -> None:
+def _outlines(axes: "Axes", opening: Opening, *, closely: bool) -> None:
     """Outline of the summed region; closely also that of the opening, and the threshold as a contour."""
     row0, row1, column0, column1 = opening.roi
     axes.contour(opening.summed.astype(float), levels=[0.5], colors=_SUM, linewidths=1.3)
@@ -157,7 +163,7 @@ def _outlines(axes: Axes, opening: Opening, *, closely: bool) -> None:
         axes.contour(part, levels=[threshold_dn], colors=_RED, linewidths=1.6, linestyles="dashed")
 
 
-def _axle(axes: Axes, recording: ReducedRecording) -> None:
+def _axle(axes: "Axes", recording: ReducedRecording) -> None:
     """Cross at the axle and the bisector of the opening from there to the edge of the image."""
     view = recording.axle
     if view is None:
@@ -174,7 +180,10 @@ def _axle(axes: Axes, recording: ReducedRecording) -> None:
     axes.set_ylim(max(rows - 0.5, view.row_px + 3), min(-0.5, view.row_px - 3))
 
 
-def _legend(recording: ReducedRecording) -> list[Line2D | Patch]:
+def _legend(recording: ReducedRecording) -> "list[Line2D | Patch]":
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
     opening = recording.opening
     entries: list[Line2D | Patch] = [
         Patch(facecolor="none", edgecolor=_BOX, linewidth=1.5, label=t("region of interest")),
@@ -198,7 +207,7 @@ def _legend(recording: ReducedRecording) -> list[Line2D | Patch]:
     return entries
 
 
-def histogram(found: Histogram) -> Figure:
+def histogram(found: Histogram) -> "Figure":
     """Pixel values of the region of interest in open frames, the two peaks and the threshold between them."""
     with sheet.style():
         drawn = sheet.figure(height_in=2.7)
@@ -232,7 +241,7 @@ def histogram(found: Histogram) -> Figure:
     return drawn
 
 
-def contrasts(fit: SectorFit) -> Figure:
+def contrasts(fit: SectorFit) -> "Figure":
     """Contrast of each pixel as measured, by the sector, and what the sector and then the whole model leave over."""
     row0, row1, column0, column1 = fit.roi
     beyond = fit.contrast - fit.model_contrast
@@ -259,7 +268,7 @@ def contrasts(fit: SectorFit) -> Figure:
     return drawn
 
 
-def _sector(axes: Axes, shape: SectorShape) -> None:
+def _sector(axes: "Axes", shape: SectorShape) -> None:
     """Arcs and radial edges of the fitted sector in the image."""
     sense = -1.0 if shape.mirrored else 1.0
     half = shape.opening_angle_rad / 2

@@ -2,12 +2,9 @@
 
 import textwrap
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
@@ -20,6 +17,10 @@ from irtiming.report.meanings import SIGN, edge_delay_name, event, has_lag, meth
 from irtiming.report.rounding import fixed, in_unit, significant, time_text
 from irtiming.report.row_curves import whole
 from irtiming.report.sections.row_sums import published_fits
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MRAD, DEG = 1e-3, float(np.pi / 180)
 EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
@@ -367,7 +368,7 @@ def _profile_panel(analysis: Analysis) -> Panel:
     )
 
 
-def draw_profiles(found: tuple[Profile, ...]) -> Figure:
+def draw_profiles(found: tuple[Profile, ...]) -> "Figure":
     """One panel per parameter."""
     with sheet.style():
         drawn = sheet.figure(height_in=2.9)
@@ -380,7 +381,7 @@ def draw_profiles(found: tuple[Profile, ...]) -> Figure:
     return drawn
 
 
-def _profile(axes: Axes, profile: Profile) -> None:
+def _profile(axes: "Axes", profile: Profile) -> None:
     x = np.linspace(-_WIDEST, _WIDEST, 161)
     axes.plot(x, x**2, color=sheet.FAINT, linewidth=2.6, alpha=0.5)
     scaled = _in_u(profile, profile.values)
@@ -427,19 +428,18 @@ def _whiteness_panel(analysis: Analysis) -> Panel:
     )
 
 
-def draw_whiteness(probability: Array) -> Figure:
+def draw_whiteness(probability: Array) -> "Figure":
     """P-value (n_recording,) over recordings with the limit."""
+    from matplotlib.ticker import MaxNLocator
+
     number = np.arange(1, probability.size + 1)
     shown = np.maximum(probability, _LEAST_SHOWN)
     hidden, low = probability < _LEAST_SHOWN, probability < LEAST_WHITENESS
     with sheet.style():
         drawn = sheet.figure(height_in=1.9)
         axes = drawn.add_subplot()
-        for which, marker, colour in (
-            (~low, "o", sheet.BLUE),
-            (low & ~hidden, "o", sheet.RED),
-            (hidden, "v", sheet.RED),
-        ):
+        looks = ((~low, "o", sheet.BLUE), (low & ~hidden, "o", sheet.RED), (hidden, "v", sheet.RED))
+        for which, marker, colour in looks:
             axes.semilogy(number[which], shown[which], marker, color=colour, markersize=5)
         axes.axhline(LEAST_WHITENESS, color=sheet.RED, linewidth=0.9, linestyle="--")
         axes.set_ylim(min(LEAST_WHITENESS / 10, float(shown.min()) / 3), 2)

@@ -1,8 +1,8 @@
 """The time constant: how well others fit by both methods, and how noise ties it to the trigger delay."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
@@ -13,6 +13,10 @@ from irtiming.report.language import heads, t
 from irtiming.report.meanings import has_lag, label, words
 from irtiming.report.rounding import fixed, time_text, uncertainty_text
 from irtiming.report.sections.row_sums import absent, published_fits
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _PAIR = ("trigger_delay", "time_constant")
 
@@ -55,7 +59,7 @@ def _scan_panel(analysis: Analysis) -> Panel:
     )
 
 
-def scan(analysis: Analysis) -> Figure:
+def scan(analysis: Analysis) -> "Figure":
     """Deviation over the time constant by both methods, each with its parabola and estimate."""
     profile, published = _profile_of(analysis), published_fits(analysis)
     with sheet.style():
@@ -112,7 +116,7 @@ def _ellipse_panel(analysis: Analysis) -> Panel:
     )
 
 
-def ellipse(analysis: Analysis) -> Figure:
+def ellipse(analysis: Analysis) -> "Figure":
     """Trigger delay and time constant as noise alone scatters them, and with all parts of their uncertainty."""
     panels = [(t("Noise alone"), camera_noise.noise(analysis).pick(*_PAIR))]
     if all(name in analysis.best.estimate for name in _PAIR):
@@ -129,7 +133,7 @@ def ellipse(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _ellipses(axes: Axes, covariance: Array) -> None:
+def _ellipses(axes: "Axes", covariance: Array) -> None:
     """Ellipses of one and two u, the box of one u of each, and the line of equal differences; covariance in us^2."""
     u = np.sqrt(np.diag(covariance))
     root = np.linalg.cholesky(covariance + 1e-12 * np.diag(u**2))

@@ -1,8 +1,8 @@
 """The camera's level over time: the drift that was taken off, the camera's own corrections, and what is left."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
@@ -12,6 +12,10 @@ from irtiming.report import row_curves, sheet
 from irtiming.report.blocks import Panel, Table
 from irtiming.report.language import heads, t
 from irtiming.report.rounding import fixed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _MOST = 4
 
@@ -42,7 +46,7 @@ def _shown(analysis: Analysis) -> list[tuple[ReducedRecording, RowTimingFit]]:
     return [(recording, fit) for recording, fit in pairs if recording.rows and isinstance(fit, RowTimingFit)][:_MOST]
 
 
-def drift(analysis: Analysis) -> Figure:
+def drift(analysis: Analysis) -> "Figure":
     """Level of one pixel over time with shutter events shaded, recording by recording, and the residual of each frame."""
     shown = _shown(analysis)
     with sheet.style():
@@ -89,13 +93,13 @@ def _span(recording: ReducedRecording, time_s: Array) -> tuple[float, float]:
     return float(min(edges.min(), time_s[0])), float(max(edges.max(), time_s[-1]))
 
 
-def _by_stretch(axes: Axes, time_s: Array, level: Array, segment: np.ndarray) -> None:
+def _by_stretch(axes: "Axes", time_s: Array, level: Array, segment: np.ndarray) -> None:
     for number in np.unique(segment):
         part = segment == number
         axes.plot(time_s[part], level[part], color=sheet.BLUE, linewidth=1.3)
 
 
-def _shade(axes: Axes, recording: ReducedRecording, event: ShutterEvent) -> None:
+def _shade(axes: "Axes", recording: ReducedRecording, event: ShutterEvent) -> None:
     start, end = frame_time_s(recording, np.array([event.first_frame, event.end_frame]))
     axes.axvspan(start, end, color=sheet.ORANGE if event.kind == "closed" else sheet.PURPLE, alpha=0.3, linewidth=0)
 

@@ -1,8 +1,8 @@
 """Pixel sums over the wheel angle: the fit with its residuals, and the paper's figure 5."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.records.analysis import Analysis
@@ -11,6 +11,10 @@ from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section
 from irtiming.report.language import several, t
 from irtiming.report.sections.rig import dense_rad
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _MOST_PANELS = 8
 _BINS = 60
@@ -63,7 +67,7 @@ def published_fits(analysis: Analysis) -> list[PublishedFit]:
     )
 
 
-def averaged(analysis: Analysis) -> Figure:
+def averaged(analysis: Analysis) -> "Figure":
     """Figure 5 for the user's camera, with the lines through the slopes and what they leave over."""
     fits, geometry = published_fits(analysis), analysis.geometry
     wheel = geometry.model if analysis.published is None else analysis.published.geometry.model
@@ -93,7 +97,7 @@ def averaged(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _averaged_points(axes: Axes, fit: PublishedFit, name: str, hue: str) -> None:
+def _averaged_points(axes: "Axes", fit: PublishedFit, name: str, hue: str) -> None:
     data = fit.data
     label = f"{name}, {several(len(data.names), 'run')}"
     sheet.points(axes, x=np.degrees(data.wheel_angle_rad), y=data.fraction, colour=hue, label=label)
@@ -104,7 +108,7 @@ def _averaged_points(axes: Axes, fit: PublishedFit, name: str, hue: str) -> None
         )  # fmt: skip
 
 
-def _line_and_rest(top: Axes, below: Axes, line: SlopeLine, hue: str) -> None:
+def _line_and_rest(top: "Axes", below: "Axes", line: SlopeLine, hue: str) -> None:
     """The fitted line, broken where it leaves the turn, and the points minus the line."""
     x = np.sort(line.angle_rad)
     for turn in np.unique(np.floor(x / TURN)):
@@ -115,7 +119,7 @@ def _line_and_rest(top: Axes, below: Axes, line: SlopeLine, hue: str) -> None:
     sheet.points(below, x=np.degrees(np.mod(line.angle_rad, TURN)), y=1e3 * rest, colour=hue)
 
 
-def fitted(analysis: Analysis) -> Figure:
+def fitted(analysis: Analysis) -> "Figure":
     """Pixel sums with the fitted model; below, what it leaves over per nominal delay, with its distribution."""
     groups = _groups(analysis)
     shown = groups[:_MOST_PANELS]
@@ -157,7 +161,7 @@ def _groups(analysis: Analysis) -> list[tuple[tuple[float, float], list[EdgeDela
     return [(key, found[key]) for key in sorted(found)]
 
 
-def _fitted_points(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:
+def _fitted_points(axes: "Axes", fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     angle = np.concatenate([fit.wheel_angle_rad for fit in fits])
     fraction = np.concatenate([fit.fraction for fit in fits])
     sheet.points(axes, x=np.degrees(angle), y=fraction, colour=hue, label=name)
@@ -165,7 +169,7 @@ def _fitted_points(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) ->
     axes.plot(np.degrees(one.wheel_angle_rad), one.fraction - one.residual, color=sheet.RED, linewidth=0.7, zorder=3)
 
 
-def _rest(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:
+def _rest(axes: "Axes", fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     angle = np.concatenate([fit.wheel_angle_rad for fit in fits])
     rest = 1e3 * np.concatenate([fit.residual for fit in fits])
     sheet.zero_line(axes)
@@ -193,7 +197,7 @@ def _rest(axes: Axes, fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     )
 
 
-def _spread(axes: Axes, fits: list[EdgeDelayFit], hue: str) -> None:
+def _spread(axes: "Axes", fits: list[EdgeDelayFit], hue: str) -> None:
     """Distribution of the residuals beside a normal one of the same spread."""
     rest = 1e3 * np.concatenate([fit.residual for fit in fits])
     spread = float(rest.std())

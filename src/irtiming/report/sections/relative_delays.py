@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.result import RelativeDelay, Result
@@ -15,6 +14,10 @@ from irtiming.report.combination import PAPER_TABLE_1, combined
 from irtiming.report.language import decimal, t
 from irtiming.report.meanings import RELATIVE_SIGN, has_pixel_sums, method_name, relative_event
 from irtiming.report.rounding import fixed, in_unit, signed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def section(analysis: Analysis) -> Section | None:
@@ -178,7 +181,7 @@ def panel(analysis: Analysis) -> Panel:
     )
 
 
-def figure(analysis: Analysis) -> Figure:
+def figure(analysis: Analysis) -> "Figure":
     """Measured minus nominal, a panel per method, beside what the paper printed for its camera."""
     made = results(analysis)
     with sheet.style():
@@ -200,7 +203,7 @@ def figure(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _bars(axes: Axes, points: np.ndarray, marker: str, hue: str) -> None:
+def _bars(axes: "Axes", points: np.ndarray, marker: str, hue: str) -> None:
     """Nominal delay, deviation and standard uncertainty of each point, s, shape (n, 3)."""
     axes.errorbar(
         1e3 * points[:, 0], points[:, 1] / US, yerr=points[:, 2] / US, fmt=marker, color=hue, markersize=4.5, capsize=3

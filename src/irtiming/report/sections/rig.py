@@ -1,10 +1,9 @@
 """The rig as it was measured, and the model without any delay (Schatz 2023, figure 4)."""
 
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.physics.wheel import TURN, corner_angles_rad, exposed_fraction, slope_centres_rad
 from irtiming.physics.wheel_drawing import drawing
@@ -14,6 +13,10 @@ from irtiming.records.wheel_geometry import WheelModel
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section
 from irtiming.report.language import decimal, t, with_numbers
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def _in_language(svg: str) -> str:
@@ -44,7 +47,7 @@ def section(analysis: Analysis) -> Section:
     return Section(title=t("Rig and model"), blocks=(wheel, fraction))
 
 
-def model(wheel: WheelModel) -> Figure:
+def model(wheel: WheelModel) -> "Figure":
     """Figure 4(b): exposed fraction without any delay, its corners and which edge makes each slope."""
     with sheet.style():
         drawn = sheet.figure(height_in=2.9)
@@ -62,7 +65,7 @@ def model(wheel: WheelModel) -> Figure:
     return drawn
 
 
-def _corner(axes: Axes, angle_rad: float, *, level: float, starts: bool) -> None:
+def _corner(axes: "Axes", angle_rad: float, *, level: float, starts: bool) -> None:
     """Corner where a slope starts or ends, its angle written on the side of the plateau's outside."""
     angle = float(np.degrees(angle_rad % TURN))
     axes.plot([angle], [level], "o", color=sheet.BLUE, markersize=4, zorder=4)
@@ -73,7 +76,7 @@ def _corner(axes: Axes, angle_rad: float, *, level: float, starts: bool) -> None
     )  # fmt: skip
 
 
-def _middle(axes: Axes, angle_rad: float, edge: int) -> None:
+def _middle(axes: "Axes", angle_rad: float, edge: int) -> None:
     """Middle of a slope, with the edge that makes it."""
     angle, falls = float(np.degrees(angle_rad)), edge in (0, 2)
     axes.plot([angle], [0.5], "o", color=sheet.RED, markersize=4, zorder=4)

@@ -1,8 +1,8 @@
 """Rows over the wheel angle: figure 6, the delay of each row, and what the fit leaves over."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Analysis
@@ -15,6 +15,10 @@ from irtiming.report.language import t
 from irtiming.report.meanings import has_lag
 from irtiming.report.rounding import uncertainty_text
 from irtiming.report.row_curves import Curve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _BINS = 144
 
@@ -130,7 +134,7 @@ def _map_panel(analysis: Analysis) -> Panel:
     )
 
 
-def figure_6(analysis: Analysis) -> Figure:
+def figure_6(analysis: Analysis) -> "Figure":
     """Whole opening (a), a frame with a bent edge (b), four rows (c) to (f): data, exact model and residuals."""
     fit = row_fits(analysis)[0]
     rows = row_curves.show_rows(fit)
@@ -157,7 +161,7 @@ def figure_6(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _curve(pair: tuple[Axes, Axes], curve: Curve, hue: str, title: str) -> None:
+def _curve(pair: "tuple[Axes, Axes]", curve: Curve, hue: str, title: str) -> None:
     """Points with the model through them, and the residuals below."""
     top, below = pair
     top.plot(
@@ -190,7 +194,7 @@ def _binned(angle_rad: Array, values: Array, n_bins: int) -> tuple[Array, Array]
     return ((np.arange(n_bins) + 0.5) * TURN / n_bins)[filled], total[filled] / count[filled, None]
 
 
-def residual_map(analysis: Analysis) -> Figure:
+def residual_map(analysis: Analysis) -> "Figure":
     """Residuals of all rows over the wheel angle, means of narrow bins over what noise would leave of them."""
     fit = row_fits(analysis)[0]
     rows = np.arange(fit.row_px[0], fit.row_px[-1] + 1)
@@ -213,7 +217,7 @@ def residual_map(analysis: Analysis) -> Figure:
     return drawn
 
 
-def row_delays(analysis: Analysis) -> Figure:
+def row_delays(analysis: Analysis) -> "Figure":
     """Delay of each row by both methods, what its straight line is, and the distance from it."""
     fit = row_fits(analysis)[0]
     ours = row_curves.row_delays(fit)
@@ -239,7 +243,7 @@ def row_delays(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _published_rows(top: Axes, below: Axes, published: PublishedLagFit, our_line_s: Array) -> None:
+def _published_rows(top: "Axes", below: "Axes", published: PublishedLagFit, our_line_s: Array) -> None:
     """Row delays of the published procedure, outliers at the edge of the picture, and their distance from their line."""
     line_s = published.timing.trigger_delay_s + published.timing.row_delay_s * published.row_px
     away_s = published.delay_of_row_s - line_s

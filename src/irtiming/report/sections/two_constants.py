@@ -1,10 +1,9 @@
 """Constants of substrate and scene over a wide range of temperatures, as tables and as a figure."""
 
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.two_constants import TwoConstantsResult
 from irtiming.report import budget, sheet
@@ -12,6 +11,10 @@ from irtiming.report.blocks import MS, US, Panel, Section, Table
 from irtiming.report.language import decimal, heads, t
 from irtiming.report.meanings import bound_text, label
 from irtiming.report.rounding import fixed, signed, time_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 NAMES = ("substrate_time_constant", "scene_time_constant")
 _WHAT = {
@@ -128,7 +131,7 @@ def panel(found: TwoConstantsResult) -> Panel:
     )
 
 
-def figure(found: TwoConstantsResult) -> Figure:
+def figure(found: TwoConstantsResult) -> "Figure":
     """Effective constants with model and residuals; deviation over the scene's share."""
     with sheet.style():
         drawn = sheet.figure(height_in=3.7)
@@ -138,7 +141,7 @@ def figure(found: TwoConstantsResult) -> Figure:
     return drawn
 
 
-def _effective(top: Axes, below: Axes, found: TwoConstantsResult) -> None:
+def _effective(top: "Axes", below: "Axes", found: TwoConstantsResult) -> None:
     data = found.effective
     u = np.sqrt(np.diag(data.covariance_s2))
     kelvin, tau = data.blackbody_temperature_k, data.time_constant_s
@@ -164,7 +167,7 @@ def _effective(top: Axes, below: Axes, found: TwoConstantsResult) -> None:
     below.set_ylabel(t("fitted −\nmodel (µs)"), fontsize=8)
 
 
-def _share(axes: Axes, found: TwoConstantsResult) -> None:
+def _share(axes: "Axes", found: TwoConstantsResult) -> None:
     axes.plot(found.share_scan, found.deviation, color=sheet.INK, linewidth=1)
     axes.axhline(_TWO_U, color=sheet.FAINT, linestyle="--", linewidth=0.9)
     axes.axvline(found.scene_share, color=sheet.RED, linewidth=1)

@@ -1,8 +1,8 @@
 """Where the uncertainty comes from: budget, prediction and outcome, correlation, and the wheel edges one by one."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.records.analysis import Analysis
 from irtiming.report import budget as budget_of
@@ -12,6 +12,10 @@ from irtiming.report.combination import combined
 from irtiming.report.language import decimal, heads, t, with_unit
 from irtiming.report.meanings import edge_delay_name, event, headline, label, method_name, several_speeds, words
 from irtiming.report.rounding import fixed, significant, uncertainty_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _NO_SHARE = 1e-8
 _MOST_NAMED = 8
@@ -94,7 +98,7 @@ def _sensitivity(line: budget_of.Line) -> tuple[str, str]:
     )
 
 
-def draw_budget(analysis: Analysis) -> Figure:
+def draw_budget(analysis: Analysis) -> "Figure":
     """Contributions to the standard uncertainties, the largest of the first parameter on top, and their sums."""
     names = headline(analysis, analysis.result)
     parts = sorted(analysis.result.budget, key=lambda part: part.standard_uncertainty.get(names[0], 0.0))
@@ -200,7 +204,7 @@ def _edge_panel(analysis: Analysis) -> Panel:
     )
 
 
-def by_edge(analysis: Analysis) -> Figure:
+def by_edge(analysis: Analysis) -> "Figure":
     """Delay by each wheel edge, by both methods where both tell edges apart; and recording by recording about the mean."""
     results = [(analysis.best, sheet.BLUE, "o", method_name(analysis.best.method))]
     if analysis.published is not None:
@@ -230,7 +234,7 @@ def by_edge(analysis: Analysis) -> Figure:
     return drawn
 
 
-def _single(axes: Axes, analysis: Analysis) -> None:
+def _single(axes: "Axes", analysis: Analysis) -> None:
     """Recording by recording."""
     n, mean = len(analysis.fits), float(np.mean([fit.edge_delay_s for fit in analysis.fits]))
     hues = sheet.colours([(one.trigger_delay_time_set_s, one.rotation_speed_hz) for one in analysis.recordings])

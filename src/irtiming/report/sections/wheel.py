@@ -1,8 +1,8 @@
 """The wheel as its timestamps show it: speed over time, irregularity of its slots, their orders and ripple."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from irtiming.physics import slot_orders
 from irtiming.physics.wheel import TURN
@@ -14,6 +14,10 @@ from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table
 from irtiming.report.language import decimal, heads, t, with_unit
 from irtiming.report.rounding import in_unit, significant
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _PER_MILLION = 1e6
 _LEAST_MRAD = 1e-6
@@ -72,7 +76,7 @@ def slots_caption(wheel: WheelCalibration | None) -> str:
     )
 
 
-def speed(analysis: Analysis) -> Figure:
+def speed(analysis: Analysis) -> "Figure":
     """Mean speed of each turn of each recording, relative to the nominal one."""
     recordings = analysis.recordings
     names = sheet.run_names(
@@ -212,12 +216,12 @@ def turn_rates(track: WheelTrack) -> tuple[Array, Array]:
     return (passed[1:] + passed[:-1]) / 2, 1 / np.diff(passed)
 
 
-def slots(analysis: Analysis) -> Figure:
+def slots(analysis: Analysis) -> "Figure":
     """Slots of all recordings together; those of the first one where nothing was learned."""
     return calibration(analysis.wheel or _of_track(analysis.recordings[0].track))
 
 
-def calibration(wheel: WheelCalibration) -> Figure:
+def calibration(wheel: WheelCalibration) -> "Figure":
     """Deviation of each control slot from its regular place, and how it spreads over the orders of the wheel."""
     with sheet.style():
         drawn = sheet.figure(height_in=5.2)
@@ -227,7 +231,7 @@ def calibration(wheel: WheelCalibration) -> Figure:
     return drawn
 
 
-def _deviations(axes: Axes, wheel: WheelCalibration) -> None:
+def _deviations(axes: "Axes", wheel: WheelCalibration) -> None:
     deviation, slot = wheel.slot_deviation_rad, np.arange(wheel.slot_deviation_rad.size)
     u = slot_orders.u_slot_rad(wheel.order_variance_rad2, slot.size)
     slowest_hz = wheel.speeds[0].rotation_speed_hz
@@ -262,7 +266,7 @@ def _deviations(axes: Axes, wheel: WheelCalibration) -> None:
     axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.17))
 
 
-def _orders(axes: Axes, wheel: WheelCalibration) -> None:
+def _orders(axes: "Axes", wheel: WheelCalibration) -> None:
     n_slots = wheel.slot_deviation_rad.size
     order = np.arange(1, n_slots // 2 + 1)
     amplitude = 1e3 * slot_orders.amplitude_rad(wheel.slot_deviation_rad)[1:]
