@@ -108,11 +108,12 @@ def fit(
 
 
 def settled(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit
-) -> SectorFit:
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit,
+    slopes: Slopes | None = None,
+) -> SectorFit:  # fmt: skip
     """The last fit: with lens and tilt settled (`lens_and_tilt`), for which fits before are but starts; see `fit`."""
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
-    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=_is_rolling(recordings[0]), slopes=None)
+    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=_is_rolling(recordings[0]), slopes=slopes)
     word = _without_camera(images, best)
     last = lens_and_tilt.settled(word, images.view.shape(best.numbers), known=best.known)
     names = [*(name for name in best.free if name not in SLIGHT), *WARP_NUMBERS]
@@ -126,11 +127,12 @@ def settled(
 
 
 def fit_row_by_row(
-    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit
-) -> SectorFit:
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit,
+    slopes: Slopes | None = None,
+) -> SectorFit:  # fmt: skip
     """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`."""
     images = _images(recordings, wheel, rig=rig, timing=timing, known=start)
-    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=True, slopes=None)
+    best = _searched(images, recordings[0], rig=rig, start=start, is_rolling=True, slopes=slopes)
     return _as_it_is(images, best, start=start)
 
 

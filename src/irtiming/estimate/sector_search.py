@@ -68,9 +68,10 @@ class Misfit:
 @final
 @dataclass(kw_only=True, eq=False)
 class Slopes:
-    """Those of a search's residuals, shape (m, n_free), left for one that begins near its end; none at first."""
+    """Those of a search's residuals to ``names``, shape (m, n), left for one that begins near its end; none at first."""
 
     matrix: Array | None = None
+    names: tuple[str, ...] = ()
 
 
 def searched(
@@ -89,10 +90,12 @@ def searched(
     n_before
         Number of searches before: the result of the first two is but a start for another.
     slopes
-        With which the search begins, and which are brought up to date; taken anew where they foretell steps badly.
+        With which the search begins, and which are brought up to date; taken anew where they foretell steps badly. Those of
+        numbers that the search before did not have are added.
     """
+    are_kept = slopes is not None and slopes.matrix is not None
     found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
-    if slopes is not None and found.status not in _AGREES:
+    if slopes is not None and are_kept and found.status not in _AGREES:
         slopes.matrix = None
         found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
     return found
@@ -145,16 +148,26 @@ class _Course:
         """Shape (m, n_free)."""
         if not np.array_equal(at, self.at):
             self.residuals(at)
-        found = self._updated(self.kept.matrix)
-        self.kept.matrix = self._differences(at) if found is None else found
+        found = self._updated(self._kept(at))
+        self.kept.matrix = self._differences(at, self.free) if found is None else found
+        self.kept.names = tuple(self.free)
         self.before = self.at, self.here
         return self.kept.matrix
 
+    def _kept(self, at: Array) -> Array | None:
+        """Those from the place before, with those that are not among them taken here; None where there are none."""
+        slopes = self.kept.matrix
+        if slopes is None or len(slopes) != self.here.size or not set(self.kept.names) <= set(self.free):
+            return None
+        added = [name for name in self.free if name not in self.kept.names]
+        if added:
+            slopes = np.hstack([slopes, self._differences(at, added)])
+        names = (*self.kept.names, *added)
+        return slopes[:, [names.index(name) for name in self.free]]
+
     def _updated(self, slopes: Array | None) -> Array | None:
         """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not."""
-        if slopes is None or slopes.shape != (self.here.size, len(self.free)):
-            return None
-        if self.before is None:
+        if slopes is None or self.before is None:
             return slopes
         step, change = self.at - self.before[0], self.here - self.before[1]
         missed = change - slopes @ step
@@ -163,9 +176,10 @@ class _Course:
         weighted = step / self.step**2
         return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
 
-    def _differences(self, at: Array) -> Array:
+    def _differences(self, at: Array, names: Sequence[str]) -> Array:
         columns = []
-        for k, name in enumerate(self.free):
+        for name in names:
+            k = self.free.index(name)
             step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
             moved = {**self._numbers(at), name: float(at[k] + step)}
             known = self.known if name in APART else self.misfit.sharp(moved)

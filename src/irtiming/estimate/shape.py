@@ -11,6 +11,7 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
 from irtiming.estimate.row_light import slopes
+from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
@@ -98,8 +99,9 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing)
     for _ in range(_ROUNDS - 2):
         sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
-    last = sector_fit.settled(recordings, wheel, rig=rig, timing=timing, start=sector)
-    return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last)
+    kept = Slopes()
+    last = sector_fit.settled(recordings, wheel, rig=rig, timing=timing, start=sector, slopes=kept)
+    return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last, slopes=kept)
 
 
 def view(sector: SectorFit, summed: Mask) -> AxleView:

@@ -47,10 +47,20 @@ def test_slopes_that_were_kept_lead_to_the_same_place_with_fewer_images() -> Non
     assert alone.asked == without.nfev + len(FREE)
 
 
+def test_slopes_of_a_number_that_was_held_before_are_added() -> None:
+    """Oracle: the numbers that the curve was made with, and one image a step and one for the number that is new."""
+    kept, both = Slopes(), _Curve()
+    first = searched(_Curve().misfit(), TRUE, free=(FREE[0], FREE[2]), n_before=2, slopes=kept)
+    near = {name: value + 0.02 for name, value in TRUE.items()}
+    found = searched(both.misfit(), near, free=FREE, n_before=2, slopes=kept)
+    assert first.x == pytest.approx([TRUE[FREE[0]], TRUE[FREE[2]]], abs=1e-6)
+    assert found.x == pytest.approx([TRUE[name] for name in FREE], abs=2e-3)
+    assert both.asked == found.nfev + 1
+
+
 def test_slopes_of_another_curve_are_taken_anew() -> None:
     """Oracle: the numbers that the curve was made with, though the slopes that it begins with have the wrong sign."""
-    wrong = Slopes()
-    wrong.matrix = -np.stack([np.ones(40), PLACE, np.sin(3 * PLACE)], axis=1)
+    wrong = Slopes(matrix=-np.stack([np.ones(40), PLACE, np.sin(3 * PLACE)], axis=1), names=FREE)
     with_wrong = searched(
         _Curve(0.01).misfit(),
         {name: value + 0.5 for name, value in TRUE.items()},
@@ -60,7 +70,7 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
     )
     other_length = searched(
         _Curve(0.01).misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, n_before=2,
-        slopes=Slopes(matrix=np.ones((7, 3))),
+        slopes=Slopes(matrix=np.ones((7, 3)), names=FREE),
     )  # fmt: skip
     assert other_length.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
     assert with_wrong.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
