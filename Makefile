@@ -6,12 +6,13 @@ PROJECT := pyproject.toml constraints.txt
 # Without files of bytecode, each process of the tests compiles all sources anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
+.PHONY: demo test check kernels bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
 
-test: .venv/ready-for-tests check
+test: .venv/ready-for-tests
+	$(MAKE) --jobs 2 --output-sync check kernels
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \
 		pango-view:pango1.0-tools chromium:chromium
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
@@ -21,6 +22,10 @@ check: .venv/ready-for-tests
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Once for all processes of the tests: each that finds them uncompiled compiles them anew.
+kernels: .venv/ready
+	scripts/compile-kernels $(BIN)/python
 
 # Hostile inputs for an hour. scripts/fuzz --help tells how to ask for less, or for one input.
 fuzz: .venv/ready-for-tests
