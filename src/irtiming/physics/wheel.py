@@ -335,6 +335,51 @@ def _skewed(ends: Array, edges: Array, gamma: float, sweep: float) -> Any:
     return out
 
 
+def skewed_slopes(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float) -> Array:
+    """Derivatives of `skewed_fraction` to opening angle and sweep, per rad, the opening's centre and the window's middle kept.
+
+    Parameters
+    ----------
+    wheel_angle_rad, model, sweep_rad
+        As for :func:`skewed_fraction`; wheel_angle_rad of shape (n,), sweep_rad positive.
+
+    Returns
+    -------
+    Shape (2, n).
+    """
+    (low, high), (middle, _) = (
+        _opening_ends(wheel_angle_rad, model),
+        _opening_ends(wheel_angle_rad + sweep_rad / 2, model),
+    )
+    return np.asarray(
+        _skewed_slopes(
+            np.stack([low, high, middle]), np.array(model.cutout_edges_rad), model.opening_angle_rad, sweep_rad
+        )
+    )
+
+
+@njit(cache=True, nogil=True)
+def _skewed_slopes(ends: Array, edges: Array, gamma: float, sweep: float) -> Any:
+    """See skewed_slopes; ends as of _skewed."""
+    out = np.empty((2, ends.shape[1]))
+    for k in range(ends.shape[1]):
+        low, high = ends[2, k], ends[2, k] + gamma
+        moment, within, by_gamma, by_sweep, sign = 0.0, 0.0, 0.0, 0.0, -1.0
+        for i in range(4):
+            arcs = _passages(high, edges[i]) + _passages(low, edges[i])
+            twice = _passages_twice(high, edges[i]) - _passages_twice(low, edges[i])
+            moment += sign * (gamma / 2 * arcs - twice)
+            within += sign * (math.floor((high - edges[i]) / TURN) - math.floor((low - edges[i]) / TURN))
+            for end, way in ((ends[1, k], 1.0), (ends[0, k], -1.0)):
+                before, after = math.floor((end - edges[i]) / TURN), math.floor((end + sweep - edges[i]) / TURN)
+                by_gamma += sign * (after - before) / (2 * sweep)
+                by_sweep += sign * way * ((before + after) / 2 - _passing(end, edges[i], sweep)[0]) / sweep
+            sign = -sign
+        out[0, k] = within / (2 * gamma) - 4 / gamma**3 * moment - by_gamma / 6
+        out[1, k] = -by_sweep / 6
+    return out
+
+
 def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
     """What an opening adds to the exposed fraction that is brighter at both ends than in the middle.
 
@@ -350,23 +395,36 @@ def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: floa
     -------
     Same shape; the exposed fraction grows by b times this. On a slope it is (u^3 - u) / 4.
     """
+    return _bow(wheel_angle_rad, model, sweep_rad=sweep_rad)[0]
+
+
+def bowed_slope(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
+    """Derivative of `bowed_fraction` to the opening angle, per rad, the opening's centre kept; parameters and shape as there.
+
+    That to the sweep, the window's middle kept, is 0.
+    """
+    return _bow(wheel_angle_rad, model, sweep_rad=sweep_rad)[1]
+
+
+def _bow(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float) -> Array:
+    """Bowed fraction and its derivative to the opening angle, shape (2, ...)."""
     centre = np.asarray(model.opening_coordinate_rad + np.asarray(wheel_angle_rad) + sweep_rad / 2)
     found = _bowed(centre.ravel(), np.array(model.cutout_edges_rad), model.opening_angle_rad)
-    return np.asarray(found.reshape(centre.shape))
+    return np.asarray(found.reshape(2, *centre.shape))
 
 
 @njit(cache=True, nogil=True)
 def _bowed(centre: Array, edges: Array, gamma: float) -> Any:
-    """Bowed fraction from the opening's centre in the middle of the window, shape (n,)."""
-    out = np.empty(centre.size)
+    """See _bow; from the opening's centre in the middle of the window, shape (2, n)."""
+    out = np.zeros((2, centre.size))
     for k in range(centre.size):
-        bowed, sign = 0.0, -1.0
+        sign = -1.0
         for i in range(4):
-            beside = (edges[i] - centre[k] + math.pi) % TURN - math.pi
-            u = min(max(beside / (gamma / 2), -1.0), 1.0)
-            bowed += sign * (u - u**3) / 4
+            u = ((edges[i] - centre[k] + math.pi) % TURN - math.pi) / (gamma / 2)
+            if abs(u) < 1:
+                out[0, k] += sign * (u - u**3) / 4
+                out[1, k] -= sign * (u - 3 * u**3) / (4 * gamma)
             sign = -sign
-        out[k] = bowed
     return out
 
 

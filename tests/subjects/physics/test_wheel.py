@@ -10,11 +10,13 @@ from irtiming.errors import GeometryError
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
     bowed_fraction,
+    bowed_slope,
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
     fading_fraction,
     skewed_fraction,
+    skewed_slopes,
     slope_centres_rad,
     wheel_model,
 )
@@ -231,3 +233,33 @@ def test_skew_of_a_window_is_the_mean_of_many_instants(model, sweep):
     smooth = np.all(np.abs(beside) > sweep / 2, axis=1)
     assert smooth.sum() > 50
     np.testing.assert_allclose(found[smooth], mean[smooth], atol=0.1 * (sweep / model.opening_angle_rad) ** 2)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("sweep", [0.005, 0.15])
+def test_slopes_of_skew_and_bow_are_those_of_differences(model, sweep):
+    """Oracle: central differences, but where an edge stands at an end of the opening or of the window: there slopes jump."""
+    start, step = np.random.default_rng(6).uniform(-TURN, TURN, 400), 1e-6
+    wider, narrower = (replace(model, opening_angle_rad=model.opening_angle_rad + sign * step) for sign in (1, -1))
+
+    def differ(ahead, behind):
+        return (ahead - behind) / (2 * step)
+
+    for found, numeric in (
+        (
+            skewed_slopes(start, model, sweep_rad=sweep)[0],
+            differ(*(skewed_fraction(start, one, sweep_rad=sweep) for one in (wider, narrower))),
+        ),
+        (
+            skewed_slopes(start, model, sweep_rad=sweep)[1],
+            differ(
+                *(skewed_fraction(start - sign * step / 2, model, sweep_rad=sweep + sign * step) for sign in (1, -1))
+            ),
+        ),
+        (
+            bowed_slope(start, model, sweep_rad=sweep),
+            differ(*(bowed_fraction(start, one, sweep_rad=sweep) for one in (wider, narrower))),
+        ),
+    ):
+        assert np.abs(numeric).max() > 1e-2
+        assert np.quantile(np.abs(found - numeric), 0.98) < 1e-6 * np.abs(numeric).max()

@@ -23,7 +23,6 @@ corners too, over an angle that does not depend on the wheel's speed: at the rad
 its mean angle. F is the mean over some radii, each with its area. All derivatives are continuous.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import final
@@ -38,10 +37,12 @@ from irtiming.physics.wheel import (
     PointAverage,
     at_point,
     bowed_fraction,
+    bowed_slope,
     edge_in_opening,
     exposed_fraction,
     fading_fraction,
     skewed_fraction,
+    skewed_slopes,
 )
 from irtiming.records.arrays import Array
 from irtiming.records.wheel_geometry import WheelModel
@@ -52,7 +53,6 @@ SMALL = ("skew", "plate", "blades", "beside")
 _NARROWEST_RAD = 1e-3
 _SHORTEST_RAD = 1e-5  # a window that sweeps less looks like one that sweeps this: no derivative of a sum has a step
 _RADII = 4  # Gauss-Legendre nodes over the opening's radii
-_DIFFERENCE_RAD = 1e-5
 _OF_A_SPAN = 12.0  # its square over the variance of what lies evenly in it
 
 
@@ -267,8 +267,8 @@ def slopes(
     plain, astray = passing.opening.fraction_slopes, _lost(passing, passing.opening.fraction)
     out = plain - passing.glare * _lost_slopes(passing, plain)
     out += blades * passing.opening.blades_slopes
-    out[:6] += plate * _plate_slopes(passing) + skew * _uneven_slopes(skewed_fraction, passing)
-    out[:6] += passing.bow * _uneven_slopes(bowed_fraction, passing)
+    out[:6] += plate * _plate_slopes(passing) + skew * _skew_slopes(passing)
+    out[:6] += passing.bow * _bow_slopes(passing)
     out[:6] += beside * (passing.wide_sector.blades_slopes - passing.sector.blades_slopes)[:6]
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
@@ -395,16 +395,15 @@ def _lost_slopes(passing: Passing, of_fraction: Array) -> Array:
     return out
 
 
-def _uneven_slopes(trace: Callable[..., Array], passing: Passing) -> Array:
-    """The same of S or U: to opening angle and sweep by differences, since both are small; to the edges 0, being smaller yet."""
-    wheel, start, sweep, h = passing.actual, passing.start_rad, passing.sweep_rad, _DIFFERENCE_RAD
-    out = np.zeros((6, start.size))
-    by_gamma = [
-        trace(start, replace(wheel, opening_angle_rad=wheel.opening_angle_rad + k * h), sweep_rad=sweep)
-        for k in (1, -1)
-    ]
-    out[4] = (by_gamma[0] - by_gamma[1]) / (2 * h)
-    if sweep > 2 * h:
-        by_sweep = [trace(start - k * h / 2, wheel, sweep_rad=sweep + k * h) for k in (1, -1)]
-        out[5] = (by_sweep[0] - by_sweep[1]) / (2 * h)
+def _skew_slopes(passing: Passing) -> Array:
+    """The same of S: to opening angle and sweep; to the edges 0, being smaller yet."""
+    out = np.zeros((6, passing.start_rad.size))
+    out[4:] = skewed_slopes(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
+    return out
+
+
+def _bow_slopes(passing: Passing) -> Array:
+    """The same of U."""
+    out = np.zeros((6, passing.start_rad.size))
+    out[4] = bowed_slope(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
     return out
