@@ -47,9 +47,8 @@ _CLUSTER_PX = 3.0
 _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at most
 _ODD = 10  # times the standard deviation
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
-_BLUR_SHAPE = (
-    0.2  # of the blur's width: where the light of a pixel on the border may lie beside the middle that a Gaussian gives
-)
+_BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie beside the middle that a Gaussian gives
+_OF_BLUR = ("blur_px", "blur_ellipticity", "glare", "glare_px")
 _WARP_STEP_PX = 0.02  # over which what a warp does is taken
 _U_SHARED = 0.1  # prior: of the share that is exchanged, beside a Gaussian blur
 
@@ -120,7 +119,10 @@ def settled(
     n_own = len(names) - len(WARP_NUMBERS)
     at = np.delete(np.arange(last.moved.size), slice(n_own, n_own + len(EXCHANGES)))
     numbers = best.numbers | {
-        name: best.numbers[name] + float(move) for name, move in zip(names, last.moved[at], strict=True)
+        name: best.numbers[name] + float(move)
+        for name, move in zip(names, last.moved[at], strict=True)
+        if name
+        not in _OF_BLUR  # which is the one that goes with a Gaussian; another shape of it is in the covariance alone
     }
     told = _told(images, numbers, names=names, covariance=last.covariance[np.ix_(at, at)], chi_square=best.chi_square)
     return replace(told, n_rounds=start.n_rounds + 1, camera=last.camera)

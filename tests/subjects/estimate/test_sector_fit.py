@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import ndimage
 from scipy.special import ndtr
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import row_fit, sector_fit
+from irtiming.estimate import image_doubts, row_fit, sector_fit
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
@@ -231,6 +232,21 @@ def test_a_tilted_camera_with_its_lens_centre_aside(brute_bolometer, brute_rows,
         assert abs(getattr(found.shape, name) - getattr(truth, name)) < 4 * found.u(name), name
     assert abs(found.shape.keystone_row) > 4 * found.u("keystone_row")
     assert abs(found.row_delay_s - tilted.row_delay_s) < 4 * found.u_row_delay_s
+
+
+def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, rig_with):
+    """Oracle: the exchange that was put in, 10 % with the columns beside, of variance 0.1 px^2, which the blur takes."""
+    rows = brute_rows(camera, noise_dn=0.5, seed=3)
+    parts = [
+        ndimage.correlate1d(one, [0.05, 0.9, 0.05], axis=1)
+        for one in (rows.contrast.projection_dn.real, rows.contrast.projection_dn.imag)
+    ]
+    image = replace(rows.contrast, projection_dn=parts[0] + 1j * parts[1])
+    exchanging = replace(rows, contrast=image)
+    before = _twice(exchanging, camera, lag, rig=rig_with())
+    found = sector_fit.settled([exchanging], camera.model, rig=rig_with(), timing=lag, start=before)
+    assert np.abs(image_doubts.left_over(found).variance_px2).max() < 0.01
+    assert found.shape.blur_of_axes_px[1] ** 2 - camera.shape.blur_of_axes_px[1] ** 2 == pytest.approx(0.1, rel=0.3)
 
 
 @pytest.mark.parametrize(
