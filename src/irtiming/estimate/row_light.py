@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields, replace
 from typing import final
 
 import numpy as np
+from numba import njit
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
@@ -183,11 +184,23 @@ def _of_pixels(
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     blur_px = blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows]
-    smear = [blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=m) for m in range(n_harmonics + 1)]
+    smear = blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=1)
     out = np.zeros((row_px.size, n_harmonics + 1), complex)
     for light, angle in lights:
-        turn, wave = np.exp(-1j * angle[rows]), light[rows].astype(complex)
-        for order in range(n_harmonics + 1):
-            out[:, order] += np.einsum("yx,yx->y", wave, smear[order])
-            wave = wave * turn
+        _add_by_row(light[rows], np.exp(-1j * angle[rows]), smear, out)
     return out
+
+
+@njit(cache=True, nogil=True)
+def _add_by_row(light: Array, turn: ComplexArray, smear: Array, out: ComplexArray) -> None:
+    """Waves exp(-i m phi) of each row's pixels, added to ``out`` (n_row, M + 1); order m is smeared by the first's to m^2."""
+    for row in range(light.shape[0]):
+        for column in range(light.shape[1]):
+            if light[row, column] == 0.0:
+                continue
+            wave, once = complex(light[row, column]), smear[row, column]
+            step = turn[row, column] * once
+            for order in range(out.shape[1]):
+                out[row, order] += wave
+                wave *= step
+                step *= once * once
