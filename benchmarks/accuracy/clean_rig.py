@@ -25,7 +25,7 @@ from irtiming.twin.scene import Scene, microbolometer_scene, paper_scene, with_w
 Pairs = dict[str, tuple[float, float]]
 """Error and bound of each quantity, s."""
 
-_RING_EDGE_RAD = 0.5e-3  # without it the reference edge cannot be told
+_RING_EDGE_RAD = 0.5e-3  # without it the reference edge cannot be determined
 
 
 def clean(scene: Scene, *, seed: int, u_mask_angle_rad: float) -> SimulatedRig:

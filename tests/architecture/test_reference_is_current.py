@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 import subprocess
 import sys
 from functools import cache
@@ -31,11 +32,14 @@ def _block(page: str, language: str) -> str:
 @cache
 def _messages() -> list[str]:
     """Every text of the program, with an ellipsis for each value that is put into it."""
+    in_place_of = runpy.run_path(str(ROOT / "scripts" / "findings-reference"))["in_place_of"]
     texts = []
     for path in (ROOT / "src").rglob("*.py"):
         for node in nodes(path):
             if isinstance(node, ast.JoinedStr):
-                texts.append("".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in node.values))
+                texts.append(
+                    "".join(str(v.value) if isinstance(v, ast.Constant) else in_place_of(v) for v in node.values)
+                )
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 texts.append(node.value)
     return texts

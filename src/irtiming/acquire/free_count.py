@@ -11,7 +11,7 @@ from irtiming.records.camera_frame import CameraFrame
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvent
 from irtiming.records.timestamps import Timestamps
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 _SAME_RATE = 1e-3
 """By so much, relative, the camera's period may differ from the one that was planned before it is told."""
@@ -63,13 +63,16 @@ class FreeCount:
             self._reasons.append("no frame came; check the camera's cable and its AcquisitionMode")
         elif not timestamps.is_whole:
             self._reasons.append(
-                f"timestamps were lost at {timestamps.lost_after_ticks.size} places; check the trigger generator's line"
+                f"timestamps were lost at {counted(timestamps.lost_after_ticks.size, 'place')}; "
+                "check the trigger generator's line"
             )
         findings = [*lost_on_the_way(self._lost)]
         if self._event == "strobe" and self._frames:
             findings += self._of_strobe(timestamps, before_start)
         if self._event == "stamp" and self._untimed:
-            self._reasons.append(f"{self._untimed} frames have no stamp of the camera; count from strobe or arrival")
+            self._reasons.append(
+                f"{counted(self._untimed, 'frame')} without a stamp of the camera; count from strobe or arrival"
+            )
         return Verdict(
             reasons=tuple(self._reasons),
             findings=tuple(findings),
@@ -89,11 +92,13 @@ class FreeCount:
         edges = timestamps.camera_input_ticks
         if before_start:
             self._reasons.append(
-                f"{before_start} edges came at camera_input before the camera was started; see what else drives that line"
+                f"{counted(before_start, 'edge')} came at camera_input before the camera was started; "
+                "see what else drives that line"
             )
         if edges.size < self._last + 1:
             self._reasons.append(
-                f"camera_input has {edges.size} edges for {self._last + 1} frames; check the strobe output, LineSource and cable"
+                f"camera_input has {counted(edges.size, 'edge')} for {self._last + 1} frames; "
+                "check the strobe output, LineSource and cable"
             )
             return
         period_s = (

@@ -17,7 +17,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.camera_frame import CameraFrame
 from irtiming.records.finding import Finding
 from irtiming.records.timestamps import Timestamps
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 _NEAR = 0.25
 """Frames must come within this part of a period of a whole number of periods."""
@@ -70,7 +70,7 @@ class Verdict:
 def lost_on_the_way(n_lost: int) -> Iterator[Finding]:
     """What is to be said of frames that were made and did not come."""
     if n_lost:
-        what, cure = f"{n_lost} frames were lost on the way", "blank frames stand in their place"
+        what, cure = f"{counted(n_lost, 'frame')} lost on the way", "blank frames stand in their place"
         yield Finding(code="frames-lost-on-the-way", severity="warning", what=what, cure=cure)
 
 
@@ -144,11 +144,12 @@ class Pairing:
         latency_s: float | None = None
         if not self._numbers:
             self._against(
-                f"no frame came for {made.size} triggers; check the camera's trigger line and its TriggerSource"
+                f"no frame came for {counted(made.size, 'trigger')}; check the camera's trigger line and its TriggerSource"
             )
         elif not timestamps.is_whole:
             self._against(
-                f"timestamps were lost at {timestamps.lost_after_ticks.size} places; check the trigger generator's line"
+                f"timestamps were lost at {counted(timestamps.lost_after_ticks.size, 'place')}; "
+                "check the trigger generator's line"
             )
         else:
             findings += self._check_ends(made.size)
@@ -200,10 +201,10 @@ class Pairing:
             self._against(f"frames of {self.last_number + 1} triggers came, but only {n_made} were made")
         yield from lost_on_the_way(self._lost)
         if self._missed:
-            what = f"{self._missed} triggers made no frame"
+            what = f"{counted(self._missed, 'trigger')} made no frame"
             yield Finding(code="triggers-without-frame", severity="warning", what=what)
         if 0 <= self.last_number < n_made - 1:
-            what = f"the last {n_made - 1 - self.last_number} triggers have no frame"
+            what = f"no frame came for the last {counted(n_made - 1 - self.last_number, 'trigger')}"
             yield Finding(code="last-triggers-without-frame", severity="warning", what=what)
 
     def _latencies_s(self, made: Ticks, earliest_s: Callable[[int], float]) -> Array:
@@ -227,8 +228,8 @@ class Pairing:
         if not is_usual and not 0 <= latency_s < self._period_s:
             usual = readable_time(float(f"{latency_s:.3g}"))
             self._against(
-                f"{n_made - 1 - self.last_number} triggers at the beginning or the end made no frame, and the frames "
-                f"came {usual} after their triggers: which were missed cannot be told"
+                f"{counted(n_made - 1 - self.last_number, 'trigger')} at the beginning or the end made no frame, and the frames "
+                f"came {usual} after their triggers: which were missed cannot be determined"
             )
 
     def _steady_s(self, latencies_s: Array) -> float | None:

@@ -31,7 +31,7 @@ from irtiming.records.camera_frame import CameraFrame, CameraSetup, StreamCounts
 from irtiming.records.finding import Finding
 from irtiming.records.recording import USUAL_READOUT
 from irtiming.records.timestamps import Timestamps
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 _QUIET_S, _QUIET_PERIODS = 0.3, 4
 """So long the armed camera must be silent before the first trigger, whichever is longer."""
@@ -225,7 +225,7 @@ class _Capture:
         await asyncio.sleep(max(0.0, self._armed_s + quiet_s - monotonic()))
         if self._early:
             raise InstrumentError(
-                f"{self._rig.camera.name} made {self._early} frames before the first trigger: it does not wait for "
+                f"{self._rig.camera.name} made {counted(self._early, 'frame')} before the first trigger: it does not wait for "
                 f"triggers; check TriggerMode, and TriggerSource (it is {self._setup.trigger_source}), and the "
                 "camera's trigger line"
             )
@@ -421,20 +421,22 @@ class _Capture:
                 usual_latency_s=self._order.usual_latency_s,
             )
         if writer.repeated:
-            frozen = f"{writer.repeated} frames are equal to the one before: the camera sent old ones or is shut"
+            frozen = (
+                f"{counted(writer.repeated, 'frame')} equal to the one before: the camera sent old frames or is shut"
+            )
             verdict = replace(verdict, reasons=(*verdict.reasons, frozen), latency_s=None)
         return verdict
 
     def _oddities(self, writer: FrameWriter, counts: StreamCounts) -> Iterator[Finding]:
         """What a person should know, though the recording stands."""
         if self._overflowed:
-            what = f"{self._overflowed} frames found the queue to the disk full and are blank"
+            what = f"{counted(self._overflowed, 'frame')} found the queue to the disk full, blank in the file"
             yield Finding(code="disk-too-slow", severity="warning", what=what, cure="use a faster disk")
         if counts.frames_damaged:
-            what = f"{counts.frames_damaged} frames came damaged, {counts.packets_missing} packets are missing"
+            what = f"{counted(counts.frames_damaged, 'frame')} came damaged, {counted(counts.packets_missing, 'packet')} missing"
             yield Finding(code="frames-came-damaged", severity="warning", what=what, cure="check link and MTU")
         if counts.queue_dropped:
-            what = f"{counts.queue_dropped} frames were lost because this computer was too slow to take them"
+            what = f"{counted(counts.queue_dropped, 'frame')} lost because this computer was too slow to take them"
             yield Finding(code="computer-too-slow", severity="warning", what=what)
         pace = self._counter.pace()
         if pace is not None and self._rig.speed == 1 and abs(pace - 1) > _PACE_TOLERANCE:

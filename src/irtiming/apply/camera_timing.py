@@ -30,7 +30,7 @@ MEANINGS: Mapping[MomentName, str] = {
     "middle": "middle of integration",
     "end": "end of integration",
     "reading": "reading of the row",
-    "effective": "the scene is seen as it was then, to first order",
+    "effective": "the scene appears as it was then, to first order",
 }
 """What happens at each moment."""
 

@@ -155,7 +155,7 @@ def _gyroflow(given: HandOver) -> str:
     note = " ".join(
         [
             *_common(given, given.middle_row, "the middle of the image"),
-            "A profile has no delay: enter as sync offset that the middle row is seen "
+            "A profile has no delay: enter as sync offset that the middle row shows the scene "
             f"{1e3 * given.middle_row.value_s:+.3f} ms after the stamp. frame_readout_time: ms from the first row to one past "
             "the last; versions that know no frame_readout_direction want it negative from the bottom up. Gyroflow reads no "
             "profile without a calibrated lens: put these fields into the profile of yours.",

@@ -64,8 +64,8 @@ def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) 
     at = _setting(wanted, axis)
     if not np.all(np.isfinite(x)) or not np.isfinite(at):
         raise ConditionError(
-            f"the {axis} is not told by {'the frames' if np.all(np.isfinite(x)) else 'each result'}, by which results are "
-            "interpolated; give the one result of this setting alone",
+            f"the {axis} is not stated by {'the frames' if np.all(np.isfinite(x)) else 'each result'}, and results are "
+            "interpolated over it; give the one result of this setting alone",
             where=where,
         )
     here = np.flatnonzero(np.abs(x - at) <= _SAME * x)

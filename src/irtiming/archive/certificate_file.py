@@ -97,7 +97,7 @@ class Item(Part):
     serial_number: Text | None = None
     firmware: Text | None = None
     owner_number: Text | None = Field(None, description="number by which the customer knows it")
-    condition: Text | None = Field(None, description="when it was received", examples=["no damage seen"])
+    condition: Text | None = Field(None, description="when it was received", examples=["no visible damage"])
     settings: Text | None = Field(
         None, description="mode in which it was measured", examples=["trigger mode 1, filter off"]
     )
@@ -205,7 +205,9 @@ class CertificateFile(Part):
     certificate: Head
     laboratory: Laboratory
     customer: Organisation
-    item: Annotated[list[Item], OneOrSeveral()] = Field([], description="one; several are told by serial_number")
+    item: Annotated[list[Item], OneOrSeveral()] = Field(
+        [], description="one; several are distinguished by serial_number"
+    )
     dates: Dates = Dates()
     place: Place = Place()
     equipment: Annotated[list[Equipment], OneOrSeveral()] = Field([])

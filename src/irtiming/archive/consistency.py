@@ -9,6 +9,7 @@ from irtiming.archive import layout
 from irtiming.archive.finding import error_at, warning_at
 from irtiming.archive.layout import Field
 from irtiming.records.finding import Finding
+from irtiming.units import counted
 
 if TYPE_CHECKING:
     from irtiming.records.arrays import Ticks
@@ -79,7 +80,7 @@ def _streams(contents: Contents) -> Iterator[Finding]:
             )
         elif n_equal := int(np.count_nonzero(steps == 0)):
             at = int(np.argmax(steps == 0))
-            what = f"has {n_equal} repeated ticks, the first {ticks[at]} at entry {at + 1}"
+            what = f"has {counted(n_equal, 'repeated tick')}, the first {ticks[at]} at entry {at + 1}"
             if field is layout.CAMERA_TRIGGER:
                 yield error_at(
                     field.path, what, code="trigger-repeated", cure="two triggers cannot be at one time; record again"

@@ -9,7 +9,7 @@ from irtiming.archive import layout
 from irtiming.archive.finding import error_at, warning_at
 from irtiming.physics.clock_rate import camera_clock
 from irtiming.records.finding import Finding
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
@@ -70,7 +70,7 @@ def _bounces(contents: "Contents") -> Iterator[Finding]:
             longest = readable_time(float(f"{short.max() / clock:.2g}"))
             yield warning_at(
                 field.path,
-                f"has {short.size} edges that bounce: within {longest} of the one before, the first after entry {first}",
+                f"has {counted(short.size, 'bouncing edge')}: within {longest} of the one before, the first after entry {first}",
                 code="edges-bounce",
                 cure=f"set glitch_filter to more than {longest}, and clean slot and gate; the analysis leaves the later ones out",
             )

@@ -62,7 +62,7 @@ class Bound(Part):
 
 
 class EdgeDelays(Part):
-    """The delay as seen from wheel edges 0 to 3, with standard uncertainties from noise alone."""
+    """The delay by each of the wheel edges 0 to 3, with standard uncertainties from noise alone."""
 
     value: list[Real]
     standard_uncertainty: list[Real]
@@ -164,7 +164,7 @@ class Core(Part):
     relative_delays: list[RelativeDelay]
     relative_delays_combined: list[CombinedDelay] = Field([])
     not_in_uncertainty: list[str] = Field(
-        [], description="in words, what the uncertainties do not hold because nobody stated it"
+        [], description="in words, what the uncertainties do not include because it was not stated"
     )
     last_row_read: LastRow | None = None
     budget: list[BudgetLine]

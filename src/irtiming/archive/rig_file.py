@@ -236,7 +236,7 @@ class _Camera(Part):
         le=180,
         description="rho: how far the camera is turned about its axis, and sees angles as phi + rho; only a check of phi_M",
         json_schema_extra={
-            "hint": ": positive where what stands at 3 o'clock on the rig is seen further down in the image"
+            "hint": ": positive where what stands at 3 o'clock on the rig appears further down in the image"
         },
     )
     roll_u_deg: Uncertainty = Field(

@@ -9,7 +9,7 @@ from irtiming.archive import layout
 from irtiming.archive.finding import error_at, warning_at
 from irtiming.archive.line_checks import is_exchanged
 from irtiming.records.finding import Finding
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
@@ -58,7 +58,7 @@ def _lost_timestamps(contents: "Contents") -> Iterator[Finding]:
     after_s = float(lost[0] - triggers[0]) / clock
     yield error_at(
         layout.LOST_AFTER.path,
-        f"tells of {lost.size} losses of timestamps, the first {after_s:.6f} s after the first trigger",
+        f"tells that timestamps were lost at {counted(lost.size, 'place')}, the first {after_s:.6f} s after the first trigger",
         code="timestamps-lost",
         cure="record again; check the line to the trigger generator, and what else the computer did",
     )
@@ -98,7 +98,7 @@ def _trigger_intervals(contents: "Contents") -> Iterator[Finding]:
             code="trigger-intervals-odd",
             severity="doubt" if far else "warning",
             where=layout.CAMERA_TRIGGER.path,
-            what=f"has {n_off} intervals other than camera_period = {period} ticks, the first of "
+            what=f"has {counted(n_off, 'interval')} other than camera_period = {period} ticks, the first of "
             f"{triggers[at + 1] - triggers[at]} ticks after trigger {at}",
             cure="check the trigger generator; the analysis uses the ticks as they are",
         )
@@ -160,7 +160,7 @@ def _half_turns(contents: "Contents") -> Iterator[Finding]:
         if n_odd := int(np.count_nonzero(odd)):
             yield warning_at(
                 layout.APPLICATION_SLOT.path,
-                f"has {n_odd} {name} edges, the first after entry {int(np.argmax(odd))}",
+                f"has {counted(n_odd, f'{name} edge')}, the first after entry {int(np.argmax(odd))}",
                 code="application-edges-odd",
                 cure="check the application light gate",
             )
@@ -201,7 +201,7 @@ def _slots_among_edges(contents: "Contents") -> Iterator[Finding]:
     if strange.size:
         yield warning_at(
             layout.APPLICATION_EDGES.path,
-            f"lacks {strange.size} ticks of application_slot, the first is {strange[0]}",
+            f"lacks {counted(strange.size, 'tick')} of application_slot, the first is {strange[0]}",
             code="application-edges-incomplete",
             cure="edges 0 and 2 belong to all four; check the modified circuit",
         )

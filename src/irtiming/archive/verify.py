@@ -26,6 +26,7 @@ from irtiming.archive.tick_checks import check_ticks, duration
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
+from irtiming.units import counted
 
 Progress: TypeAlias = Callable[[int, int], None]
 """Called with frames seen and all frames."""
@@ -188,13 +189,13 @@ def _of_survey(seen: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[F
     if seen.dead_frames.size:
         first = int(seen.dead_frames[0])
         what = (
-            f"has {seen.dead_frames.size} dead frames, the first is frame {first}: "
+            f"has {counted(seen.dead_frames.size, 'dead frame')}, the first is frame {first}: "
             f"all pixels are {int(seen.lowest_dn[first])}"
         )
         yield error_at(where, what, code="frames-dead", cure="check camera and link, record again")
     living = np.setdiff1d(seen.repeated_frames, seen.dead_frames)
     if living.size:
-        what = f"has {living.size} frames equal to the one before, the first is frame {living[0]}"
+        what = f"has {counted(living.size, 'frame')} equal to the one before, the first is frame {living[0]}"
         yield error_at(where, what, code="frames-repeated", cure="the camera missed triggers; record again")
     for share, name in ((seen.saturated_share, f"saturated ({highest})"), (seen.zero_share, "clipped at 0")):
         if share > _SOME_CLIPPED:

@@ -79,7 +79,7 @@ def time(
     """Say when each row of each frame was exposed or read, with standard uncertainty and correlation.
 
     Start, middle and end of the integration of a photon camera; of a lagging one the moment of reading; and the effective moment:
-    the scene is seen as it was then. A result for another camera, integration time, readout mode or image size is refused.
+    the scene appears as it was then. A result for another camera, integration time, readout mode or image size is refused.
     """
     given = locals()
     from irtiming.session.apply_time import TimeOrder, apply_time

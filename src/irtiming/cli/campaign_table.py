@@ -8,6 +8,7 @@ from irtiming.report import campaign_page
 from irtiming.report.blocks import Table
 from irtiming.report.sections import campaign as sections
 from irtiming.session.campaign import Done
+from irtiming.units import counted
 
 _MOST = 25
 
@@ -28,6 +29,6 @@ def show(done: Done, screen: Console) -> None:
             if isinstance(block, Table):
                 print_table(block, screen)
     if done.n_registered is not None:
-        say(f"register: {done.n_registered} new of {len(done.campaign.points)} results", screen)
+        say(f"register: {done.n_registered} new of {counted(len(done.campaign.points), 'result')}", screen)
     for path in done.files:
         say(str(path), screen)

@@ -38,10 +38,11 @@ def history(
     from irtiming.cli.screen import say
     from irtiming.session.history import HistoryOrder, cameras, of_camera
     from irtiming.session.history import add as enter
+    from irtiming.units import counted
 
     screen = Console()
     if add:
-        say(f"register: {enter(add, register)} new of {len(add)} results", screen)
+        say(f"register: {enter(add, register)} new of {counted(len(add), 'result')}", screen)
     if serial_number is None:
         if json is not None or since is not None:
             raise UnitError(

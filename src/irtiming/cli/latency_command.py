@@ -38,7 +38,8 @@ def gates(
     place_u_mrad: Annotated[
         float | None,
         typer.Option(
-            min=0.0, help="By how much the beams may stand elsewhere after the exchange, seen from the axle; k = 1."
+            min=0.0,
+            help="By how much the beams may stand elsewhere after the exchange, as an angle about the axle; k = 1.",
         ),
     ] = None,
     photodiode: Annotated[

@@ -21,7 +21,7 @@ from irtiming.records.trigger_plan import PlannedRun
 from irtiming.session.live import LiveAnalysis, LiveEstimate
 from irtiming.session.series import Attending, LiveAttendant, SeriesMade, SeriesReady
 from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 _MANY, _GROWS = 8, 2
 """Frames that wait for the disk: it is told when they are this many times more than when it was told last, and than so many."""
@@ -84,7 +84,7 @@ class Person(LiveAttendant):
     def goes_on(self, *, made: int, total: int, frames: int, lost: int, waiting: int) -> None:
         """The bar; what is out of the ordinary stands behind the name."""
         if lost > self._lost:
-            self.says(f"{self._name}: trigger {made}: {lost} triggers have no frame so far")
+            self.says(f"{self._name}: trigger {made}: {counted(lost, 'trigger')} without a frame so far")
         if waiting > _GROWS * self._waiting:
             self.says(f"{self._name}: trigger {made}: {waiting} frames wait for the disk")
         self._lost, self._waiting = max(lost, self._lost), max(waiting, self._waiting)
@@ -126,7 +126,7 @@ class Person(LiveAttendant):
             await asyncio.sleep(0.05)
         if not answer[0]:
             raise InstrumentError(
-                "wheel and mask must be taken out of the way, and nobody is there to do it; say --yes if they are, or name a "
+                "wheel and mask must be taken out of the way, and there is no one to do it; say --yes if they are, or name a "
                 "command in [references]"
             )
 

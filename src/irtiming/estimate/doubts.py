@@ -235,7 +235,7 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
             code="frames-wild",
             severity="warning",
             recording=fit.name,
-            what=f"{fit.n_dropped} frames left out as outliers or at the ends",
+            what=f"{counted(fit.n_dropped, 'frame')} left out as outliers or at the ends",
         )
         for fit in fits
         if fit.n_dropped
@@ -268,7 +268,9 @@ def of_levels(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
     for fit in fits:
         levels = fit.levels
         if levels is not None and levels.jumps:
-            what = f"the levels jump at {len(levels.jumps)} frames, as they do where a camera corrects itself"
+            what = (
+                f"the levels jump at {counted(len(levels.jumps), 'frame')}, as they do where a camera corrects itself"
+            )
             cure = "each stretch has levels of its own; switch the camera's own correction off"
             found.append(Finding(code="levels-jump", severity="info", recording=fit.name, what=what, cure=cure))
         elif levels is not None and levels.sway > _SWAY:

@@ -9,6 +9,7 @@ from irtiming.estimate.map_patterns import MappedDelays, RowClock
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.finding import Finding
 from irtiming.records.pixel_maps import PixelMaps, ReadoutPattern
+from irtiming.units import counted
 
 _STRAYS, _NOISY = 6.0, 3.0  # standard uncertainties; times the median noise
 _SURE = 6.0  # standard uncertainties of a pattern
@@ -130,10 +131,10 @@ def _unseen(maps: PixelMaps) -> list[Finding]:
 def _stray(maps: PixelMaps) -> list[Finding]:
     found = []
     if maps.is_deviating.any():
-        what = f"{_named(maps.is_deviating, maps)} stray from the others in delay, time constant or noise"
+        what = f"{_named(maps.is_deviating, maps)} unlike the others in delay, time constant or noise"
         found.append(Finding(code="pixels-deviating", severity="info", what=what))
     if maps.is_dead.any():
-        what = f"{_named(maps.is_dead, maps)} of the opening are dead or blinking and have no values in the map"
+        what = f"{_named(maps.is_dead, maps)} of the opening dead or blinking, without values in the map"
         found.append(Finding(code="pixels-dead", severity="info", what=what))
     return found
 
@@ -143,4 +144,4 @@ def _named(these: Mask, maps: PixelMaps) -> str:
     places = np.add(np.argwhere(these), (maps.roi[0], maps.roi[2])).tolist()
     named = ", ".join(f"({row}, {column})" for row, column in places[:_NAMED])
     more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
-    return f"{len(places)} pixels, in (row, column) {named}{more},"
+    return f"{counted(len(places), 'pixel')}, in (row, column) {named}{more},"

@@ -361,7 +361,7 @@ def _determined(found: Estimate) -> tuple[tuple[str, ...], tuple[Bound, ...], tu
         doubt = Finding(
             code="no-lag-seen",
             severity="warning",
-            what=f"no thermal lag is seen: the time constant is {1e3 * tau:.3f} ms with u = {1e3 * u:.3f} ms (k = 1), a "
+            what=f"no thermal lag is found: the time constant is {1e3 * tau:.3f} ms with u = {1e3 * u:.3f} ms (k = 1), a "
             "microbolometer has some ms",
             cure="if this is a photon camera, its recording must say so (camera type photon)",
         )

@@ -169,7 +169,7 @@ def combine(pieces: Iterable[Information]) -> Combined:
     matrix = np.sum([part.matrix for part in parts], axis=0)
     silent = [name for name, told in zip(names, np.diag(matrix), strict=True) if not told > 0]
     if silent:
-        raise EstimationError(f"nothing is told of {', '.join(silent)}; plan another measurement for it")
+        raise EstimationError(f"nothing determines {', '.join(silent)}; plan another measurement for it")
     return Combined(names=names, parts=parts, covariance=inverse(matrix))
 
 

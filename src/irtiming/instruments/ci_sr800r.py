@@ -253,7 +253,7 @@ class SR800RBlackbody:
             if held is None or abs(held - degc) <= _STEP_DEGC:
                 return
         raise InstrumentRefused(
-            f"{self.name} was told {degc:.3f} degrees Celsius, but goes to {held:.3f}; see its limits in its menu"
+            f"{self.name} was set to {degc:.3f} degrees Celsius, but goes to {held:.3f}; see its limits in its menu"
         )
 
     def _refuse_faults(self) -> None:

@@ -279,7 +279,7 @@ class MC2000BChopper:
         now = self._state()
         if replace(now, input_hz=None, says_locked=None) != replace(wanted, input_hz=None, says_locked=None):
             raise InstrumentError(
-                f"{self.name} says {now}, and before {wanted}; see to its cable, and that nobody turns its knobs"
+                f"{self.name} says {now}, and before {wanted}; check its cable, and leave its knobs alone"
             )
         return now
 
@@ -293,7 +293,7 @@ class MC2000BChopper:
         held = _read(self._controller, name)
         if held != value:
             raise InstrumentRefused(
-                f"{self.name} was told {name} = {value}, but holds {held}; set it at the controller"
+                f"{self.name} was set to {name} = {value}, but holds {held}; set it at the controller"
             )
 
 

@@ -182,7 +182,7 @@ class Result:
     effective
         Time constants of the blackbody temperatures one by one; None where these are not known, or there is no lag.
     not_in_uncertainty
-        In words, what the uncertainties do not hold because nobody stated it.
+        In words, what the uncertainties do not include because it was not stated.
     falling_rising
         ``falling_rising_time`` and ``falling_rising_angle``: delay by falling slopes less delay by rising ones, at the angular
         frequency omega, is the time plus the angle over omega; None where one wheel speed does not tell them apart.

@@ -29,6 +29,7 @@ from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.wheel import frame_angles, nominal_angles
 from irtiming.reduce.wheel.frame_angles import FrameAngles
+from irtiming.units import counted
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
@@ -189,10 +190,10 @@ def _kept(recording: Recording, judge: _Alive) -> tuple[Mask, tuple[Finding, ...
     dropped = [*remarks.without_angle(recording, outside)]
     dropped.extend(remarks.shutter_closed(recording, event) for event in _shutter_events(judge))
     if dead.any():
-        what = f"{dead.sum()} frames dropped: more than half of their pixels are at zero or full scale"
+        what = f"{counted(int(dead.sum()), 'frame')} dropped: more than half of the pixels are at zero or full scale"
         dropped.append(doubt(code="dead-frames", recording=recording, what=what))
     if again.any():
-        what = f"{again.sum()} frames dropped: they repeat the frame before, pixel by pixel"
+        what = f"{counted(int(again.sum()), 'frame')} dropped: the same as the frame before, pixel by pixel"
         dropped.append(doubt(code="repeated-frames", recording=recording, what=what))
     if dead.mean() > _DEAD_SHARE:
         raise ReductionError(

@@ -7,6 +7,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ShutterEvent
 from irtiming.records.wheel_track import WheelTrack
+from irtiming.units import counted
 
 
 def doubt(*, code: str, recording: Recording, what: str, cure: str = "") -> Finding:
@@ -49,7 +50,7 @@ def without_angle(recording: Recording, outside: Mask) -> tuple[Finding, ...]:
     """
     if not np.any(outside):
         return ()
-    what = f"{outside.sum()} frames dropped: triggered where no control slots were recorded"
+    what = f"{counted(int(outside.sum()), 'frame')} dropped: triggered where no control slots were recorded"
     return (doubt(code="frames-without-angle", recording=recording, what=what),)
 
 
@@ -77,5 +78,5 @@ def lost_frames(recording: Recording) -> tuple[Finding, ...]:
     lost = int(recording.frame_number[-1] - recording.frame_number[0]) + 1 - recording.frame_number.size
     if not lost:
         return ()
-    what = f"{lost} frames lost between the first and the last: their triggers are skipped"
+    what = f"{counted(lost, 'frame')} lost between the first and the last: triggers without a frame are skipped"
     return (doubt(code="lost-frames", recording=recording, what=what),)

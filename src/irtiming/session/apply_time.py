@@ -152,7 +152,7 @@ def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
         yield "row: all rows are read at once; row 0 stands for all"
     yield "u: standard uncertainty (k = 1) of a time; r: correlation coefficient of the times of one row in two frames"
     for remark in times.events.remarks:
-        yield f"not in the uncertainties: {remark}" if "nobody said" in remark else f"note: {remark}"
+        yield f"not in the uncertainties: {remark}" if "not stated" in remark else f"note: {remark}"
     for words in camera.not_in_uncertainty:
         yield f"not in the uncertainties: {words}"
     if camera.simulated:

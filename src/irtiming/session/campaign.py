@@ -19,6 +19,7 @@ from irtiming.records.campaign import Campaign
 from irtiming.records.choices import Language
 from irtiming.report import campaign_page
 from irtiming.report.language import writing_in
+from irtiming.units import counted
 
 NO_REGISTER = "none"
 TABLE, PARQUET, PAGE, SUMMARY = "table.csv", "table.parquet", "campaign.html", "campaign.json"
@@ -113,7 +114,7 @@ def _head(campaign: Campaign) -> Iterator[str]:
     yield f"{program_version()}: one line for each camera and setting; SI units, u standard, U expanded uncertainty (95.45 %)"
     yield f"decision rule: {campaign.rule or 'none, there are no limits'}"
     if campaign.broken:
-        yield f"not in this table: {sum(len(one.files) for one in campaign.broken)} recordings, listed in {SUMMARY}"
+        yield f"not in this table: {counted(sum(len(one.files) for one in campaign.broken), 'recording')}, listed in {SUMMARY}"
 
 
 def summary(campaign: Campaign, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -239,7 +239,7 @@ def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: Stamp
                 "or say by --latency how much later than those they are",
                 where=str(wanted.source),
             )
-        remarks = ("by how much later than the trigger edge a stamp is: nobody said, none was taken off",)
+        remarks = ("by how much later than the trigger edge a stamp is: not stated, none was taken off",)
     if wanted.calibrated_by is not None:
         return _by_calibration(raw, wanted, late=late, kind=kind)
     if kind in ("trigger", "strobe"):

@@ -89,7 +89,7 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
     if share and abs(given.middle_row.value_s) > 0:
         yield f"One frame lasts {time_text(share)}: that is {significant(abs(given.middle_row.value_s) / share)} frames."
     if given.not_in_uncertainty:
-        yield f"Not in the uncertainties, since nobody stated it: {'; '.join(given.not_in_uncertainty)}."
+        yield f"Not in the uncertainties, since it was not stated: {'; '.join(given.not_in_uncertainty)}."
     if camera.scatter is not None and {0.05, 0.95} <= set(camera.scatter.quantiles_s):
         early, late = (readable_time(float(f"{abs(camera.scatter.quantiles_s[share]):.2g}")) for share in (0.05, 0.95))
         what = "arrives" if camera.event == "arrival" else "is stamped"

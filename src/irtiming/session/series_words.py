@@ -8,6 +8,7 @@ from irtiming.acquire.run_order import RunOutcome
 from irtiming.errors import InstrumentError
 from irtiming.report.rounding import value_text
 from irtiming.session.live import LiveEstimate
+from irtiming.units import counted
 
 _SHARES = ("pixel_memory", "recursive_filter")
 _STANDARD_ERROR = 2  # standard output is for names of files
@@ -37,8 +38,8 @@ def of_run(outcome: RunOutcome) -> list[str]:
     source = "that the camera made" if outcome.order.camera.runs_free else "triggers"
     return [
         f"run {outcome.order.number}: {verdict.frames} frames for {verdict.triggers} {source}, {verdict.lost} lost, "
-        f"{counts.packets_missing} packets missing, {counts.packets_resent} resent, longest queue {outcome.longest_queue}: "
-        f"{outcome.ending}",
+        f"{counted(counts.packets_missing, 'packet')} missing, {counts.packets_resent} resent, "
+        f"longest queue {outcome.longest_queue}: {outcome.ending}",
         *(f"warning: {finding.sentence()}" for finding in outcome.findings),
     ]
 

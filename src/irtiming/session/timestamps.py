@@ -21,6 +21,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.records.series_plan import WiringWishes
 from irtiming.records.timestamps import Timestamps
+from irtiming.units import counted
 
 
 @final
@@ -124,8 +125,8 @@ def _lost(found: Timestamps, out: Path) -> str:
     lost, triggers = found.lost_after_ticks, found.camera_trigger_ticks
     first_s = float(lost[0] - (triggers[0] if triggers.size else lost[0])) / found.clock_frequency_hz
     return (
-        f"timestamps were lost at {lost.size} places, the first {first_s:.6f} s after the first trigger; {out} is marked so and "
-        "will not be analysed: check the line, stop what else keeps the computer busy, and record again"
+        f"timestamps were lost at {counted(lost.size, 'place')}, the first {first_s:.6f} s after the first trigger; "
+        f"{out} is marked so and will not be analysed: check the line, stop what else keeps the computer busy, and record again"
     )
 
 

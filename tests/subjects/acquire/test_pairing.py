@@ -90,7 +90,7 @@ def test_a_missed_trigger_moves_the_numbers_after_it():
     assert numbers == made
     assert verdict.is_trusted
     assert (verdict.lost, verdict.missed) == (0, 1)
-    assert ("triggers-without-frame", "1 triggers made no frame") in [(f.code, f.what) for f in verdict.findings]
+    assert ("triggers-without-frame", "1 trigger made no frame") in [(f.code, f.what) for f in verdict.findings]
 
 
 def test_a_missed_trigger_beside_a_lost_frame():
@@ -145,7 +145,7 @@ def test_a_last_trigger_without_frame_is_known_by_the_arrivals():
     numbers, verdict = _judged(list(range(19)), n_triggers=20)
     assert numbers == list(range(19))
     assert verdict.is_trusted
-    assert ("last-triggers-without-frame", "the last 1 triggers have no frame") in [
+    assert ("last-triggers-without-frame", "no frame came for the last 1 trigger") in [
         (f.code, f.what) for f in verdict.findings
     ]
 
@@ -154,7 +154,7 @@ def test_a_first_trigger_without_frame_is_not_trusted():
     """Oracle: 19 frames of triggers 1 to 19 look a period late if the first is taken for that of trigger 0."""
     _, verdict = _judged(list(range(1, 20)), n_triggers=20)
     assert not verdict.is_trusted
-    assert "which were missed cannot be told" in verdict.reasons[0]
+    assert "which were missed cannot be determined" in verdict.reasons[0]
 
 
 def test_a_slow_camera_is_known_by_its_usual_latency():
@@ -298,7 +298,7 @@ def test_frames_are_not_trusted_where_timestamps_were_lost():
         pairing.take(_frame(k, k))
     lost = _timestamps(20, lost=np.array([520_000]))
     verdict = pairing.judge(lost, earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=None)
-    assert verdict.reasons == ("timestamps were lost at 1 places; check the trigger generator's line",)
+    assert verdict.reasons == ("timestamps were lost at 1 place; check the trigger generator's line",)
     assert verdict.latency_s is None
 
 
@@ -309,5 +309,5 @@ def test_frames_that_a_busy_computer_takes_have_no_usual_latency():
     for k in made:
         pairing.take(_frame(k, k, latency_s=0.023 + 0.008 * (k % 3 == 0)))
     verdict = pairing.judge(_timestamps(20), earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=0.0228)
-    assert "which were missed cannot be told" in verdict.reasons[0]
+    assert "which were missed cannot be determined" in verdict.reasons[0]
     assert verdict.latency_s is None

@@ -104,7 +104,7 @@ def test_references_ask_a_person_or_run_a_command(run, with_blackbody):
     with_blackbody.camera.level_dn = lambda: round(10 * body.temperature_k) - 2000
     references = '\n[references]\nlow = "290 K"\nhigh = "330 K"\nframes = 4\n'
     (folder / "plan.toml").write_text(PLAN + references)
-    assert "nobody is there to do it; say --yes" in str(run().exception)
+    assert "there is no one to do it; say --yes" in str(run().exception)
     script = folder / "attend.sh"
     script.write_text(f"#!/bin/sh\necho $1 >> {folder}/said\n")
     script.chmod(0o755)

@@ -58,8 +58,8 @@ def test_a_camera_that_does_not_wait_is_refused_before_any_file(laboratory):
     ("fault", "value", "says"),
     [
         ("extra_after", {4}, "the camera makes frames without triggers"),
-        ("frozen", True, "frames are equal to the one before"),
-        ("missed", {0}, "which were missed cannot be told"),
+        ("frozen", True, "frames equal to the one before"),
+        ("missed", {0}, "which were missed cannot be determined"),
     ],
 )
 def test_a_recording_that_is_in_doubt_says_so(laboratory, fault, value, says):
@@ -216,7 +216,7 @@ def test_lost_timestamps_are_not_a_complete_run(laboratory):
     """Oracle: a generator that says that records were lost."""
     laboratory.generator.loses_stamps = True
     (made,) = laboratory.recorded().outcomes
-    assert made.ending.startswith(f"{NOT_TRUSTED}timestamps were lost at 1 places")
+    assert made.ending.startswith(f"{NOT_TRUSTED}timestamps were lost at 1 place")
     with pytest.raises(ArchiveError, match="timestamps were lost"):
         reader.read(made.path)
 

@@ -98,7 +98,7 @@ def test_what_is_no_straight_line_widens_u_or_is_refused():
             5e-4,
             r"its integration time is 500 µs, the results were measured from 100 µs to 300 µs",
         ),
-        ([_camera(3e-4, 4e-4)], None, "the integration time is not told by the frames"),
+        ([_camera(3e-4, 4e-4)], None, "the integration time is not stated by the frames"),
         ([_camera(3e-4, 4e-4, serial_number="8")], 2e-4, "its serial number is 8, the result was measured with 7"),
         (
             [camera_timing.of_result(made_up_result("photon", "snapshot", {"trigger_delay": COOLED["trigger_delay"]}))],

@@ -112,7 +112,7 @@ def test_edges_that_bounce(broken, line):
         _put(file, f"{LINES}/{line}", np.sort(np.append(ticks, ticks[[4, 9, 12]] + round(8e-6 * clock_hz))))
 
     found = broken(bounce)["edges-bounce"]
-    assert "has 3 edges that bounce: within 8 µs of the one before, the first after entry 4" in found.what
+    assert "has 3 bouncing edges: within 8 µs of the one before, the first after entry 4" in found.what
     assert "glitch_filter to more than 8 µs" in found.cure
 
 

@@ -51,9 +51,9 @@ def test_an_ending_other_than_complete_is_told(ending, severity):
     [
         ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 5, 399), "error", "goes back at entry 5: 399 after 400"),
         ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 0, 101), "error", "goes back at entry 1: 100 after 101"),
-        ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 5, 400), "warning", "has 1 repeated ticks, the first 400 at entry 5"),
-        ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 1, 0), "warning", "has 1 repeated ticks, the first 0 at entry 1"),
-        ("CAMERA_TRIGGER", _with(TRIGGERS, 1, 1000), "error", "has 1 repeated ticks, the first 1000 at entry 1"),
+        ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 5, 400), "warning", "has 1 repeated tick, the first 400 at entry 5"),
+        ("CONTROL_SLOT", _with(SOUND[layout.CONTROL_SLOT], 1, 0), "warning", "has 1 repeated tick, the first 0 at entry 1"),
+        ("CAMERA_TRIGGER", _with(TRIGGERS, 1, 1000), "error", "has 1 repeated tick, the first 1000 at entry 1"),
         ("CAMERA_TRIGGER", _with(TRIGGERS, 2, 1699), "error", "goes back at entry 2: 1699 after 1700"),
     ],
 )  # fmt: skip

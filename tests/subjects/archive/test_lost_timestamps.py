@@ -52,7 +52,7 @@ def test_verify_tells_when_timestamps_were_lost(hand_made):
     """Oracle: 12 345 678 ticks of 49.152 MHz after the first trigger are 0.251173 s, by hand."""
     (finding,) = (f for f in verify(hand_made(_set([LOST, LOST + 50]))) if f.severity == "error")
     assert finding.where == f"/{FIELD}"
-    assert "2 losses of timestamps, the first 0.251173 s after the first trigger" in finding.what
+    assert "timestamps were lost at 2 places, the first 0.251173 s after the first trigger" in finding.what
 
 
 @pytest.mark.parametrize("use", ["analyse", "calibrate"])

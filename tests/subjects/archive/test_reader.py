@@ -194,7 +194,7 @@ BAD_FIELDS = {
     "wrapped at once": (_put(f"{CLOCK}/control_slot", np.array([5, 1, 2])), ["goes back at entry 1: 1 after 5"]),
     "two triggers at once": (
         lambda file: file[f"{CLOCK}/camera_trigger"].__setitem__(1, file[f"{CLOCK}/camera_trigger"][0]),
-        ["camera_trigger has 1 repeated ticks", "at entry 1", "record again"],
+        ["camera_trigger has 1 repeated tick", "at entry 1", "record again"],
     ),
     "speed of zero": (_put(SPEED, 0.0), ["rotation_speed = 0 Hz is out of range", "from 0.001 to 10000 Hz"]),
     "speed not finite": (_put(SPEED, np.nan), ["rotation_speed is nan", "finite number in Hz"]),
@@ -256,7 +256,7 @@ def test_a_bad_field_is_refused_in_one_line(hand_made: Callable[..., Path], case
             ["20 frames for 23 triggers and no frame_number", "frame i is taken to belong to trigger i"],
         ),
         (_rename(f"{CAMERA}/count_time", f"{CAMERA}/count_tme"), ["count_time is absent", "'count_tme'"]),
-        (_put(f"{CLOCK}/control_slot", np.array([1, 5, 5, 9])), ["control_slot has 1 repeated ticks"]),
+        (_put(f"{CLOCK}/control_slot", np.array([1, 5, 5, 9])), ["control_slot has 1 repeated tick"]),
         (_put(f"{REFERENCE}/low", np.ones((1, 4, 6), "u2")), ["low has a single frame", "noise is unknown"]),
     ],
 )

@@ -71,7 +71,7 @@ def test_an_interval_may_be_off_by_one_tick(off, n_told):
     assert len(told) == n_told
     if n_told:
         assert told[0][2] == (
-            f"has 1 intervals other than camera_period = 700 ticks, the first of {700 + off} ticks after trigger 39"
+            f"has 1 interval other than camera_period = 700 ticks, the first of {700 + off} ticks after trigger 39"
         )
 
 
@@ -104,8 +104,8 @@ def test_intervals_that_no_two_crystals_make_are_a_doubt(off, severity):
 @pytest.mark.parametrize(
     ("edges", "says"),
     [
-        (np.delete(EDGES, 7), "has 1 missing edges, the first after entry 6"),
-        (np.insert(EDGES, 8, EDGES[7] + 2400), "has 1 doubled or spurious edges, the first after entry 7"),
+        (np.delete(EDGES, 7), "has 1 missing edge, the first after entry 6"),
+        (np.insert(EDGES, 8, EDGES[7] + 2400), "has 1 doubled or spurious edge, the first after entry 7"),
         (np.insert(EDGES, 8, EDGES[7] + 2500), ""),
     ],
 )

@@ -45,12 +45,12 @@ CASES = {
     "dead frame": (
         lambda file: file[f"{CAMERA}/data"].__setitem__(7, 0),
         "error",
-        ["camera/data has 1 dead frames, the first is frame 7: all pixels are 0", "record again"],
+        ["camera/data has 1 dead frame, the first is frame 7: all pixels are 0", "record again"],
     ),
     "repeated frame": (
         lambda file: file[f"{CAMERA}/data"].__setitem__(9, file[f"{CAMERA}/data"][8]),
         "error",
-        ["camera/data has 1 frames equal to the one before, the first is frame 9", "missed triggers"],
+        ["camera/data has 1 frame equal to the one before, the first is frame 9", "missed triggers"],
     ),
     "saturated": (_saturate, "error", ["has 12.50% of its values saturated (16383)", "integration time"]),
     "more than its bits": (
@@ -79,7 +79,7 @@ CASES = {
     "uneven triggers": (
         _replace(f"{CLOCK}/camera_trigger", lambda ticks: np.where(np.arange(20) > 11, ticks + 90, ticks)),
         "warning",
-        ["has 1 intervals other than camera_period = 1622016 ticks", "1622106 ticks after trigger 11"],
+        ["has 1 interval other than camera_period = 1622016 ticks", "1622106 ticks after trigger 11"],
     ),
     "triggers outside": (
         _replace(f"{CLOCK}/control_slot", lambda ticks: ticks[:250]),
@@ -103,12 +103,12 @@ CASES = {
     "missing application edge": (
         _replace(f"{CLOCK}/application_slot", lambda ticks: np.delete(ticks, 3)),
         "warning",
-        ["application_slot has 1 missing edges, the first after entry 2"],
+        ["application_slot has 1 missing edge, the first after entry 2"],
     ),
     "spurious application edge": (
         _replace(f"{CLOCK}/application_slot", lambda ticks: np.insert(ticks, 4, ticks[3] + 1000)),
         "warning",
-        ["application_slot has 1 doubled or spurious edges, the first after entry 3"],
+        ["application_slot has 1 doubled or spurious edge, the first after entry 3"],
     ),
     "edges of another circuit": (
         _replace(f"{CLOCK}/application_edges", lambda ticks: ticks + 3),

@@ -138,7 +138,7 @@ def test_a_recording_keeps_the_mark_of_a_loss(run, plan_file, tmp_path):
     done = run("combine", stamps, tmp_path / "frames.npy", "--out", out, "--camera", "microbolometer")
     assert done.exit_code == 0, done.output
     assert "warning: " in done.output
-    assert "losses of timestamps" in done.output
+    assert "timestamps were lost at" in done.output
     assert any("lost_after" in finding.where and finding.severity == "error" for finding in verify(out))
     assert reader.read(out).lost_after_ticks.size > 0
 

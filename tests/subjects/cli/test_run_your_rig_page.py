@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -16,10 +17,11 @@ PAGE = (ROOT / "docs" / "how-to" / "run-your-rig.md").read_text()
 
 def _texts():
     """Every text of the program, with an ellipsis for each value that is put into it."""
+    in_place_of = runpy.run_path(str(ROOT / "scripts" / "findings-reference"))["in_place_of"]
     for path in (ROOT / "src" / "irtiming").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.JoinedStr):
-                yield "".join(str(v.value) if isinstance(v, ast.Constant) else "…" for v in node.values)
+                yield "".join(str(v.value) if isinstance(v, ast.Constant) else in_place_of(v) for v in node.values)
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
 

@@ -173,5 +173,5 @@ def test_plausible_time_constant_is_near_with_rolling(data_of):
 def test_slopes_without_lag_tell_no_time_constant(data_of):
     """Oracle: jumps from plateau to plateau."""
     data = data_of((3.872e-3, 38.76e-6, 4.819e-3))
-    with pytest.raises(EstimationError, match="no range of time constants can be told"):
+    with pytest.raises(EstimationError, match="no range of time constants can be given"):
         plausible_time_constant_s(replace(data, fraction=np.rint(data.fraction)))

@@ -89,7 +89,7 @@ def test_other_numbers_and_repetitions():
 def test_a_number_of_which_nothing_is_said_is_named():
     """Oracle: the words."""
     silent = Information(source="", names=("a", "b"), matrix=np.diag([1.0, 0.0]), gradient=np.zeros(2))
-    with pytest.raises(EstimationError, match="nothing is told of b"):
+    with pytest.raises(EstimationError, match="nothing determines b"):
         combine([silent])
     with pytest.raises(EstimationError, match="nothing is said of c; the numbers are a"):
         combine([prior("a", 1.0, source="")]).row({"c": 1.0})

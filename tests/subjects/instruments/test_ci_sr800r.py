@@ -140,7 +140,7 @@ def test_a_target_is_read_back():
     device = SimulatedBlackbody()
     real = device._set
     device._set = lambda operand: real("26.000")
-    with pytest.raises(InstrumentRefused, match=r"was told 35.000 degrees Celsius, but goes to 26.000"):
+    with pytest.raises(InstrumentRefused, match=r"was set to 35.000 degrees Celsius, but goes to 26.000"):
         _with(device, lambda blackbody: blackbody.set_target(308.15))
     device = SimulatedBlackbody()
     with pytest.raises(InstrumentRefused, match="refuses 'SETTEMPERATURE 500.000'"):

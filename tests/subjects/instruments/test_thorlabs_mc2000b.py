@@ -237,7 +237,7 @@ def test_a_setting_that_does_not_hold_is_told():
     device = SimulatedChopper()
     real = device._set
     device._set = lambda word, number: "" if word == "ref" else real(word, number)
-    with pytest.raises(InstrumentRefused, match="was told reference = 3, but holds 0"):
+    with pytest.raises(InstrumentRefused, match="was set to reference = 3, but holds 0"):
         _with(device, lambda chopper: chopper.prepare())
 
 
@@ -256,7 +256,7 @@ def test_a_number_that_came_to_harm_shows_when_it_is_read_again():
     device._answer = lambda command: next(lies, real(command)) if command in ("ref?", "output?") else real(command)
     with (
         _in_memory(device) as controller,
-        pytest.raises(InstrumentError, match="see to its cable, and that nobody turns its knobs"),
+        pytest.raises(InstrumentError, match="check its cable, and leave its knobs alone"),
     ):
         MC2000BChopper(controller)._prepare()
 

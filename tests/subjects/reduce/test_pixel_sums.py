@@ -84,7 +84,7 @@ def test_repeated_frames_are_dropped(reduced, paper_camera):
     )  # pixels in the light keep their phase, which tells where the axle is
     assert np.abs(np.angle(one[strong] / other[strong])).max() < 0.05
     (finding,) = (one for one in spoilt.findings if one.code == "repeated-frames")
-    assert finding.sentence() == "on paper: 7 frames dropped: they repeat the frame before, pixel by pixel"
+    assert finding.sentence() == "on paper: 7 frames dropped: the same as the frame before, pixel by pixel"
 
 
 def test_frames_without_noise_are_no_repeats(reduced, paper_camera):

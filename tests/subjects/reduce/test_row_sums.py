@@ -210,7 +210,7 @@ def test_a_lone_blank_frame_is_dropped_and_is_no_event(reduced, clean_frames, fr
     found = reduced(frames)
     assert found.shutter_events == ()
     assert np.setdiff1d(np.arange(1000), found.frame_index).tolist() == [frame]
-    assert _sentences(found) == ("on paper: 1 single frames dropped: they do not show what the wheel angle demands",)
+    assert _sentences(found) == ("on paper: 1 single frame dropped: not what the wheel angle demands",)
     _check_by_brute_force(frames, found)
 
 
@@ -229,7 +229,9 @@ def test_lost_frames_skip_their_triggers(reduced, clean_frames, clean):
     found = reduced(clean_frames[kept], frame_number=kept, n_triggers=1000)
     assert found.shutter_events == ()
     assert np.array_equal(found.trigger_ticks, clean.trigger_ticks[kept])
-    assert _sentences(found) == ("on paper: 30 frames lost between the first and the last: their triggers are skipped",)
+    assert _sentences(found) == (
+        "on paper: 30 frames lost between the first and the last: triggers without a frame are skipped",
+    )
     if np.array_equal(found.rows.row_px, clean.rows.row_px):
         np.testing.assert_allclose(
             found.rows.mask_row_sum_dn.sum(axis=1), clean.rows.mask_row_sum_dn[kept].sum(axis=1), rtol=2e-4
@@ -294,7 +296,7 @@ def test_dead_pixels_in_the_opening_are_stood_in_for(reduced, clean_frames, clea
     assert found.shutter_events == ()
     if kind != "noisy":
         np.testing.assert_allclose(found.rows.row_sum_dn, clean.rows.row_sum_dn, atol=0.5 * 950)
-    assert "neighbours in their rows stand in for them" in found.findings[0].sentence()
+    assert "replaced by neighbours in the same row" in found.findings[0].sentence()
     _check_by_brute_force(frames, found)
     rows, columns = slice(*found.opening.roi[:2]), slice(*found.opening.roi[2:])
     assert np.array_equal(found.contrast.good, ~found.opening.bad[rows, columns])

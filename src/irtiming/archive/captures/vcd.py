@@ -123,7 +123,7 @@ def _header(path: Path, file: BinaryIO) -> tuple[Fraction, list[tuple[str, VarDe
             case _:
                 pass
     if per_second is None:
-        raise broken(path, "has no $timescale; without it no time can be told, so export it again")
+        raise broken(path, "has no $timescale; without it no time can be determined, so export it again")
     return per_second, variables, rate
 
 

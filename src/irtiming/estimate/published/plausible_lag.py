@@ -29,7 +29,7 @@ def plausible_time_constant_s(data: ExposedRows) -> float:
     if not found:
         raise EstimationError(
             f"{', '.join(data.names)}: at the start of none of the slopes does the opening fraction fall behind on a decaying "
-            "exponential, so that no range of time constants can be told; sample the turn more finely"
+            "exponential, so that no range of time constants can be given; sample the turn more finely"
         )
     return float(np.median(found))
 

@@ -37,8 +37,8 @@ def by_camera(points: Sequence[SettingPoint]) -> tuple[CameraSeries, ...]:
         nameless = next((one for one in points if not one.camera.serial_number), None)
         if nameless is not None:
             raise EstimationError(
-                f"names no serial number, and there are {len(cameras)} cameras: nobody knows whose it is, and two cameras are "
-                "never taken together; leave it out, or record it with its serial_number",
+                f"names no serial number, and there are {len(cameras)} cameras: which one made it is unknown, and two cameras "
+                "are never taken together; leave it out, or record it with its serial_number",
                 where=nameless.label,
             )
     return tuple(_series(key, [one for one in points if one.camera == key]) for key in cameras)

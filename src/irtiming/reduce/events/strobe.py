@@ -20,7 +20,7 @@ from irtiming.records.recording import Recording
 from irtiming.reduce.events import clocks
 from irtiming.reduce.events.numbering import Counts, counts, stamps_s
 from irtiming.reduce.wheel.edge_train import EdgeTrain, number_edges
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 _FEWEST = 8
 _SURE = 10.0
@@ -60,24 +60,24 @@ def place(recording: Recording) -> Placed:
             f"{_FEWEST} are needed; connect the camera's strobe output and record again"
         )
     train = _numbered(edges, recording)
-    counted = counts(recording)
-    spare = int(train.number[-1]) - int(counted.number[-1])
+    numbered = counts(recording)
+    spare = int(train.number[-1]) - int(numbered.number[-1])
     if spare < 0:
         raise ReductionError(
             f"{recording.name}: camera_input has edges of {int(train.number[-1]) + 1} frames, but the camera made "
-            f"{int(counted.number[-1]) + 1} ({counted.source}); stamp the strobe from before the first frame to after the last"
+            f"{int(numbered.number[-1]) + 1} ({numbered.source}); stamp the strobe from before the first frame to after the last"
         )
-    if spare and counted.source == "none":
+    if spare and numbered.source == "none":
         raise ReductionError(
-            f"{recording.name}: camera_input has {spare} edges more than there are frames, and nothing tells which frames were "
-            "lost; record frame_id or frame_timestamp with each frame"
+            f"{recording.name}: camera_input has {counted(spare, 'edge')} more than there are frames, and nothing tells which "
+            "frames were lost; record frame_id or frame_timestamp with each frame"
         )
     every = np.interp(np.arange(train.number[-1] + 1), train.number, train.ticks - train.ticks[0])
-    first, findings = _first_edge(recording, counted, every / recording.clock_frequency_hz, spare=spare)
-    ticks = np.rint(every[first : first + counted.number[-1] + 1]).astype(np.int64) + train.ticks[0]
+    first, findings = _first_edge(recording, numbered, every / recording.clock_frequency_hz, spare=spare)
+    ticks = np.rint(every[first : first + numbered.number[-1] + 1]).astype(np.int64) + train.ticks[0]
     return Placed(
-        ticks=ticks, frame_number=counted.number,
-        events=_events(recording, counted, ticks, findings=(*_of_train(train, recording), *findings)),
+        ticks=ticks, frame_number=numbered.number,
+        events=_events(recording, numbered, ticks, findings=(*_of_train(train, recording), *findings)),
     )  # fmt: skip
 
 
@@ -96,26 +96,28 @@ def _of_train(train: EdgeTrain, recording: Recording) -> tuple[Finding, ...]:
     return train.findings("camera_input", recording=recording.name)
 
 
-def _events(recording: Recording, counted: Counts, ticks: Ticks, *, findings: tuple[Finding, ...]) -> FrameEvents:
-    time_s = (ticks[counted.number] - ticks[0]) / recording.clock_frequency_hz
-    slope, offset = np.polyfit(counted.number, time_s, 1)
+def _events(recording: Recording, numbered: Counts, ticks: Ticks, *, findings: tuple[Finding, ...]) -> FrameEvents:
+    time_s = (ticks[numbered.number] - ticks[0]) / recording.clock_frequency_hz
+    slope, offset = np.polyfit(numbered.number, time_s, 1)
     return FrameEvents(
         kind="strobe",
         period_s=float(slope),
-        deviation_s=time_s - slope * counted.number - offset,
+        deviation_s=time_s - slope * numbered.number - offset,
         findings=findings,
     )
 
 
-def _first_edge(recording: Recording, counted: Counts, edge_s: Array, *, spare: int) -> tuple[int, tuple[Finding, ...]]:
+def _first_edge(
+    recording: Recording, numbered: Counts, edge_s: Array, *, spare: int
+) -> tuple[int, tuple[Finding, ...]]:
     """Edge of the first frame, and how sure that is."""
     if spare == 0:
         return 0, _paired(
-            f"each of {counted.number.size} frames has its strobe edge: as many as the camera made, by {counted.source}"
+            f"each of {numbered.number.size} frames has its strobe edge: as many as the camera made, by {numbered.source}"
         )
     stamps, period_s = stamps_s(recording), float(np.median(np.diff(edge_s)))
-    told = None if stamps is None else _by_pattern(stamps, edge_s, counted.number, spare=spare)
-    latency_s = clocks.arrival_after_s(recording, edge_s[counted.number])
+    told = None if stamps is None else _by_pattern(stamps, edge_s, numbered.number, spare=spare)
+    latency_s = clocks.arrival_after_s(recording, edge_s[numbered.number])
     last = spare if latency_s is None else int(np.clip(np.floor(latency_s / period_s), 0, spare))
     if told is not None and told.ahead > _SURE:
         what = (
@@ -129,8 +131,8 @@ def _first_edge(recording: Recording, counted: Counts, edge_s: Array, *, spare: 
         "the last edge before the frames' arrival is taken"
     )  # fmt: skip
     what = (
-        f"camera_input has {spare} edges more than frames, and nothing tells which belong to frames: {chosen}, and the delay may "
-        f"be whole frame periods of {1e3 * period_s:.6g} ms off"
+        f"camera_input has {counted(spare, 'edge')} more than frames, and nothing tells which belong to frames: {chosen}, and "
+        f"the delay may be whole frame periods of {1e3 * period_s:.6g} ms off"
     )
     cure = "stamp the strobe from before the camera starts to after it stops, or let it leave out a frame on purpose"
     return first, (Finding(code="strobe-pairing-ambiguous", severity="doubt", what=what, cure=cure),)

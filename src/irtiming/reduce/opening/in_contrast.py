@@ -19,6 +19,7 @@ from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.sample_frames import SampleFrames
 from irtiming.reduce.opening.wheel_contrast import Outline
 from irtiming.reduce.remarks import doubt
+from irtiming.units import counted
 
 _LIVE_SHARE = 0.5  # of the sample frames
 _MARGIN_PX = 4
@@ -162,7 +163,7 @@ def _refuse_few_rows(mask: Mask, name: str) -> None:
     if wide < _LEAST_ROWS:
         raise ReductionError(
             f"{name}: {wide} image rows hold {_LEAST_PIXELS} or more live pixels of the opening, at least {_LEAST_ROWS} must: "
-            "the row delay is seen between rows; move the camera nearer or use a longer lens"
+            "the row delay is found from differences between rows; move the camera nearer or use a longer lens"
         )
 
 
@@ -183,6 +184,8 @@ def _doubts(recording: Recording, summed: Mask, bad: Mask) -> tuple[Finding, ...
         what = "the blurred border of the opening reaches the border of the image: what lies beyond is not summed"
         doubts.append(doubt(code="opening-at-image-border", recording=recording, what=what, cure="leave more room"))
     if bad.any():
-        what = f"{bad.sum()} pixels do not follow the wheel: neighbours in their rows stand in for them"
+        what = (
+            f"{counted(int(bad.sum()), 'pixel')} found not to follow the wheel: replaced by neighbours in the same row"
+        )
         doubts.append(doubt(code="bad-pixels", recording=recording, what=what))
     return tuple(doubts)

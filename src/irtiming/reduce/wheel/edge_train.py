@@ -8,6 +8,7 @@ import numpy as np
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Ticks
 from irtiming.records.finding import Finding
+from irtiming.units import counted
 
 _LOCK = 8  # edges in a row that must be regular before the numbering starts
 _SHARE_LIMIT = 0.02  # of the edges may be missing or spurious; beyond, the gate or its wiring is at fault
@@ -32,7 +33,7 @@ class EdgeTrain:
         if not self.n_missing and not self.n_spurious:
             return ()
         what = (
-            f"{name}: {self.n_missing} edges missing (bridged by interpolation), "
+            f"{name}: {counted(self.n_missing, 'edge')} missing (bridged by interpolation), "
             f"{self.n_spurious} doubled or spurious (dropped), of {self.ticks.size}"
         )
         return (Finding(code="edges-out-of-place", severity="warning", recording=recording, what=what),)
@@ -133,6 +134,6 @@ def _refuse_ruins(train: EdgeTrain, n_edges: int, name: str) -> None:
     wrong = train.n_missing + train.n_spurious
     if wrong > max(3, _SHARE_LIMIT * n_edges):
         raise ReductionError(
-            f"{name}: {train.n_missing} edges missing and {train.n_spurious} doubled or spurious of {n_edges}, at most "
-            f"{_SHARE_LIMIT:.0%} can be repaired; check the light gate, its cable and threshold, and record again"
+            f"{name}: {counted(train.n_missing, 'edge')} missing and {train.n_spurious} doubled or spurious of {n_edges}, "
+            f"at most {_SHARE_LIMIT:.0%} can be repaired; check the light gate, its cable and threshold, and record again"
         )

@@ -63,7 +63,7 @@ def track(
     Raises
     ------
     ReductionError
-        If a gate's edges cannot be numbered, the gates contradict each other, or the reference edge cannot be told.
+        If a gate's edges cannot be numbered, the gates contradict each other, or the reference edge cannot be determined.
 
     Notes
     -----
@@ -185,7 +185,7 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
     longer = (sign * (after[1:-1] - (after[:-2] + after[2:]) / 2))[among]
     if longer.size < 2:
         raise ReductionError(
-            f"only {application.ticks.size} application edges: both half turns must be seen at least twice; record longer"
+            f"only {application.ticks.size} application edges: both half turns must be recorded at least twice; record longer"
         )
     difference, n = float(longer.mean()), longer.size
     spread = of_correlated_scores(
@@ -195,7 +195,7 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
     if choice == "automatic" and abs(difference) <= max(3 * u_difference, 1.0):
         raise ReductionError(
             f"the two half turns differ by {abs(difference):.0f} of {after[whole].mean():.0f} ticks, which is less than a tick "
-            f"or 3 of its standard uncertainties ({u_difference:.0f} ticks): the reference edge cannot be told; "
+            f"or 3 of its standard uncertainties ({u_difference:.0f} ticks): the reference edge cannot be determined; "
             "record longer or name it with --reference-edge first|second"
         )
     parity = {"automatic": int(difference < 0), "first": 0, "second": 1}[choice]

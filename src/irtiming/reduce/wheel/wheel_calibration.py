@@ -294,7 +294,7 @@ def _why(new: SlotsAtSpeed, old: SlotsAtSpeed) -> str:
     """The likely reason for a contradiction: slots that fit after half a turn are those of the same wheel."""
     if _times_beyond_chance(new, old, turned_slots=new.deviation_rad.size // 2):
         return "another wheel?"
-    return "they fit after half a turn: the reference edge was told differently, check it with --reference-edge."
+    return "they fit after half a turn: the reference edge was chosen differently, check it with --reference-edge."
 
 
 def _gate_separation(tracks: Sequence[WheelTrack], slots: SlotTable) -> tuple[float, float]:

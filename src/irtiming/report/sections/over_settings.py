@@ -66,8 +66,8 @@ def slopes(one: CameraSeries) -> Table:
         note=t(
             "Generalised least squares: errors of rig and wheel, which all results have in common, are in their "
             "covariance and hardly in a slope. Where p, the probability of a χ² as large, is small, results lie "
-            "further from the line than their u says, and u of the slope was widened by √(χ²/ν). A step is told "
-            "where one as clear would come by chance in fewer than 1 of 100 series. Agrees: within 2 u."
+            "further from the line than their u says, and u of the slope was widened by √(χ²/ν). A step is reported "
+            "where one as clear would arise by chance in fewer than 1 of 100 series. Agrees: within 2 u."
         ),
     )
 

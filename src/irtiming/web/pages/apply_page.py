@@ -37,7 +37,7 @@ def _form(desk: Desk) -> None:
         result = ui.select(results, value=results[0] if results else None, label="Result")
         source = ui.select(names, value=names[0] if names else None, label="Frames of the same camera")
         series = ui.select(results, value=[], multiple=True, label="Results at other settings, to interpolate")
-        period = ui.input("Frame period, if not told", placeholder="33.3 ms")
+        period = ui.input("Frame period, if not stated", placeholder="33.3 ms")
         times = ui.checkbox("Write the times of all rows, too (CSV)")
         alone = ui.checkbox("Take each stamp by itself, not its place among all").bind_visibility_from(times, "value")
     ui.label(

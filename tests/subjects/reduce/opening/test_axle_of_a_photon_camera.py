@@ -215,7 +215,7 @@ def test_blank_frames_do_not_move_the_axle(reduced, paper_camera):
     assert spoilt.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.02)
     assert spoilt.pixels.pixel_sum.size == 490
     assert any(
-        "10 frames dropped: more than half of their pixels are at zero" in finding.what for finding in spoilt.findings
+        "10 frames dropped: more than half of the pixels are at zero" in finding.what for finding in spoilt.findings
     )
 
 

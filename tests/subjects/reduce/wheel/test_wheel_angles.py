@@ -110,7 +110,7 @@ def test_symmetric_wheel_is_refused_until_the_edge_is_named(paper_wheel, recorde
     """Oracle: two equal half turns cannot be told apart by anybody, with or without jitter."""
     wheel = paper_wheel(edges=(0.0, 1.57, np.pi, 4.71), jitter_s=jitter_s, rate_hz=3.0)
     recording = recorded(wheel)
-    with pytest.raises(ReductionError, match=r"the reference edge cannot be told; record longer or name it with"):
+    with pytest.raises(ReductionError, match=r"the reference edge cannot be determined; record longer or name it with"):
         track(recording, rig)
     assert track(recording, rig, reference_edge="first").gate_separation_rad == pytest.approx(0.5697, abs=1e-5)
 
@@ -122,7 +122,7 @@ def test_exactly_equal_half_turns_are_refused(paper_wheel, recorded, rig):
         control_slot_ticks=163_840 * np.arange(5000),
         application_slot_ticks=9_000 + 8_192_000 * np.arange(90),
     )
-    with pytest.raises(ReductionError, match=r"the reference edge cannot be told"):
+    with pytest.raises(ReductionError, match=r"the reference edge cannot be determined"):
         track(recording, rig)
 
 
@@ -190,7 +190,7 @@ def test_missing_doubled_and_spurious_edges_change_no_angle(paper_wheel, recorde
     ticks = ticks[(ticks > slots[3]) & (ticks < slots[-3])]
     assert np.abs(_beside(wheel, found, ticks)).max() < 2e-5
     assert found.findings[0].what.startswith("control_slot: 4 edges missing (bridged by interpolation), 3 doubled")
-    assert found.findings[1].what.startswith("application_slot: 1 edges missing (bridged by interpolation), 1 doubled")
+    assert found.findings[1].what.startswith("application_slot: 1 edge missing (bridged by interpolation), 1 doubled")
 
 
 def test_long_gap_gives_no_angle(paper_wheel, recorded, rig):

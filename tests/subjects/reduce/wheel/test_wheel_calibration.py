@@ -225,7 +225,7 @@ def test_a_reference_edge_told_differently_is_seen_in_the_slots(spun, hz):
     runs[1].track = _turned(spun(2, turns=30, hz=hz))
     before = calibrate(runs[:1])
     (placed,), found = pooled_slots.pool(runs[1:], before=before)
-    assert "they fit after half a turn: the reference edge was told differently" in found.warnings[0]
+    assert "they fit after half a turn: the reference edge was chosen differently" in found.warnings[0]
     np.testing.assert_allclose(placed.slot_deviation_rad, runs[1].track.slot_deviation_rad, atol=1e-15)
     tracks, together = pooled_slots.pool(runs)
     if hz == 3.0:
