@@ -23,7 +23,7 @@ def calibrate_wheel(
     """Angles of the control slots and application edges from the timestamps alone; frames are not looked at.
 
     With recordings at two or more speeds, the fastest at least 1.2 times as fast as the slowest, a speed ripple that repeats
-    every turn is told from the slots. `irtiming analyse --wheel-calibration` takes the result.
+    every turn is distinguished from the slots. `irtiming analyse --wheel-calibration` takes the result.
     """
     given = locals()
     from rich.console import Console

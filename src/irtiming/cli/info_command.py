@@ -21,7 +21,7 @@ def info(
 ) -> None:
     """Say what a file of frames holds: size, type, camera, times, integration time.
 
-    Which formats are read stands in docs/reference/frame-files.md; a format is told from the content, not from the name.
+    Which formats are read stands in docs/reference/frame-files.md; a format is recognised by the content, not by the name.
     """
     from irtiming.archive.frames.opening import files_read
     from irtiming.session.frame_files import look_into, numbers_in_words

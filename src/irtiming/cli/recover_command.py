@@ -18,7 +18,7 @@ def recover(
         bool,
         typer.Option(
             "--trust",
-            help="Let it be analysed: somebody knows that no trigger and no frame was missed at the beginning.",
+            help="Let it be analysed: it is known that no trigger and no frame was missed at the beginning.",
         ),
     ] = False,
 ) -> None:

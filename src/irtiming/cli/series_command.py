@@ -31,7 +31,7 @@ def series(
 ) -> None:
     """Each parameter of a camera over integration time, frame rate, internal delay, region, gain and FPA temperature.
 
-    Recordings of one camera at one setting are analysed together, cameras are told apart by serial number and never taken
+    Recordings of one camera at one setting are analysed together, cameras are distinguished by serial number and never taken
     together. Errors of the rig that all results have in common are in their covariance, so slopes and differences, such as those
     of the camera's internal delays, are known better than the delays themselves.
     """

@@ -320,7 +320,7 @@ def _trusted(told: Estimate | None, window: Window, *, u_middle_s: float) -> _Tr
         return _Trust()
     if told is None:
         what, within = (
-            "the recordings' count_time is taken on trust, and half of what it is wrong is in trigger_delay; so is that nothing "
+            "the recordings' count_time is taken on trust, and half of its error is in trigger_delay; so is that nothing "
             "comes after the window",
             "",
         )
