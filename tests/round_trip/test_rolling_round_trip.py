@@ -82,7 +82,7 @@ def test_truth_lies_within_the_stated_uncertainty(name):
     assert axle.column_px == pytest.approx(rig.scene.optics.wheel_centre_column_px, abs=0.05)
     assert found.sectors[0].shape.blur_px == pytest.approx(rig.scene.optics.blur_px, abs=0.06)
     assert found.sectors[0].shape.mirrored == ("counterclockwise" in name)
-    assert found.fits[0].widening < 4
+    assert found.fits[0].variance_inflation < 4
 
 
 def test_blur_that_is_not_round_and_glare_do_no_harm():

@@ -48,4 +48,4 @@ def test_truth_lies_within_the_uncertainty_of_the_fit(name):
     off = float(fit.edge_delay_s.mean()) - timing.trigger_delay_s - window_s / 2
     assert abs(off) < 3.5 * np.hypot(1e-3 / fit.angular_frequency_rad_per_s, u["edge_delay_0"])
     assert fit.held == ({"integration_time": window_s} if "short" in name else {})
-    assert fit.widening < 4
+    assert fit.variance_inflation < 4

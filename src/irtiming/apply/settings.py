@@ -141,14 +141,14 @@ def _on_lines(
 def _birge(chi_squared: float, freedom: int, *, name: str, axis: Axis, where: str) -> float:
     if freedom < 1:
         return 1.0
-    chance = float(chdtrc(freedom, chi_squared))
-    if chance < _REFUSED:
+    p_value = float(chdtrc(freedom, chi_squared))
+    if p_value < _REFUSED:
         raise ConditionError(
             f"{name} is no straight line over the {axis}: chi-squared is {chi_squared:.3g} for {freedom} degrees of freedom; "
             "give results nearer to its setting, or measure it there",
             where=where,
         )
-    return float(np.sqrt(chi_squared / freedom)) if chance < _DOUBTFUL else 1.0
+    return float(np.sqrt(chi_squared / freedom)) if p_value < _DOUBTFUL else 1.0
 
 
 def _correlations(camera: CameraTiming) -> Array:

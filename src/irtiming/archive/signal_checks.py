@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _FEWEST_FRAMES = 50
 _HARMONICS = 3
-_CHANCE = 1e-6
+_SIGNIFICANCE = 1e-6
 _ALONG = 0.5
 _LEAST_TURN_RAD = 0.05
 """From tile to tile, of an angle that goes round twice a turn: less is an axle forty tiles away, or no picture of a wheel."""
@@ -42,9 +42,9 @@ def check_signal(contents: "Contents", tiles_dn: "Array", *, rig: Rig | None) ->
     known = np.isfinite(angle_rad)
     if np.count_nonzero(known) < _FEWEST_FRAMES:
         return
-    first, chance = _following(angle_rad[known], tiles_dn[known])
+    first, p_value = _following(angle_rad[known], tiles_dn[known])
     where = layout.FRAMES.path
-    if not np.any(chance < _CHANCE):
+    if not np.any(p_value < _SIGNIFICANCE):
         yield warning_at(
             where,
             "does not follow the wheel: no part of the image differs between open and covered",
@@ -53,7 +53,7 @@ def check_signal(contents: "Contents", tiles_dn: "Array", *, rig: Rig | None) ->
             "uncovered; else frames do not belong to their triggers",
         )
     elif rig is not None:
-        yield from _rotation(np.where(chance < _CHANCE, first, 0.0), rig)
+        yield from _rotation(np.where(p_value < _SIGNIFICANCE, first, 0.0), rig)
 
 
 def _half_turns(contents: "Contents", n_frames: int) -> "Array | None":
@@ -73,7 +73,7 @@ def _half_turns(contents: "Contents", n_frames: int) -> "Array | None":
 
 
 def _following(angle_rad: "Array", tiles_dn: "Array") -> "tuple[ComplexArray, Array]":
-    """First harmonic of each tile over the half turn, and the probability that all harmonics are chance, shapes of the tiles."""
+    """First harmonic of each tile over the half turn, and the p-value of all its harmonics, shapes of the tiles."""
     n = angle_rad.size
     time = np.linspace(-1, 1, n)
     slow = np.stack([np.ones(n), time, time**2], axis=1)
@@ -89,8 +89,8 @@ def _following(angle_rad: "Array", tiles_dn: "Array") -> "tuple[ComplexArray, Ar
     gained = np.maximum(without - within, 0.0) / (2 * _HARMONICS)
     ratio = np.divide(gained, within / free, out=np.zeros_like(within), where=within > 1e-12 * n)
     cosine, sine = fitted[slow.shape[1]], fitted[slow.shape[1] + _HARMONICS]
-    chance = special.fdtrc(2 * _HARMONICS, free, ratio) * ratio.size
-    return (cosine - 1j * sine).reshape(tiles_dn.shape[1:]), np.asarray(chance).reshape(tiles_dn.shape[1:])
+    p_value = special.fdtrc(2 * _HARMONICS, free, ratio) * ratio.size
+    return (cosine - 1j * sine).reshape(tiles_dn.shape[1:]), np.asarray(p_value).reshape(tiles_dn.shape[1:])
 
 
 def _left(model: "Array", values: "Array") -> "Array":

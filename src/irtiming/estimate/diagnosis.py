@@ -29,7 +29,7 @@ from irtiming.records.finding import Finding, Severity
 from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
 
-_CHANCE = 1e-6
+_SIGNIFICANCE = 1e-6
 _MOVES = 1.0
 _STRUCTURED, _GOOD_PART = 0.3, 0.3
 """Shares of the degrees of freedom and of the deviance beyond them from which a cause is worth naming whatever it moves."""
@@ -230,9 +230,9 @@ def _findings(found: Sequence[Cause], *, deviance: float, freedom: int) -> tuple
     It is named where one of them would move the result, or where residuals are far above their noise and it explains a good part.
     """
     first, excess = found[0], deviance - freedom
-    if first.chance > _CHANCE:
+    if first.chance > _SIGNIFICANCE:
         return ()
-    nearly = [one for one in found[1:] if _surplus(one) > _surplus(first) - _NEARLY and one.chance <= _CHANCE]
+    nearly = [one for one in found[1:] if _surplus(one) > _surplus(first) - _NEARLY and one.chance <= _SIGNIFICANCE]
     moves = [(abs(size), size, name) for one in (first, *nearly) for name, size in one.moves.items()]
     largest, size, name = max(moves, default=(0.0, 0.0, ""))
     is_plain = excess > _STRUCTURED * freedom and first.gained > _GOOD_PART * excess

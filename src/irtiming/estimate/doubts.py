@@ -19,7 +19,7 @@ _LARGEST_EDGE_RAD = 5e-3
 _CORRELATED = 2.0  # variance inflation of pixel sums from which it is said
 _CORRELATED_ROWS = 4.0  # the same of row sums, whose frames are judged over all rows
 _SWAY, _BLADES = 0.005, 0.002  # of the contrast, from which levels are worth a word
-_BY_CHANCE = 0.003  # time constants that differ as much by chance are taken for one
+_SIGNIFICANCE = 0.003  # time constants that differ as much by chance are taken for one
 
 
 def of_edges(u_edge_rad: float) -> tuple[Finding, ...]:
@@ -240,8 +240,8 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
         for fit in fits
         if fit.n_dropped
     ]
-    widened = [fit.widening**0.5 for fit in fits if fit.widening > _CORRELATED]
-    if not widened:
+    inflations = [fit.variance_inflation**0.5 for fit in fits if fit.variance_inflation > _CORRELATED]
+    if not inflations:
         return (*left_out, *of_levels(fits))
     return (
         *left_out,
@@ -249,9 +249,9 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
         Finding(
             code="residuals-correlated",
             severity="warning",
-            what=f"residuals of {len(widened)} of {counted(len(fits), 'recording')} are correlated along the wheel angle: the "
+            what=f"residuals of {len(inflations)} of {counted(len(fits), 'recording')} are correlated along the wheel angle: the "
             "rig differs from the model by more than noise (figure of the residuals)",
-            cure=f"their uncertainty was widened by up to {max(widened):.1f}",
+            cure=f"their uncertainty was widened by up to {max(inflations):.1f}",
         ),
     )
 
@@ -299,15 +299,15 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
         The opening in the image of the first.
     """
     doubts = []
-    widened = [fit.widening**0.5 for fit in fits if fit.widening > _CORRELATED_ROWS]
-    if widened:
+    inflations = [fit.variance_inflation**0.5 for fit in fits if fit.variance_inflation > _CORRELATED_ROWS]
+    if inflations:
         doubts.append(
             Finding(
                 code="row-residuals-correlated",
                 severity="warning",
-                what=f"residuals of {len(widened)} of {counted(len(fits), 'recording')} are correlated: the rig differs from the "
-                "model by more than noise (figure of the residuals)",
-                cure=f"their uncertainty was widened by up to {max(widened):.1f}",
+                what=f"residuals of {len(inflations)} of {counted(len(fits), 'recording')} are correlated: the rig differs from "
+                "the model by more than noise (figure of the residuals)",
+                cure=f"their uncertainty was widened by up to {max(inflations):.1f}",
             )
         )
     for fit in fits:
@@ -344,7 +344,7 @@ def of_mixture(effective: EffectiveTimeConstants | None) -> tuple[Finding, ...]:
     tau, kelvin = effective.time_constant_s, effective.blackbody_temperature_k
     weights = inverse(effective.covariance_s2).sum(axis=0)
     apart = tau - weights @ tau / weights.sum()
-    if special.chdtrc(tau.size - 1, float(apart @ np.linalg.solve(effective.covariance_s2, apart))) > _BY_CHANCE:
+    if special.chdtrc(tau.size - 1, float(apart @ np.linalg.solve(effective.covariance_s2, apart))) > _SIGNIFICANCE:
         return ()
     return (
         Finding(

@@ -110,7 +110,7 @@ def _impossible(name: str, told: str) -> Finding:
 
 
 def correlation(fit: RowTimingFit) -> tuple[float, float]:
-    """Correlation of the residuals of frames that followed each other, and the probability that it is chance.
+    """Correlation of the residuals of frames that followed each other, and its p-value.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def correlation(fit: RowTimingFit) -> tuple[float, float]:
 
     Returns
     -------
-    Coefficient at one frame, and the probability of Ljung and Box.
+    Coefficient at one frame, and the p-value of Ljung and Box.
     """
     mean = np.mean(fit.residual / fit.noise, axis=1)
     centred = mean - mean.mean()

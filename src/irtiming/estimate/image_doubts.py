@@ -22,7 +22,7 @@ from irtiming.records.row_timing import SectorFit
 
 _CELL_PX = 3  # pixels that share a burr
 _REACH = 5.0  # blurs on either side of the border
-_BY_CHANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
+_SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
 _PROTRACTOR_RAD = np.radians(0.5)  # nobody measured the angle better: its bisector is off by half of that then
@@ -38,7 +38,7 @@ class LeftOver:
     u_px2: Array
 
     @property
-    def chance(self) -> float:
+    def p_value(self) -> float:
         """Of sides that are as far off, or further, where the model holds."""
         seen = self.u_px2 > 0
         return float(special.chdtrc(max(1, int(seen.sum())), np.sum((self.variance_px2[seen] / self.u_px2[seen]) ** 2)))
@@ -79,7 +79,7 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
         The opening in the image.
     """
     found = left_over(sector)
-    if found.chance < _BY_CHANCE:
+    if found.p_value < _SIGNIFICANCE:
         pulls = np.abs(found.variance_px2) / np.where(found.u_px2 > 0, found.u_px2, np.inf)
         worst = int(np.argmax(pulls))
         reason = (

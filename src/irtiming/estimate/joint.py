@@ -42,7 +42,7 @@ class LocalModel:
     at: Model
     trace: TraceModel | None = None
 
-    def widened(self, factor: float) -> "LocalModel":
+    def inflated(self, factor: float) -> "LocalModel":
         """The same with variances that many times larger."""
         spread = float(np.sqrt(factor))
 
@@ -277,8 +277,8 @@ def each_delay(joint: Joint, setting: Sequence[int]) -> tuple[Array, Array]:
     at, rest = names.index(DELAY), [names.index(name) for name in others]
     alone = np.array([1 / piece.matrix[at, at] for piece in own])
     coupling = np.array([piece.matrix[at, rest] for piece in own])
-    pull = np.array([piece.gradient[at] for piece in own])
-    values = joint.found.values[DELAY] + alone * (pull - coupling @ whole.step[n_set:])
+    gradient = np.array([piece.gradient[at] for piece in own])
+    values = joint.found.values[DELAY] + alone * (gradient - coupling @ whole.step[n_set:])
     follows = -(alone[:, None] * coupling) @ whole.covariance[n_set:]
     covariance = np.zeros((len(own), len(own)))
     for k, piece in enumerate(placed):

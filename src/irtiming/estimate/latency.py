@@ -13,7 +13,7 @@ from irtiming.records.latency_check import GateRegister, LatencyDifference, Loop
 from irtiming.records.rig import Latency, Measured
 
 _SPEEDS_APART = 1.2
-_CHANCE = 0.01
+_SIGNIFICANCE = 0.01
 _BEFORE_S = 10e-6
 """A stamp may be so much earlier than its trigger, where more latency was taken off than there is."""
 
@@ -51,7 +51,7 @@ def over_speeds(
     slope, u_slope, chi_squared = _line(speed, phase, u)
     free = speed.size - 2
     findings: tuple[Finding, ...] = ()
-    if free and special.chdtrc(free, chi_squared) < _CHANCE:
+    if free and special.chdtrc(free, chi_squared) < _SIGNIFICANCE:
         u_slope *= math.sqrt(chi_squared / free)
         chi = f"chi squared {chi_squared:.1f} with {free} degrees of freedom"
         what = f"the {line}'s edges do not move in proportion to the speed ({chi})"

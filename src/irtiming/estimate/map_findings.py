@@ -13,7 +13,7 @@ from irtiming.units import counted
 
 _STRAYS, _NOISY = 6.0, 3.0  # standard uncertainties; times the median noise
 _SURE = 6.0  # standard uncertainties of a pattern
-_BY_CHANCE = 1e-6
+_SIGNIFICANCE = 1e-6
 _MOST_CHI_SQUARE = 1.5
 _NAMED = 8
 _OF_COLUMNS = {
@@ -80,8 +80,8 @@ def _row_clock(maps: PixelMaps, delays: MappedDelays, clock: RowClock) -> list[F
     sure = [one for one in maps.patterns if one.name in _OF_ROWS and abs(one.pull) > _SURE]
     told = [_OF_ROWS[one.name].format(_later(one)) for one in sure]
     if not told:
-        chance, row, off_s = map_patterns.chance_of_straight_rows(delays, clock)
-        if chance > _BY_CHANCE:
+        p_value, row, off_s = map_patterns.p_value_of_straight_rows(delays, clock)
+        if p_value > _SIGNIFICANCE:
             return []
         told = [f"row {row} is off the straight line of the others by {1e6 * off_s:+.2f} us"]
     return [

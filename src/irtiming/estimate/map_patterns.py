@@ -152,7 +152,7 @@ def patterns(delays: MappedDelays, clock: RowClock) -> tuple[ReadoutPattern, ...
     return tuple(found)
 
 
-def chance_of_straight_rows(delays: MappedDelays, clock: RowClock) -> tuple[float, int, float]:
+def p_value_of_straight_rows(delays: MappedDelays, clock: RowClock) -> tuple[float, int, float]:
     """Chance that rows of a straight clock scatter as these do; the row that strays most, and by how much, s.
 
     Parameters

@@ -37,6 +37,6 @@ def weighed(
         ]
         errors = shared_numbers.residual_errors(fits, np.mean(shared_rad2, axis=0))
     return joint.fit(
-        [model.widened(float(f)) for model, f in zip(plain.models, factor, strict=True)],
+        [model.inflated(float(f)) for model, f in zip(plain.models, factor, strict=True)],
         [*(replace(one, start=plain.found.values[one.name]) for one in plain.shared), *errors],
     )

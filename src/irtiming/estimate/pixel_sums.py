@@ -376,14 +376,14 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
     angle = np.mod(given.angle(float(delays.mean()) - half_s), TURN)
     order = np.argsort(angle)
     residual = best.at.residual / step
-    widening = correlated_noise.variance_inflation(residual[order])
+    inflation = correlated_noise.variance_inflation(residual[order])
     jacobian = best.at.jacobian[:, [list(numbers).index(name) for name in names]]
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
     made = given.shapes(numbers)
     amounts, opening = best.levels[_SMALL] / step, given.reduced.opening
     per_pixel = float(opening.mask.sum() / opening.weight.sum())  # blades differ in the border as well
-    u_sum = float(np.sqrt(best.at.deviance / free * widening)) / abs(step)
+    u_sum = float(np.sqrt(best.at.deviance / free * inflation)) / abs(step)
     expected = made.fraction + made.small @ amounts
     return EdgeDelayFit(
         name=given.reduced.name,
@@ -393,7 +393,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
             names=names,
             units=("s",) * 4 + ("rad", "1", "1"),
             values=np.array([numbers[name] for name in names]),
-            covariance=white * best.at.deviance / free * widening,
+            covariance=white * best.at.deviance / free * inflation,
         ),
         edge_delay_s=delays - half_s,
         start_delay_s=start[EDGE_DELAYS[0]] - half_s,
@@ -402,7 +402,7 @@ def _result(given: PixelSums, numbers: dict[str, float], *, start: Mapping[str, 
         residual=residual[order],
         noise=float(np.sqrt(residual @ residual / free)),
         step=step,
-        widening=widening,
+        variance_inflation=inflation,
         n_dropped=int(given.reduced.trigger_ticks.size - given.kept.sum()),
         kept=given.kept,
         levels=given.levels,

@@ -9,7 +9,7 @@ import numpy as np
 from irtiming.estimate import frame_steps, harmonic_data, row_sway, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
-from irtiming.estimate.row_residuals import robust_covariance, widened_in_time
+from irtiming.estimate.row_residuals import inflated_in_time, robust_covariance
 from irtiming.estimate.row_timing import Solution
 from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.one_thread import one_thread
@@ -121,9 +121,9 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     residual, fraction = _residuals(task, found, model)
     mass, noise = np.asarray(light.harmonics[:, 0].real, dtype=float), np.std(fraction - model, axis=0)
     told = _scores(task, found, residual=residual, waves=waves, swaying=_swaying(task, model))
-    covariance, widening = robust_covariance(told.timing[np.argsort(np.mod(task.angle, TURN))], told.normal)
+    covariance, variance_inflation = robust_covariance(told.timing[np.argsort(np.mod(task.angle, TURN))], told.normal)
     if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
-        covariance = widened_in_time(covariance, told.timing, normal=told.normal)
+        covariance = inflated_in_time(covariance, told.timing, normal=told.normal)
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
@@ -152,7 +152,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         noise=noise / mass,
         harmonics=whole / mass[:, None],
         gain_dn=found.gain.mean(axis=0) * mass,
-        widening=widening,
+        variance_inflation=variance_inflation,
         blackbody_temperature_k=rows.blackbody_temperature_k,
     )
 
@@ -341,8 +341,8 @@ def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, 
     scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))
     taken = mixed / scale @ np.linalg.pinv(own / np.outer(scale, scale), rcond=_RANK, hermitian=True) / scale
     of_timing = np.linalg.solve(normal, mixed)
-    left, pull = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
-    step = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) @ (pull / scale) / scale
+    left, gradient = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
+    step = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) @ (gradient / scale) / scale
     return _Scores(timing=scores - beside @ taken.T, normal=normal - taken @ mixed.T, sway_step=step)
 
 
@@ -351,7 +351,7 @@ def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:
     (whole, slopes), light = _linearised(task, found), task.model.row_harmonics
     moved = packed(changes * (whole / np.where(light == 0, 1, light)))
     shape, slope = packed(whole), packed(slopes)
-    pull = np.zeros((len(slope), len(changes)))
+    mixed = np.zeros((len(slope), len(changes)))
     for data, gain in zip(task.data, found.gain, strict=True):
         through = slope @ data.gram
         along = np.einsum("kyp,yp->ky", through, shape)
@@ -359,5 +359,5 @@ def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:
         norm = np.einsum("yp,yp->y", beside, shape)
         off = np.einsum("syp,yp->sy", moved, beside)
         both = through.transpose(1, 0, 2) @ moved.transpose(1, 2, 0)
-        pull -= np.tensordot(gain**2 / found.variance, both, 1) - (along / norm * gain**2 / found.variance) @ off.T
-    return np.asarray(np.linalg.solve(found.normal, pull), dtype=float)
+        mixed -= np.tensordot(gain**2 / found.variance, both, 1) - (along / norm * gain**2 / found.variance) @ off.T
+    return np.asarray(np.linalg.solve(found.normal, mixed), dtype=float)

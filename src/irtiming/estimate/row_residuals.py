@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.physics.covariance import of_correlated_scores
+from irtiming.physics.covariance import hac_covariance
 from irtiming.records.arrays import Array
 
 _CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may hang together
@@ -25,9 +25,9 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
 
     Notes
     -----
-    `physics.covariance.of_correlated_scores` with 8 neighbours on the circle of the wheel angle.
+    `physics.covariance.hac_covariance` with 8 neighbours on the circle of the wheel angle.
     """
-    middle = of_correlated_scores(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=True)
+    middle = hac_covariance(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=True)
     white = np.linalg.inv(normal)
     found = white @ middle @ white
     ratio = np.diag(found) / np.diag(white)
@@ -36,8 +36,8 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
     return found, max(1.0, float(np.mean(ratio)))
 
 
-def widened_in_time(covariance: Array, scores: Array, *, normal: Array) -> Array:
-    """The covariance, no smaller than what frames say that hang together in the order of the triggers.
+def inflated_in_time(covariance: Array, scores: Array, *, normal: Array) -> Array:
+    """The covariance, no smaller than that of frames correlated in the order of the triggers.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def widened_in_time(covariance: Array, scores: Array, *, normal: Array) -> Array
     scores, normal
         As for `robust_covariance`, frames in the order of their triggers.
     """
-    middle = of_correlated_scores(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=False)
+    middle = hac_covariance(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=False)
     white = np.linalg.inv(normal)
     stretch = np.sqrt(np.maximum(1.0, np.diag(white @ middle @ white) / np.diag(covariance)))
     return np.asarray(covariance * np.outer(stretch, stretch))

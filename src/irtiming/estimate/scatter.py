@@ -17,7 +17,7 @@ from irtiming.records.wheel_geometry import WheelGeometry
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
 _RUNS_THAT_TELL = 4
 _SUSPICIOUS = 2.0  # standard deviations of a Birge ratio
-_BY_CHANCE = 1e-6  # that recordings scatter as much: once in the life of all laboratories
+_SIGNIFICANCE = 1e-6  # that recordings scatter as much: once in the life of all laboratories
 _CAMERA = ("time_constant", "row_delay")  # of the local numbers, beside the delay: what runs may differ in
 
 
@@ -147,7 +147,7 @@ def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> lis
         freedom = _of_camera(fits[members[0]].estimate).values.size * (len(members) - 1)
         ratio = birge_ratio([fits[k] for k in members])
         if ratio > 1 + _SUSPICIOUS / np.sqrt(2 * freedom):
-            is_chance = special.chdtrc(freedom, ratio**2 * freedom) > _BY_CHANCE
+            is_chance = special.chdtrc(freedom, ratio**2 * freedom) > _SIGNIFICANCE
             found.append(
                 Finding(
                     code="recordings-disagree",

@@ -5,7 +5,7 @@ same trace in every recording. To the wheel it is an error of each edge's angle,
 absolute delay at one speed, and cancels in relative delays and between speeds. What counts there is each recording's own noise.
 
 With r_f the residuals of recording f over its noise, F waves around the wheel, and all that the recording's own fit can take from
-residuals projected out, b_f = F^T r_f and G_f = F^T F are what the waves say. With white noise of variance v_f, told by
+residuals projected out, b_f = F^T r_f and G_f = F^T F are what the waves say. With white noise of variance v_f, found by
 differences of neighbours along the angle (Hall, Kay and Titterington, Biometrika 77 (1990) 521),
 
 .. math:: \sum_f b_f^T G_f^{-1} b_f / v_f - \bar b^T \bar G^{-1} \bar b, \qquad \bar b = \sum_f b_f / v_f, \quad \bar G = \sum_f
@@ -28,7 +28,7 @@ from irtiming.records.arrays import Array
 _WAVES = 20  # of the turn: down to a quarter of a slope of 75 deg; what is shorter averages out over a slope
 _DIFFERENCES = 4
 _LEAST = 1e-15
-_TOLD = 0.1  # of the best told wave: one that the fit has taken away tells nothing
+_LEAST_INFORMATION = 0.1  # of the best determined wave: one that the fit has taken away says nothing
 
 
 @final
@@ -73,20 +73,20 @@ def split(traces: Sequence[Trace]) -> SharedResidual | None:
     if len(traces) < 2:
         return None
     white = np.array([_white_variance(one) for one in traces])
-    told = [_waves(one) for one in traces]
-    matrices = np.array([matrix for matrix, _ in told])
-    pulls = np.array([pull for _, pull in told])
+    per_fit = [_waves(one) for one in traces]
+    matrices = np.array([matrix for matrix, _ in per_fit])
+    gradients = np.array([gradient for _, gradient in per_fit])
     sizes, axes = np.linalg.eigh(np.sum(matrices / white[:, None, None], axis=0))
-    seen = axes[:, sizes > _TOLD * sizes[-1]]
-    matrices, pulls = seen.T @ matrices @ seen, pulls @ seen
+    determined = axes[:, sizes > _LEAST_INFORMATION * sizes[-1]]
+    matrices, gradients = determined.T @ matrices @ determined, gradients @ determined
     whole = np.sum(matrices / white[:, None, None], axis=0)
-    common = np.linalg.solve(whole, np.sum(pulls / white[:, None], axis=0))
-    apart = pulls - matrices @ common
+    common = np.linalg.solve(whole, np.sum(gradients / white[:, None], axis=0))
+    apart = gradients - matrices @ common
     square = float(np.sum(np.einsum("fk,fk->f", apart, _solved(matrices, apart)) / white))
-    freedom = float((len(traces) - 1) * seen.shape[1])
+    freedom = float((len(traces) - 1) * determined.shape[1])
     ratio = max(1.0, square / freedom)
     by_noise = ratio * np.trace(np.linalg.solve(whole, matrices), axis1=1, axis2=2)
-    shared = (np.einsum("k,fkl,l->f", common, matrices, common) - by_noise) / seen.shape[1]
+    shared = (np.einsum("k,fkl,l->f", common, matrices, common) - by_noise) / determined.shape[1]
     return SharedResidual(
         own=ratio * white * _copies(traces), shared=np.maximum(shared, 0.0), degrees_of_freedom=freedom
     )
@@ -119,7 +119,7 @@ def _white_variance(trace: Trace) -> float:
 
 
 def _waves(trace: Trace) -> tuple[Array, Array]:
-    """What the waves around the wheel say beside what the fit can take: matrix (k, k) and pull (k,)."""
+    """What the waves around the wheel say beside what the fit can take: matrix (k, k) and gradient (k,)."""
     phase = np.outer(trace.angle_rad, np.arange(1, _WAVES + 1))
     waves = np.hstack([np.cos(phase), np.sin(phase)])
     free = waves - trace.taken @ (trace.taken.T @ waves)

@@ -227,7 +227,7 @@ def _model(
     one: ReducedRecording, fit: EdgeDelayFit, geometry: WheelGeometry, *, tail: WindowTail | None = None
 ) -> LocalModel:
     """Frames that the recording's own fit kept, with its noise, widened where residuals are correlated."""
-    noise = fit.noise * float(np.sqrt(fit.widening)) * abs(fit.step)
+    noise = fit.noise * float(np.sqrt(fit.variance_inflation)) * abs(fit.step)
     tails_s = {} if tail is None else {name: part.time_constant_s for name, part in tails(tail).items()}
     given = replace(pixel_sums.pixel_sums(one, geometry.model), kept=fit.kept, noise=noise, tails_s=tails_s)
     given = given if fit.levels is None else replace(given, levels=fit.levels)
@@ -247,7 +247,7 @@ def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     return Timing(
         recordings=rows.recordings, geometry=rows.geometry, sectors=rows.sectors, views=rows.sectors, fits=rows.fits,
         exact=tuple(
-            _exact(fit.holding(*row_sum.BLADES), model, names=names).widened(float(scale) * fit.widening)
+            _exact(fit.holding(*row_sum.BLADES), model, names=names).inflated(float(scale) * fit.variance_inflation)
             for fit, model, scale in zip(rows.fits, rows.likelihoods, factor, strict=True)
         ),
         found=_of_recordings(found, recordings, rig, fits=rows.fits),
@@ -286,7 +286,7 @@ def of_row_fits(
     ]
     factor, groups = _run_to_run(fits), scatter.alike(fits, blackbodies)
     found = joint.fit(
-        [joint.parabola(fit.estimate).widened(float(f)) for fit, f in zip(fits, factor, strict=True)], shared
+        [joint.parabola(fit.estimate).inflated(float(f)) for fit, f in zip(fits, factor, strict=True)], shared
     )
     freedom = float(sum(fit.wheel_angle_rad.size - len(fit.estimate.names) for fit in fits))
     constants = [one.name for one in own if one.name.startswith(LAG)]

@@ -44,7 +44,7 @@ _SHARES = np.linspace(0.0, 0.98, 50)
 _UNDETERMINED = 0.25  # relative standard uncertainty of the share from which the constants are no numbers any more
 _BENT = 1.4
 _TWO_U = 4.0  # deviance
-_BY_CHANCE = 0.003
+_SIGNIFICANCE = 0.003
 _ASSUMED_WHEEL_K, _PLAUSIBLE_WHEEL_K = 296.15, (273.15, 323.15)
 _CURVE_POINTS, _CURVE_BEYOND_K = 61, 8.0
 _NUDGE, _NUDGE_K = 1e-4, 1.0
@@ -324,7 +324,7 @@ def _findings(
         )
     misfit = problem.deviance(share)
     freedom = kelvin.size - 2
-    if freedom > 0 and special.chdtrc(freedom, misfit) < _BY_CHANCE:
+    if freedom > 0 and special.chdtrc(freedom, misfit) < _SIGNIFICANCE:
         found.append(
             Finding(
                 code="constants-do-not-fit",

@@ -85,13 +85,13 @@ def step(x: Array, y: Array, *, covariance: Array) -> Step | None:
         u = float(np.sqrt(one.covariance[2, 2]))
         found.append(
             (plain.chi_squared - one.chi_squared,
-             Step(after=float(after), before=float(before), size=float(one.coefficients[2]), standard_uncertainty=u, chance=1.0))
+             Step(after=float(after), before=float(before), size=float(one.coefficients[2]), standard_uncertainty=u, p_value=1.0))
         )  # fmt: skip
     if not found:
         return None
     gain, best = max(found, key=lambda each: each[0])
-    chance = min(1.0, len(found) * float(chdtrc(1, max(gain, 0.0))))
-    return replace(best, chance=chance)
+    p_value = min(1.0, len(found) * float(chdtrc(1, max(gain, 0.0))))
+    return replace(best, p_value=p_value)
 
 
 def line_weights(x: Array, y: Array, *, covariance: Array, at: float) -> tuple[Array, float]:

@@ -134,18 +134,18 @@ def line(over_s: Array, of_s: Array, *, tick_s: float) -> Line:
     scatter = math.sqrt(float(residual @ residual) / free)
     noise = max(scatter, _ROUNDING * tick_s)
     span = float(over_s[-1] - over_s[0])
-    u = max(noise * _widened(residual) / math.sqrt(squares), tick_s / span / math.sqrt(6))
+    u = max(noise * _inflation(residual) / math.sqrt(squares), tick_s / span / math.sqrt(6))
     bend = x * x - squares / n
     bend -= x * float(bend @ x) / squares
     of_bend = float(bend @ bend)
     drift = 2 * float(bend @ residual) / of_bend
     left = residual - drift / 2 * bend
     noise_left = max(math.sqrt(float(left @ left) / max(n - 3, 1)), _ROUNDING * tick_s)
-    u_drift = 2 * noise_left * _widened(left) / math.sqrt(of_bend)
+    u_drift = 2 * noise_left * _inflation(left) / math.sqrt(of_bend)
     return Line(slope=Measured(slope, u), bend_per_s=Measured(drift, u_drift), residual_s=residual, scatter_s=scatter)
 
 
-def _widened(residual: Array) -> float:
+def _inflation(residual: Array) -> float:
     """Factor of an uncertainty where neighbouring residuals hang together; 1 where they do not."""
     power = float(residual @ residual)
     if power == 0 or residual.size < 8:

@@ -21,15 +21,15 @@ def inverse(symmetric: Array) -> Array:
     return np.asarray(np.linalg.inv(symmetric / np.outer(scale, scale)) / np.outer(scale, scale), dtype=float)
 
 
-def of_correlated_scores(scores: Array, *, n_neighbours: int, is_circular: bool) -> Array:
-    """Covariance of the sum of scores of which neighbours hang together.
+def hac_covariance(scores: Array, *, n_neighbours: int, is_circular: bool) -> Array:
+    """Covariance of a sum of correlated scores, robust against heteroscedasticity and autocorrelation (HAC).
 
     Parameters
     ----------
     scores
         Shape (n, k); gradient that each sample contributes, in an order in which correlation fades.
     n_neighbours
-        To either side, that may hang together.
+        To either side, that may be correlated.
     is_circular
         Whether the last sample is the first one's neighbour.
 

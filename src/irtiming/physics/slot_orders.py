@@ -76,6 +76,6 @@ def chi_square(difference_rad: Array, order_variance_rad2: Array) -> Array:
     return np.asarray(power / np.maximum(order_variance_rad2, np.finfo(float).tiny))
 
 
-def chance(chi_square_sum: Array | float, freedom: Array | float) -> Any:
-    """Probability that chance alone makes a chi-square of so many degrees of freedom so large, or larger; any shape."""
+def p_value(chi_square_sum: Array | float, freedom: Array | float) -> Any:
+    """Probability that noise alone makes a chi-square of so many degrees of freedom as large, or larger; any shape."""
     return gammaincc(np.maximum(freedom, 1e-9) / 2, np.asarray(chi_square_sum) / 2)

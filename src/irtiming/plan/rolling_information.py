@@ -213,13 +213,13 @@ def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]
     moved = run.rows.changes * (whole / np.where(light == 0, 1, light))
     summed = summed_pixels(light)
     per_noise = np.sqrt(run.rows.weight * run.n_frames / 2 / summed) / run.camera.noise_to_contrast
-    normal, pull = np.zeros((n, n)), np.zeros((n, len(_SHAPE)))
+    normal, mixed = np.zeros((n, n)), np.zeros((n, len(_SHAPE)))
     for y, scale in enumerate(per_noise):
         columns = scale * _real(np.concatenate([slopes[:, y], moved[:, y]])).T
         free = without_own(columns, _real(whole[None, y]).T)
         normal += free[:, :n].T @ free[:, :n]
-        pull -= free[:, :n].T @ free[:, n:]
-    return normal, np.asarray(np.linalg.solve(normal, pull), float)
+        mixed -= free[:, :n].T @ free[:, n:]
+    return normal, np.asarray(np.linalg.solve(normal, mixed), float)
 
 
 def summed_pixels(light: ComplexArray) -> Array:
@@ -305,8 +305,8 @@ def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> I
     even = columns / scale[:, None]
     weighted = even.real / (noise**2 + scatter**2)
     inverse = np.linalg.pinv(weighted @ even.real.T + even.imag @ even.imag.T / noise**2, hermitian=True)
-    pull = inverse @ weighted * scatter
-    by_gain, outer, n = pull @ pull.T, np.outer(scale, scale), len(_SHAPE)
+    per_gain = inverse @ weighted * scatter
+    by_gain, outer, n = per_gain @ per_gain.T, np.outer(scale, scale), len(_SHAPE)
     return ImageErrors(noise=((inverse - by_gain) / outer)[:n, :n], gains=(by_gain / outer)[:n, :n])
 
 

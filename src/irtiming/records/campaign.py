@@ -96,7 +96,7 @@ class GaugeStudy:
     """Gauge repeatability and reproducibility of a parameter by analysis of variance (AIAG MSA).
 
     Variances of one measurement in the unit squared: of the same operator and camera again (``repeatability``), between operators
-    (``operators``), of operators with cameras (``interaction``; 0 where it was pooled, ``interaction_chance`` is what its F-test
+    (``operators``), of operators with cameras (``interaction``; 0 where it was pooled, ``interaction_p_value`` is what its F-test
     says), and between ``cameras``. ``n_operators`` is 1 where none is told apart: there is then no reproducibility.
     ``rms_u_own`` is what the results themselves state of what they do not have in common.
     """
@@ -110,7 +110,7 @@ class GaugeStudy:
     operators: float
     interaction: float
     cameras: float
-    interaction_chance: float | None
+    interaction_p_value: float | None
     rms_u_own: float
 
     @property

@@ -129,7 +129,7 @@ class RecordingFit(Protocol):
         ...
 
     @property
-    def widening(self) -> float:
+    def variance_inflation(self) -> float:
         """Variance inflation for correlated residuals, already in the covariance."""
         ...
 
@@ -187,7 +187,7 @@ class EdgeDelayFit:
         Standard deviation of the residuals, opening fractions.
     step
         Pixel sum from covered to open, over the first guess of it.
-    widening
+    variance_inflation
         Variance inflation for residuals that are correlated along the angle; 1 when they are white.
     kept
         Shape (n_frame,); frames of the reduced recording that took part; ``n_dropped`` did not.
@@ -211,7 +211,7 @@ class EdgeDelayFit:
     residual: Array
     noise: float
     step: float
-    widening: float
+    variance_inflation: float
     n_dropped: int
     kept: Mask
     levels: DriftingLevels | None = None

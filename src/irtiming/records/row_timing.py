@@ -272,7 +272,7 @@ class RowTimingFit:
         Shape (n_row, M + 1); the model, harmonics over ``wheel_angle_rad``.
     gain_dn
         Shape (n_row,); row sum from covered to open, DN; negative for a cold blackbody.
-    widening
+    variance_inflation
         Factor on the variances because the residuals are correlated; 1 when they are white.
     blackbody_temperature_k
         As the recording tells it; None where it does not.
@@ -301,7 +301,7 @@ class RowTimingFit:
     noise: Array
     harmonics: ComplexArray
     gain_dn: Array
-    widening: float
+    variance_inflation: float
     blackbody_temperature_k: float | None = None
     sway: Sway | None = None
 

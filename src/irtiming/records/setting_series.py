@@ -40,16 +40,16 @@ class LineFit:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """The best place of a step in a line: between two settings, its size, and the chance of a step as clear where there is none.
+    """The best place of a step in a line: between two settings, its size, and how likely one as clear is where there is none.
 
-    The chance is that of the gain in chi-squared times the number of places that were tried (Bonferroni), at most 1.
+    The p-value is that of the gain in chi-squared times the number of places that were tried (Bonferroni), at most 1.
     """
 
     after: float
     before: float
     size: float
     standard_uncertainty: float
-    chance: float
+    p_value: float
 
 
 @final
@@ -92,8 +92,8 @@ class OverSetting:
     @property
     def slope(self) -> tuple[float, float]:
         """Slope with its standard uncertainty, widened by the ratio of Birge where values lie further off than they should."""
-        widened = max(1.0, self.line.birge)
-        return float(self.line.coefficients[1]), widened * float(np.sqrt(self.line.covariance[1, 1]))
+        inflation = max(1.0, self.line.birge)
+        return float(self.line.coefficients[1]), inflation * float(np.sqrt(self.line.covariance[1, 1]))
 
     @property
     def is_time_over_time(self) -> bool:

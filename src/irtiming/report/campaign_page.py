@@ -99,7 +99,7 @@ def study_as_json(one: GaugeStudy) -> dict[str, Any]:
         "reproducibility": None if one.n_operators == 1 else sqrt(one.reproducibility),
         "between_operators": None if one.n_operators == 1 else sqrt(one.operators),
         "interaction": None if one.n_operators == 1 else sqrt(one.interaction),
-        "interaction_chance": one.interaction_chance,
+        "interaction_chance": one.interaction_p_value,
         "gauge": sqrt(one.gauge),
         "between_cameras": sqrt(one.cameras),
         "total": sqrt(one.total),

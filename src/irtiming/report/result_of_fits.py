@@ -125,7 +125,7 @@ def fit(one: EdgeDelayFit | RowTimingFit, analysis: Analysis) -> dict[str, Any]:
         "steps": None if rows is None else rows.n_steps,
         "rows": None if rows is None else [int(rows.row_px[0]), int(rows.row_px[-1])],
         "median_noise": float(np.median(one.noise)),
-        "widening": one.widening,
+        "widening": one.variance_inflation,
         "unit": "s",
     }
 

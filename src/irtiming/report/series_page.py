@@ -127,7 +127,7 @@ def _over(one: OverSetting) -> dict[str, Any]:
         "line": _fit(one.line),
         "step": None if one.step is None else {
             "after": one.step.after, "before": one.step.before, "size": one.step.size,
-            "standard_uncertainty": one.step.standard_uncertainty, "chance": one.step.chance,
+            "standard_uncertainty": one.step.standard_uncertainty, "chance": one.step.p_value,
         },
     }  # fmt: skip
 

@@ -222,10 +222,10 @@ def test_correlated_residuals_widen_the_uncertainty(recording):
     white = pixel_sums.fit(recording(share + rng.normal(0, 1e-3, 1000)), _model())
     ripple = share + np.sqrt(2) * 1e-3 * np.sin(20 * angle) + rng.normal(0, 1e-5, 1000)
     widened = pixel_sums.fit(recording(ripple), _model())
-    assert white.widening < 1.5
-    assert widened.widening > 4
+    assert white.variance_inflation < 1.5
+    assert widened.variance_inflation > 4
     ratio = np.diag(widened.covariance_s2) / np.diag(white.covariance_s2)
-    np.testing.assert_allclose(ratio, widened.widening / white.widening, rtol=0.3)
+    np.testing.assert_allclose(ratio, widened.variance_inflation / white.variance_inflation, rtol=0.3)
 
 
 def test_frames_at_the_ends_of_the_track_are_left_out(recording):

@@ -46,7 +46,7 @@ def test_blur_of_another_kind_is_a_doubt(sector):
 def test_burrs_are_no_doubt(sector):
     """Oracle: 200 masks whose borders are off by 1 % of a pixel's light at random; chances spread over all values."""
     assert image_doubts.of_image(sector) == ()
-    seen = [image_doubts.left_over(replace(sector, excess=_burrs(seed))).chance for seed in range(200)]
+    seen = [image_doubts.left_over(replace(sector, excess=_burrs(seed))).p_value for seed in range(200)]
     assert min(seen) > 1e-4
     assert 0.3 < np.mean(seen) < 0.7
 

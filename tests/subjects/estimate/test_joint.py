@@ -223,7 +223,7 @@ def test_a_widened_recording_says_so_much_less():
     estimate = _fits(_drawn(np.random.default_rng(10)))[0].estimate
     model = joint.parabola(estimate)
     numbers = dict(zip(NAMES, estimate.values + 1e-6, strict=True))
-    plain, wide = model.at(numbers), model.widened(4.0).at(numbers)
+    plain, wide = model.at(numbers), model.inflated(4.0).at(numbers)
     assert plain.deviance == pytest.approx(np.full(5, 1e-6) @ np.linalg.solve(estimate.covariance, np.full(5, 1e-6)))
     assert wide.deviance == pytest.approx(plain.deviance / 4)
     np.testing.assert_allclose(wide.normal, plain.normal / 4)

@@ -48,15 +48,15 @@ def test_an_error_of_the_shape_is_no_pattern():
     delays = _delays(lambda row, column: 15e-6 * (column - 50) / 100)
     clock = map_patterns.row_clock(delays)
     assert all(abs(one.pull) < 4 for one in map_patterns.patterns(delays, clock))
-    chance, _, _ = map_patterns.chance_of_straight_rows(delays, clock)
-    assert chance > 1e-4
+    p_value, _, _ = map_patterns.p_value_of_straight_rows(delays, clock)
+    assert p_value > 1e-4
 
 
 def test_rows_that_are_off_without_any_pattern_are_found():
     """Oracle: ten rows that were put later."""
     delays = _delays(lambda row, column: 3e-6 * ((row > 20) & (row < 31)))
-    chance, row, off_s = map_patterns.chance_of_straight_rows(delays, map_patterns.row_clock(delays))
-    assert chance < 1e-6
+    p_value, row, off_s = map_patterns.p_value_of_straight_rows(delays, map_patterns.row_clock(delays))
+    assert p_value < 1e-6
     assert 20 < row < 31
     assert off_s > 1e-6
 

@@ -150,18 +150,18 @@ def _repeated(rows, camera, light, noise_of, *, n=100):
     return (
         moved,
         np.array([np.diag(fit.estimate.covariance) for fit in fits]) ** 0.5,
-        np.array([f.widening for f in fits]),
+        np.array([f.variance_inflation for f in fits]),
     )
 
 
 def test_white_noise_is_what_it_is_said_to_be(camera, exact, light):
-    """Oracle: 100 repetitions; scatter of the six numbers over the stated uncertainty, and no widening worth the name."""
-    moved, u, widening = _repeated(exact, camera, light, _white(150.0))
+    """Oracle: 100 repetitions; scatter of the six numbers over the stated uncertainty, hardly any inflation of the variance."""
+    moved, u, variance_inflation = _repeated(exact, camera, light, _white(150.0))
     pulls = moved / u
     assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(100))
     np.testing.assert_allclose(pulls.std(axis=0), 1, atol=0.15)
-    assert widening.min() >= 1
-    assert widening.mean() < 1.25
+    assert variance_inflation.min() >= 1
+    assert variance_inflation.mean() < 1.25
 
 
 def test_noise_common_to_the_rows_widens_what_it_moves(camera, brute_rows, light):
@@ -175,12 +175,12 @@ def test_noise_common_to_the_rows_widens_what_it_moves(camera, brute_rows, light
     def common(rng, shape):
         return rng.normal(0, 60.0, shape) + n_pixels * rng.normal(0, 4.0, (shape[0], 1))
 
-    moved, u, widening = _repeated(exact, camera, light, common)
+    moved, u, variance_inflation = _repeated(exact, camera, light, common)
     pulls = moved / u
     assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(100))
     assert np.sqrt(np.mean(pulls[:, :4] ** 2)) == pytest.approx(1, abs=0.15)  # the four edges are alike
     np.testing.assert_allclose(pulls[:, 4:].std(axis=0), 1, atol=0.15)
-    assert widening.mean() > 3
+    assert variance_inflation.mean() > 3
 
 
 def test_shape_effect_is_what_a_refit_finds(camera, exact, light):

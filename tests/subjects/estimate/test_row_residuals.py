@@ -24,10 +24,10 @@ def _repeat(design, noise_of, *, n=600):
         noise = noise_of()
         found = np.linalg.solve(normal, np.einsum("nrk,nr->k", design, noise))
         residual = noise - design @ found
-        covariance, widening = robust_covariance(np.einsum("nrk,nr->nk", design, residual), normal)
+        covariance, variance_inflation = robust_covariance(np.einsum("nrk,nr->nk", design, residual), normal)
         estimates.append(found)
         stated.append(covariance)
-        factors.append(widening)
+        factors.append(variance_inflation)
     return np.array(estimates), np.array(stated), np.array(factors), np.linalg.inv(normal)
 
 
@@ -99,15 +99,15 @@ def test_triangle_is_that_of_newey_and_west():
     white = np.linalg.inv(normal)
     expected = white @ middle @ white
     assert np.all(np.diag(expected) > np.diag(white))
-    found, widening = robust_covariance(scores, normal)
+    found, variance_inflation = robust_covariance(scores, normal)
     np.testing.assert_allclose(found, expected, rtol=1e-9)
-    assert widening == pytest.approx(np.mean(np.diag(expected) / np.diag(white)))
+    assert variance_inflation == pytest.approx(np.mean(np.diag(expected) / np.diag(white)))
 
 
 def test_a_smaller_scatter_than_white_is_not_believed():
     """Oracle: the inverse of the normal matrix; scores of a tenth of the size that white noise would give."""
     scores, normal = 0.1 * np.random.default_rng(6).normal(size=(N, 2)), np.diag([400.0, 400.0])
-    found, widening = robust_covariance(scores, normal)
+    found, variance_inflation = robust_covariance(scores, normal)
     np.testing.assert_allclose(np.diag(found), 1 / 400)
-    assert widening == 1.0
+    assert variance_inflation == 1.0
     assert abs(found[0, 1]) < found[0, 0]

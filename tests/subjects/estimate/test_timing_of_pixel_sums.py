@@ -57,7 +57,7 @@ def fits():
                     residual=base * part[k],
                     step=1.0,
                     noise=1e-3,
-                    widening=1.0,
+                    variance_inflation=1.0,
                     n_dropped=0,
                     kept=np.ones(600, bool),
                 )
@@ -265,7 +265,7 @@ def test_recordings_that_disagree_are_told(fits, geometry):
 
 def test_outliers_and_correlation_are_told(fits, geometry):
     """Oracle: the numbers that the fits hold."""
-    fit = replace(fits([4e-4])[0], n_dropped=7, widening=9.0)
+    fit = replace(fits([4e-4])[0], n_dropped=7, variance_inflation=9.0)
     texts = _texts(_combined([fit], geometry(), integration_time_s=250e-6))
     assert any("run 0: 7 frames left out" in text for text in texts)
     assert any("widened by up to 3.0" in text for text in texts)

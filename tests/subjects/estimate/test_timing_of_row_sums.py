@@ -32,7 +32,7 @@ U = np.array([5e-6] * 4 + [4e-6, 1e-7])
 def fits():
     """Fits with the given six numbers: delays and tau correlated, a sector that moves all of them."""
 
-    def make(sixes, *, omegas=None, nominal=None, u=U, effect=1.0, widening=1.0):
+    def make(sixes, *, omegas=None, nominal=None, u=U, effect=1.0, variance_inflation=1.0):
         correlation = np.full((6, 6), 0.75) + 0.25 * np.eye(6)
         correlation[:4, 4] = correlation[4, :4] = -0.8
         correlation[5, :5] = correlation[:5, 5] = 0.1
@@ -68,7 +68,7 @@ def fits():
                     noise=np.ones(3),
                     harmonics=np.zeros((3, 2), complex),
                     gain_dn=np.ones(3),
-                    widening=widening,
+                    variance_inflation=variance_inflation,
                 )
             )
         return made
@@ -334,7 +334,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
     ("change", "says"),
     [
         ({"six": SIX - 9e-3 * IS_EDGE}, "rows would be read before the trigger, the first at -6.700 ms"),
-        ({"widening": 9.0}, "residuals of 1 of 1 recording are correlated.*widened by up to 3.0"),
+        ({"variance_inflation": 9.0}, "residuals of 1 of 1 recording are correlated.*widened by up to 3.0"),
         (
             {"row_delay": 61e-6},
             r"row delay by the row sums 60.000 us, by the phases of the pixels 61.000 us: they differ by 7.1 u",
@@ -347,7 +347,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
 )
 def test_doubts_are_told(fits, geometry, sector, change, says):
     """Oracle: by hand; one doubt at a time."""
-    made = fits([change.get("six", SIX)], widening=change.get("widening", 1.0))
+    made = fits([change.get("six", SIX)], variance_inflation=change.get("variance_inflation", 1.0))
     image = replace(sector, row_delay_s=change.get("row_delay", 60e-6))
     options = {"u_edge": change["u_edge"]} if "u_edge" in change else {}
     warnings = _texts(_estimate(made, geometry(**options), image, n_rows=36))

@@ -104,7 +104,7 @@ def _combined(made, geometry, *, noise=None):
     """Timing of the recordings, without reduction and without images; with a noise that is given, or that of each fit."""
     fits = tuple(pixel_sums.fit(one, geometry.model) for one in made)
     if noise is not None:
-        fits = tuple(replace(fit, noise=noise, widening=1.0) for fit in fits)
+        fits = tuple(replace(fit, noise=noise, variance_inflation=1.0) for fit in fits)
     models = tuple(timing._model(one, fit, geometry) for one, fit in zip(made, fits, strict=True))
     own = pixel_numbers.opening_and_window(made, fits, geometry=geometry)
     found = timing.of_pixel_fits(fits, geometry, models=models, own=own, stated_s=WINDOW)
@@ -169,16 +169,16 @@ def test_falling_and_rising_slopes_alone_agree(recordings, geometry):
     assert abs(apart) < 5 * u
 
 
-@pytest.mark.parametrize("widening", [1.0, 4.0, 9.0])
-def test_correlated_residuals_say_so_much_less(recordings, geometry, widening):
+@pytest.mark.parametrize("variance_inflation", [1.0, 4.0, 9.0])
+def test_correlated_residuals_say_so_much_less(recordings, geometry, variance_inflation):
     """Oracle: the variance inflation itself: the deviance of the frames falls by it, not by its square."""
     (one,) = recordings((3.0,), noise=2e-5)
-    fit = replace(pixel_sums.fit(one, geometry.model), widening=widening)
+    fit = replace(pixel_sums.fit(one, geometry.model), variance_inflation=variance_inflation)
     model = timing._model(one, fit, geometry)
     numbers = dict(zip(fit.estimate.names, fit.estimate.values, strict=True))
     numbers |= {"integration_time": WINDOW, "lean_low": 0.0, "lean_high": 0.0}
-    plain = timing._model(one, replace(fit, widening=1.0), geometry).at(numbers)
-    assert model.at(numbers).deviance == pytest.approx(plain.deviance / widening)
+    plain = timing._model(one, replace(fit, variance_inflation=1.0), geometry).at(numbers)
+    assert model.at(numbers).deviance == pytest.approx(plain.deviance / variance_inflation)
 
 
 def test_noise_counts_its_degrees_of_freedom(recordings, geometry):
@@ -197,7 +197,7 @@ def test_noise_counts_its_degrees_of_freedom(recordings, geometry):
     jacobian = given.at(numbers).jacobian[:, [list(numbers).index(name) for name in fit.estimate.names]]
     scale = np.linalg.norm(jacobian, axis=0)
     white = np.linalg.inv((jacobian / scale).T @ (jacobian / scale)) / np.outer(scale, scale)
-    np.testing.assert_allclose(fit.estimate.covariance, white * fit.widening, rtol=1e-3)
+    np.testing.assert_allclose(fit.estimate.covariance, white * fit.variance_inflation, rtol=1e-3)
 
 
 @pytest.mark.parametrize(("clockwise", "expected"), [(True, (4.0, -3.0)), (False, (3.0, -4.0))])

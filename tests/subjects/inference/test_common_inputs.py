@@ -60,7 +60,7 @@ def test_a_step_is_found_where_it_is_and_only_then():
     assert found is not None
     assert (found.after, found.before) == (3.0, 4.0)
     assert found.size == pytest.approx(40)
-    assert found.chance < 1e-6
+    assert found.p_value < 1e-6
     straight = weighted_line.step(x, 2 * x, covariance=_alike(7))
-    assert straight is None or straight.chance == 1.0
+    assert straight is None or straight.p_value == 1.0
     assert weighted_line.step(x[:3], x[:3], covariance=_alike(3)) is None

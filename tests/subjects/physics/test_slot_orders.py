@@ -63,6 +63,6 @@ def test_covariance_is_that_of_many_random_tables(n_slots):
 
 def test_chance_is_the_tail_of_chi_square():
     """Oracle: printed tables of the chi-square distribution."""
-    assert slot_orders.chance(3.841, 1) == pytest.approx(0.05, rel=1e-3)
-    assert slot_orders.chance(124.342, 100) == pytest.approx(0.05, rel=1e-3)
-    assert slot_orders.chance(0.0, 0.0) == 1
+    assert slot_orders.p_value(3.841, 1) == pytest.approx(0.05, rel=1e-3)
+    assert slot_orders.p_value(124.342, 100) == pytest.approx(0.05, rel=1e-3)
+    assert slot_orders.p_value(0.0, 0.0) == 1

@@ -133,7 +133,7 @@ def _edge_fit(name: str, delay_s: float, model: WheelModel, rng: np.random.Gener
         ),
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         start_delay_s=0.0, wheel_angle_rad=angle, fraction=exposed_fraction(angle, model) + residual, residual=residual,
-        noise=2e-4, step=1.0, widening=1.0, n_dropped=0, kept=np.ones(1000, bool),
+        noise=2e-4, step=1.0, variance_inflation=1.0, n_dropped=0, kept=np.ones(1000, bool),
     )  # fmt: skip
 
 
@@ -353,7 +353,7 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
         start=dict(zip(ROLLING_NAMES, (0.0, 0.0, 0.0, 0.0, 3e-3, 60e-6), strict=True)), n_steps=9,
         shape_names=(), shape_effect=np.zeros((6, 0)), row_px=ROW_PX,
         wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
-        harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), widening=2.25,
+        harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), variance_inflation=2.25,
     )  # fmt: skip
 
 

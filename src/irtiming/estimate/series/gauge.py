@@ -40,13 +40,13 @@ def study(values: Array, *, parameter: str = "", unit: str = "", rms_u_own: floa
     ss_co = n_r * float(np.sum((of_cell - of_camera[:, None] - of_operator[None] + grand) ** 2))
     ss_e = float(np.sum((values - of_cell[:, :, None]) ** 2))
     df_c, df_o, df_co, df_e = n_c - 1, n_o - 1, (n_c - 1) * (n_o - 1), n_c * n_o * (n_r - 1)
-    ms_c, ms_e, chance, interaction = ss_c / df_c, ss_e / df_e, None, 0.0
+    ms_c, ms_e, p_value, interaction = ss_c / df_c, ss_e / df_e, None, 0.0
     if n_o == 1:
         operators, cameras = 0.0, (ms_c - ms_e) / n_r
     else:
         ms_o, ms_co = ss_o / df_o, ss_co / df_co
-        chance = float(fdtrc(df_co, df_e, ms_co / ms_e)) if ms_e > 0 else 0.0
-        if chance > _POOLED:
+        p_value = float(fdtrc(df_co, df_e, ms_co / ms_e)) if ms_e > 0 else 0.0
+        if p_value > _POOLED:
             ms_e = (ss_co + ss_e) / (df_co + df_e)
             ms_co = ms_e
         interaction = (ms_co - ms_e) / n_r
@@ -54,7 +54,7 @@ def study(values: Array, *, parameter: str = "", unit: str = "", rms_u_own: floa
     return GaugeStudy(
         parameter=parameter, unit=unit, n_cameras=n_c, n_operators=n_o, n_repeats=n_r, repeatability=ms_e,
         operators=max(0.0, operators), interaction=max(0.0, interaction), cameras=max(0.0, cameras),
-        interaction_chance=chance, rms_u_own=rms_u_own,
+        interaction_p_value=p_value, rms_u_own=rms_u_own,
     )  # fmt: skip
 
 

@@ -96,6 +96,6 @@ def _over(group: list[SettingPoint], setting: SettingName, *, name: str) -> list
             parameter=name, unit=told[0].unit, event=told[0].event, setting=setting, points=tuple(points), x=x, values=y,
             covariance=covariance, level=weighted_line.level(y, covariance=covariance),
             line=weighted_line.line(x, y, covariance=covariance),
-            step=step if step is not None and step.chance < _CLEAR_STEP else None,
+            step=step if step is not None and step.p_value < _CLEAR_STEP else None,
         )
     ]  # fmt: skip

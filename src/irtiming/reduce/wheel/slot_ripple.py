@@ -51,6 +51,6 @@ def separate(speeds: Sequence[SlotsAtSpeed]) -> tuple[SlotTable, SpeedRipple | N
         reference_speed_hz=float(hz.min()),
         deviation_rad=slot_orders.from_spectrum(trust * slope, n_slots),
         order_variance_rad2=trust / reach,
-        order_chance=slot_orders.chance(strength * waves, waves),
-        chance=float(slot_orders.chance(np.sum(strength * waves), waves.sum())),
+        order_chance=slot_orders.p_value(strength * waves, waves),
+        chance=float(slot_orders.p_value(np.sum(strength * waves), waves.sum())),
     )

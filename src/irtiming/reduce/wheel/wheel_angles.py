@@ -7,7 +7,7 @@ import numpy as np
 
 from irtiming.errors import ReductionError
 from irtiming.physics import latency
-from irtiming.physics.covariance import of_correlated_scores
+from irtiming.physics.covariance import hac_covariance
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.choices import ReferenceEdge
@@ -188,9 +188,7 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
             f"only {application.ticks.size} application edges: both half turns must be recorded at least twice; record longer"
         )
     difference, n = float(longer.mean()), longer.size
-    spread = of_correlated_scores(
-        (longer - difference)[:, None], n_neighbours=min(_NEIGHBOURS, n - 1), is_circular=False
-    )
+    spread = hac_covariance((longer - difference)[:, None], n_neighbours=min(_NEIGHBOURS, n - 1), is_circular=False)
     u_difference = float(np.sqrt(spread[0, 0])) / (n - 1)
     if choice == "automatic" and abs(difference) <= max(3 * u_difference, 1.0):
         raise ReductionError(

@@ -21,7 +21,7 @@ from irtiming.reduce.wheel.slots_on_track import table_of, with_slots
 from irtiming.reduce.wheel.wheel_angles import track
 
 _SAME_SPEED = 1.01
-_CHANCE_OF_A_WARNING = 1e-6
+_SIGNIFICANCE = 1e-6
 _RATIO_OF_A_WARNING = 3.0  # chi-square per degree of freedom
 _SHARE_OF_A_WARNING = 0.05  # of the slots' rms deviation; less does not matter
 _NO_RIPPLE_BEYOND = 10  # orders; a torque of a higher one hardly moves the wheel
@@ -230,9 +230,7 @@ def _evened(tables: list[SlotsAtSpeed]) -> list[SlotsAtSpeed]:
 
 
 def _is_beyond_chance(chi_square: float, freedom: float) -> bool:
-    return bool(
-        chi_square > _RATIO_OF_A_WARNING * freedom and slot_orders.chance(chi_square, freedom) < _CHANCE_OF_A_WARNING
-    )
+    return bool(chi_square > _RATIO_OF_A_WARNING * freedom and slot_orders.p_value(chi_square, freedom) < _SIGNIFICANCE)
 
 
 def _rms(values: Array) -> float:

@@ -275,7 +275,7 @@ def fits(analysis: Analysis) -> Table:
                 n_rows,
                 significant(1e3 * float(np.sqrt(np.mean(residual**2)))),
                 significant(1e3 * noise),
-                decimal(f"{fit.widening**0.5:.2f}"),
+                decimal(f"{fit.variance_inflation**0.5:.2f}"),
                 *(_local(fit.estimate, name) for name in names),
             )
         )  # fmt: skip

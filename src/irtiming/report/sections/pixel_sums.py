@@ -181,14 +181,14 @@ def _rest(axes: "Axes", fits: list[EdgeDelayFit], name: str, hue: str) -> None:
     axes.plot(((np.arange(_BINS) + 0.5) * 360 / _BINS)[filled], mean[filled], color=sheet.RED, linewidth=1)
     axes.set_ylabel(t("sums − model\n(10⁻³ of step)"), fontsize=7.5)
     noise = 1e3 * float(np.sqrt(np.mean([fit.noise**2 for fit in fits])))
-    widening = max(fit.widening for fit in fits)
+    inflation = max(fit.variance_inflation for fit in fits)
     axes.set_title(
         t(
             "{name}, {fits}: standard deviation {noise:.2f}·10⁻³, u × {widening:.2f} for correlation",
             name=name,
             fits=several(len(fits), "run"),
             noise=noise,
-            widening=widening**0.5,
+            widening=inflation**0.5,
         ),
         fontsize=8,
         fontweight="normal",

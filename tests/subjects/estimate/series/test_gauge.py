@@ -32,14 +32,14 @@ def test_the_book_of_the_trade():
     assert found.gauge**0.5 == pytest.approx(0.302373, abs=2e-6)
     assert found.cameras**0.5 == pytest.approx(1.042327, abs=2e-6)
     assert found.total**0.5 == pytest.approx(1.0853, abs=1e-4)
-    assert found.interaction_chance == pytest.approx(0.9741, abs=1e-4)
+    assert found.interaction_p_value == pytest.approx(0.9741, abs=1e-4)
 
 
 def test_two_cameras_two_operators_by_hand():
     """Oracle: by hand. Cell means 1, 3 / 5, 11, each +-1: MS cameras 72, operators 32, interaction 8, rest 2."""
     means = np.array([[1.0, 3.0], [5.0, 11.0]])
     found = study(means[:, :, None] + np.array([-1.0, 1.0]))
-    assert found.interaction_chance == pytest.approx(0.116, abs=1e-3)
+    assert found.interaction_p_value == pytest.approx(0.116, abs=1e-3)
     assert (found.repeatability, found.interaction) == (pytest.approx(2), pytest.approx(3))
     assert (found.operators, found.cameras) == (pytest.approx(6), pytest.approx(16))
 
@@ -48,7 +48,7 @@ def test_one_operator_is_the_one_way_analysis():
     """Oracle: by hand: camera means 1 and 5, each +-1: rest 2, cameras (16 - 2) / 2."""
     found = study(np.array([[[0.0, 2.0]], [[4.0, 6.0]]]))
     assert (found.repeatability, found.cameras, found.reproducibility) == (2.0, 7.0, 0.0)
-    assert found.interaction_chance is None
+    assert found.interaction_p_value is None
 
 
 @pytest.mark.parametrize("interaction", [0.0, 2.0])
@@ -64,9 +64,9 @@ def test_another_program_says_the_same(interaction):
     table = anova_lm(ols("y ~ C(c) * C(o)", frame).fit())
     found = study(values)
     ms = table["mean_sq"]
-    assert found.interaction_chance == pytest.approx(table["PR(>F)"]["C(c):C(o)"], rel=1e-9)
+    assert found.interaction_p_value == pytest.approx(table["PR(>F)"]["C(c):C(o)"], rel=1e-9)
     rest, crossed = ms["Residual"], ms["C(c):C(o)"]
-    if found.interaction_chance > 0.25:
+    if found.interaction_p_value > 0.25:
         plain = anova_lm(ols("y ~ C(c) + C(o)", frame).fit())
         rest = crossed = plain["mean_sq"]["Residual"]
     assert found.repeatability == pytest.approx(rest)
