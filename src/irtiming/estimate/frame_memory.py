@@ -13,7 +13,7 @@ from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.units import counted
 
-_SEEN = 3.0  # standard uncertainties from which a share is told from none
+_SIGNIFICANT = 3.0  # standard uncertainties from which a share is told from none
 _CONTRADICTS = 4.0  # standard uncertainties between statement and frames
 _MOSTLY = 0.5  # of a frame: from there on the frames before have the greater part in it
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
@@ -35,8 +35,8 @@ def of_result(estimate: Estimate) -> tuple[Finding, ...]:
         told = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
         if share > _MOSTLY:
             found.append(_mostly_older(told))
-        elif share > _SEEN * u:
-            found.append(_seen(name, told))
+        elif share > _SIGNIFICANT * u:
+            found.append(_significant(name, told))
         elif share < -_IMPOSSIBLE * u:
             found.append(_impossible(name, told))
     return tuple(found)
@@ -71,7 +71,7 @@ def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Fi
     )
 
 
-def _seen(name: str, told: str) -> Finding:
+def _significant(name: str, told: str) -> Finding:
     if name == "recursive_filter":
         return Finding(
             code="camera-filters-frames",

@@ -60,12 +60,12 @@ class Window:
     """What is known of the integration window beside the fit.
 
     ``stated_s`` is its length as the recordings state it, None where they do not, ``u_stated_s`` the standard uncertainty of
-    that, None where it is taken on trust; ``is_told`` whether the recordings can tell its length at all; ``tails_s`` by how
-    much its centre is later than its middle per share that comes after its end, by name.
+    that, None where it is taken on trust; ``is_determined`` whether the recordings determine its length at all; ``tails_s`` by
+    how much its centre is later than its middle per share that comes after its end, by name.
     """
 
     stated_s: float | None
-    is_told: bool
+    is_determined: bool
     u_stated_s: float | None = None
     tails_s: Mapping[str, float] = field(default_factory=dict)
 
@@ -91,9 +91,11 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     base += [Measurand(name=name, weights={name: 1.0}) for name in (WINDOW, ROW_DELAY) if name in joint.names]
     base += _shares(joint, (*TAILS, *MEMORIES))
     found = _positive(joint.estimate(base), WINDOW)
-    is_seen = window.is_told and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
-    start = _Start.of(found, window, is_seen=is_seen)
-    rows = _rows(found, start, is_seen=is_seen)
+    is_significant = (
+        window.is_determined and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
+    )
+    start = _Start.of(found, window, is_significant=is_significant)
+    rows = _rows(found, start, is_significant=is_significant)
     own = {one.name: one for one in base}
     budget = _budget(
         joint,
@@ -107,7 +109,7 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     ]
     estimate = mixed(found, rows, offsets={name: start.offset_s(name) for name in rows})
     follows = np.array([start.u_beside_s(name) for name in rows])
-    trusted = _trusted(_of_frames(joint, window) if is_seen else None, window, u_middle_s=found.u(_MIDDLE))
+    trusted = _trusted(_of_frames(joint, window) if is_significant else None, window, u_middle_s=found.u(_MIDDLE))
     return Reported(
         estimate=replace(estimate, covariance=estimate.covariance + np.outer(follows, follows)),
         budget=(*budget, *_of_statement(rows, start)),
@@ -132,11 +134,11 @@ class _Start:
     u_before_s: float = 0.0
 
     @classmethod
-    def of(cls, found: Estimate, window: Window, *, is_seen: bool) -> "_Start":
+    def of(cls, found: Estimate, window: Window, *, is_significant: bool) -> "_Start":
         """By the length that was found where frames, or frames and its stated u together, tell it; else by the stated one."""
         tail = {name: -late_s for name, late_s in window.tails_s.items() if name in found}
         if WINDOW in found and (window.stated_s is None or window.u_stated_s is not None):
-            has_start = is_seen or window.stated_s is not None
+            has_start = is_significant or window.stated_s is not None
             return cls(weights={WINDOW: -0.5} | tail if has_start else None)
         if window.stated_s is None:
             return cls(weights=None)
@@ -151,14 +153,14 @@ class _Start:
         return -self.u_before_s if name.startswith("trigger_delay") else 0.0
 
 
-def _rows(found: Estimate, start: _Start, *, is_seen: bool) -> dict[str, dict[str, float]]:
+def _rows(found: Estimate, start: _Start, *, is_significant: bool) -> dict[str, dict[str, float]]:
     """What is reported, as sums of what was found."""
     rows = {_MIDDLE: {_MIDDLE: 1.0}}
     if start.weights is not None:
         back = dict(start.weights)
         rows = {"trigger_delay": {_MIDDLE: 1.0} | back, **rows}
         rows |= {name: {name: 1.0} | back for name in ("trigger_delay_falling", "trigger_delay_rising")}
-    if is_seen:
+    if is_significant:
         rows[WINDOW] = {WINDOW: 1.0}
     if ROW_DELAY in found:
         rows[ROW_DELAY] = {ROW_DELAY: 1.0}

@@ -6,12 +6,12 @@ from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import ReducedRecording
 
-_UNSEEN_LEAN_RAD = 0.01
+_U_UNKNOWN_RAD = 0.01
 _EXTENT = (0.02, 0.98)  # of the pixels' radii
 
 
-def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple[Array, float]:
-    """Angles by which the ends of the opening lean, low and high wheel coordinate, as the image shows them; and their u, rad.
+def edge_misalignments(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple[Array, float]:
+    """Edge misalignments: angles by which the ends of the opening lean in the image, low and high wheel coordinate; and u, rad.
 
     Zero, with a wide uncertainty, where the image does not tell.
 
@@ -28,11 +28,11 @@ def leans_in_image(reduced: ReducedRecording, *, turns_clockwise: bool) -> tuple
     """
     radii, axle = radii_px(reduced), reduced.axle
     if radii is None or axle is None or axle.edge_miss_px is None:
-        return np.zeros(2), _UNSEEN_LEAN_RAD
+        return np.zeros(2), _U_UNKNOWN_RAD
     inner, outer = extent_px(reduced, radii)
     miss = np.array(axle.edge_miss_px)
-    leans = -miss[::-1] if turns_clockwise else miss
-    return 2 * leans / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
+    misalignment_px = -miss[::-1] if turns_clockwise else miss
+    return 2 * misalignment_px / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
 
 
 def region(reduced: ReducedRecording) -> SummedRegion | None:

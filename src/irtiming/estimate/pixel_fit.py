@@ -96,7 +96,7 @@ def fit(
     waves = recording.waves
     if waves is None:
         return None
-    light = light_of_pixels(sector, waves.seen_orders, row_px=waves.row_px, column_px=waves.column_px)
+    light = light_of_pixels(sector, waves.signal_orders, row_px=waves.row_px, column_px=waves.column_px)
     bad = recording.opening.bad[waves.row_px, waves.column_px]
     at = np.flatnonzero((light.share > _LEAST_SHARE) & ~bad)
     some = LightOfPixels(
@@ -122,7 +122,7 @@ def _fit(
     )
     sums = sums_with_waves(waves, angle, point=shared * response, name=recording.name)
     pixels = PixelLight(
-        orders=waves.seen_orders, light=light.harmonics, wheel=shared[waves.seen_orders],
+        orders=waves.signal_orders, light=light.harmonics, wheel=shared[waves.signal_orders],
         angular_frequency_rad_per_s=omega, response=kind.response,
     )  # fmt: skip
     n_free = 3 if kind.response.PARAMETER == first_order_lag.PARAMETER else 2
@@ -137,7 +137,7 @@ def _fit(
         row_px=waves.row_px, column_px=waves.column_px, is_border=~light.is_inside,
         contrast_dn=found.contrast_dn * light.share, delay_s=found.delay_s, response_s=found.response_s,
         covariance=covariance, noise_dn=noise, misfit=misfit, is_sound=_sound(found, noise, misfit),
-        n_harmonics=2 * waves.seen_orders.size, n_quiet=2 * waves.quiet_orders.size,
+        n_harmonics=2 * waves.signal_orders.size, n_quiet=2 * waves.quiet_orders.size,
     )  # fmt: skip
 
 

@@ -102,30 +102,30 @@ def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: Complex
     EstimationError
         If the frames leave so much of the turn out that they do not tell the orders apart.
     """
-    n_seen = waves.seen_orders.size
-    orders = np.concatenate([waves.seen_orders, waves.quiet_orders])
+    n_signal = waves.signal_orders.size
+    orders = np.concatenate([waves.signal_orders, waves.quiet_orders])
     weight = wheel_waves.waves(waves.wheel_angle_rad, orders, segment=waves.segment)
-    seen_at = np.r_[:n_seen, orders.size : orders.size + n_seen]
-    quiet_at = np.setdiff1d(np.arange(2 * orders.size), seen_at)
+    signal_at = np.r_[:n_signal, orders.size : orders.size + n_signal]
+    quiet_at = np.setdiff1d(np.arange(2 * orders.size), signal_at)
     gram = weight @ weight.T
-    sizes = np.linalg.eigvalsh(gram[np.ix_(seen_at, seen_at)])
+    sizes = np.linalg.eigvalsh(gram[np.ix_(signal_at, signal_at)])
     if not sizes[0] > _WORST * sizes.mean():
         raise EstimationError(
             f"{name}: its {wheel_angle_rad.size} frames leave parts of the turn out, so that they do not tell the wheel's orders "
-            f"{waves.seen_orders[0]} to {waves.seen_orders[-1]} apart in each pixel; record frames at all wheel angles, or ask "
-            "for no maps"
+            f"{waves.signal_orders[0]} to {waves.signal_orders[-1]} apart in each pixel; record frames at all wheel angles, or "
+            "ask for no maps"
         )
-    phase = np.multiply.outer(waves.seen_orders, wheel_angle_rad)
-    shown = weight[seen_at] @ np.concatenate([np.cos(phase), np.sin(phase)]).T
-    between = np.linalg.solve(gram[np.ix_(seen_at, seen_at)], gram[np.ix_(seen_at, quiet_at)])
-    left = gram[np.ix_(quiet_at, quiet_at)] - gram[np.ix_(quiet_at, seen_at)] @ between
-    information = shown.T @ np.linalg.solve(gram[np.ix_(seen_at, seen_at)], shown)
+    phase = np.multiply.outer(waves.signal_orders, wheel_angle_rad)
+    shown = weight[signal_at] @ np.concatenate([np.cos(phase), np.sin(phase)]).T
+    between = np.linalg.solve(gram[np.ix_(signal_at, signal_at)], gram[np.ix_(signal_at, quiet_at)])
+    left = gram[np.ix_(quiet_at, quiet_at)] - gram[np.ix_(quiet_at, signal_at)] @ between
+    information = shown.T @ np.linalg.solve(gram[np.ix_(signal_at, signal_at)], shown)
     every = np.exp(1j * np.multiply.outer(np.arange(point.size), wheel_angle_rad))
     told = (weight @ every.T) * point
-    told[:, np.concatenate([[0], waves.seen_orders])] = 0
-    picked = np.concatenate([seen_at, quiet_at])
+    told[:, np.concatenate([[0], waves.signal_orders])] = 0
+    picked = np.concatenate([signal_at, quiet_at])
     return SumsWithWaves(
-        seen=waves.sums_dn[seen_at],
+        seen=waves.sums_dn[signal_at],
         quiet=waves.sums_dn[quiet_at],
         shown=shown,
         shared=between.T,

@@ -14,14 +14,14 @@ from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
 
-_OFF_ZERO = 0.1  # standard uncertainties: sums are even in a lean, so that a search which begins at zero stays there
-_LEAST_U_LEAN_RAD = 1e-5
+_OFF_ZERO = 0.1  # standard uncertainties: sums are even in an edge misalignment, a search from zero stays there
+_LEAST_U_RAD = 1e-5
 
 
 def opening_and_window(
     recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, geometry: WheelGeometry
 ) -> list[SharedNumber]:
-    """Opening, window and leans that all recordings share, beginning at rig.toml, one sample, and the images.
+    """Opening, window and edge misalignments that all recordings share, beginning at rig.toml, one sample, and the images.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ def opening_and_window(
         The wheel as drawn.
     """
     clockwise = geometry.rotation == "clockwise"
-    seen = [opening_in_image.leans_in_image(one, turns_clockwise=clockwise) for one in recordings]
-    leans = np.mean([lean for lean, _ in seen], axis=0)
-    u_lean = max(_LEAST_U_LEAN_RAD, float(np.mean([u for _, u in seen])))
+    in_image = [opening_in_image.edge_misalignments(one, turns_clockwise=clockwise) for one in recordings]
+    misalignments = np.mean([angle for angle, _ in in_image], axis=0)
+    u_misalignment = max(_LEAST_U_RAD, float(np.mean([u for _, u in in_image])))
     sample_s = min(
         TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
     )
@@ -45,10 +45,10 @@ def opening_and_window(
         shared_numbers.same(WINDOW, fits, start=sample_s, u=UNKNOWN_S),
         *(
             replace(
-                shared_numbers.same(name, fits, unit="rad", start=float(lean), u=u_lean),
-                start=math.copysign(max(abs(float(lean)), _OFF_ZERO * u_lean), lean),
+                shared_numbers.same(name, fits, unit="rad", start=float(angle), u=u_misalignment),
+                start=math.copysign(max(abs(float(angle)), _OFF_ZERO * u_misalignment), angle),
             )
-            for name, lean in zip(("lean_low", "lean_high"), leans, strict=True)
+            for name, angle in zip(("lean_low", "lean_high"), misalignments, strict=True)
         ),
         *_glare(recordings, fits),
         shared_numbers.uneven_edges(fits),

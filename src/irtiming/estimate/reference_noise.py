@@ -31,11 +31,11 @@ SOURCE = "noise of the non-uniformity references"
 class LightTurn:
     """By how much the mean angle of one recording's light lies beyond that of all, and what is known of it, rad.
 
-    ``seen_rad`` by the image with ``u_seen_rad``, ``u_references_rad`` by the references alone.
+    ``image_rad`` by the image with ``u_image_rad``, ``u_references_rad`` by the references alone.
     """
 
-    seen_rad: float
-    u_seen_rad: float
+    image_rad: float
+    u_image_rad: float
     u_references_rad: float
 
 
@@ -58,13 +58,13 @@ def shared(
     found = []
     for number, name in enumerate(dict.fromkeys(one.references for one in recordings)):
         members = [k for k, one in enumerate(recordings) if one.references == name]
-        seen = float(np.mean([turns[k].seen_rad for k in members]))
-        u_seen = float(np.mean([turns[k].u_seen_rad for k in members])) / np.sqrt(len(members))
-        u_told = float(np.mean([turns[k].u_references_rad for k in members]))
-        if not u_told > 0:
+        turn_rad = float(np.mean([turns[k].image_rad for k in members]))
+        u_image = float(np.mean([turns[k].u_image_rad for k in members])) / np.sqrt(len(members))
+        u_references = float(np.mean([turns[k].u_references_rad for k in members]))
+        if not u_references > 0:
             continue
-        share = u_told**2 / (u_told**2 + u_seen**2)
-        u = float(np.sqrt(share)) * u_seen
+        share = u_references**2 / (u_references**2 + u_image**2)
+        u = float(np.sqrt(share)) * u_image
         effects = [
             dict.fromkeys(EDGE_DELAYS, sense * u / fit.angular_frequency_rad_per_s) if k in members else {}
             for k, fit in enumerate(fits)
@@ -75,8 +75,8 @@ def shared(
                 unit="1",
                 effects=effects,
                 u=1.0,
-                known=share * seen / u,
-                start=share * seen / u,
+                known=share * turn_rad / u,
+                start=share * turn_rad / u,
                 source=SOURCE,
                 kind="A",
             )
@@ -101,8 +101,8 @@ def light_turns(recordings: Sequence[ReducedRecording]) -> list[LightTurn]:
     beside = angle - float(np.sum(mean * angle)) / whole
     return [
         LightTurn(
-            seen_rad=float(np.sum(light * beside)) / float(light.sum()),
-            u_seen_rad=u * float(np.sqrt(np.sum(beside[mean > 0] ** 2))) / whole,
+            image_rad=float(np.sum(light * beside)) / float(light.sum()),
+            u_image_rad=u * float(np.sqrt(np.sum(beside[mean > 0] ** 2))) / whole,
             u_references_rad=float(np.sqrt(np.sum((mean * beside * one.pixel_maps["u_gain"]) ** 2))) / whole,
         )
         for one, (light, _), u in zip(recordings, lights, u_pixel, strict=True)

@@ -30,7 +30,7 @@ from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
 _DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel is seen slowly
-_SEEN = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
+_SIGNIFICANT = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
 _RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
@@ -213,7 +213,7 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
 
 
 def _is_beyond_doubt(fit: RowTimingFit, name: str) -> bool:
-    return name in fit.estimate and abs(fit.estimate.value(name)) > _SEEN * fit.estimate.u(name)
+    return name in fit.estimate and abs(fit.estimate.value(name)) > _SIGNIFICANT * fit.estimate.u(name)
 
 
 def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before: RowTimingFit | None) -> _Task:

@@ -15,7 +15,7 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
 
 _T_FACTOR = 3.0  # nu / (nu - 2) with the 3 degrees of freedom of four edges (JCGM 101, 6.4.9)
-_RUNS_THAT_TELL = 4
+_ENOUGH_RUNS = 4
 _SUSPICIOUS = 2.0  # standard deviations of a Birge ratio
 _SIGNIFICANCE = 1e-6  # that recordings scatter as much: once in the life of all laboratories
 _CAMERA = ("time_constant", "row_delay")  # of the local numbers, beside the delay: what runs may differ in
@@ -111,7 +111,7 @@ def run_to_run(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> Array:
     """
     factor = np.ones(len(fits))
     for group in groups:
-        if len(group.members) >= _RUNS_THAT_TELL:
+        if len(group.members) >= _ENOUGH_RUNS:
             factor[group.members] = max(1.0, birge_ratio([fits[k] for k in group.members]) ** 2)
     return factor
 
@@ -151,7 +151,7 @@ def birge_findings(fits: Sequence[RecordingFit], groups: Sequence[Alike]) -> lis
             found.append(
                 Finding(
                     code="recordings-disagree",
-                    severity="warning" if is_chance or len(members) >= _RUNS_THAT_TELL else "doubt",
+                    severity="warning" if is_chance or len(members) >= _ENOUGH_RUNS else "doubt",
                     what=f"{len(members)} recordings at {speed:.4g} Hz scatter {ratio:.2f} times more than their noise "
                     "explains (Birge ratio)",
                     cure="something changed between them",

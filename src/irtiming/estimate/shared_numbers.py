@@ -131,7 +131,7 @@ def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> 
     """
     if stated is None:
         return list(own)
-    return _told(own, MEMORIES, stated=stated, least_u=EXACT_SHARE, source=MEMORY_SOURCE)
+    return _stated_numbers(own, MEMORIES, stated=stated, least_u=EXACT_SHARE, source=MEMORY_SOURCE)
 
 
 def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: float | None) -> list[SharedNumber]:
@@ -147,10 +147,10 @@ def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: flo
     if u_s is None:
         return list(own)
     name, stated = integration_window.PARAMETER, Measured(stated_s, u_s)
-    return _told(own, (name,), stated=stated, least_u=EXACT_S, source=WINDOW_SOURCE)
+    return _stated_numbers(own, (name,), stated=stated, least_u=EXACT_S, source=WINDOW_SOURCE)
 
 
-def _told(
+def _stated_numbers(
     own: Sequence[SharedNumber], names: Sequence[str], *, stated: Measured, least_u: float, source: str
 ) -> list[SharedNumber]:
     """The same, with what somebody states of those of these names; one that counts as exact has the least uncertainty."""

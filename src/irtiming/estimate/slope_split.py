@@ -17,7 +17,7 @@ from irtiming.inference.information import combine
 from irtiming.records.estimate import EDGE_DELAYS, Estimate, RecordingFit
 
 TIME, ANGLE = "falling_rising_time", "falling_rising_angle"
-_TOLD_RATIO = 1.2  # of the wheel's speeds
+_LEAST_SPEED_RATIO = 1.2  # of the wheel's speeds
 _SENSE = dict(zip(EDGE_DELAYS, (0.5, -0.5, 0.5, -0.5), strict=True))
 
 
@@ -32,7 +32,7 @@ def of(joint: Joint, fits: Sequence[RecordingFit]) -> Estimate | None:
         One per recording; of each the wheel's speed counts.
     """
     speeds = [fit.angular_frequency_rad_per_s for fit in fits]
-    if max(speeds) < _TOLD_RATIO * min(speeds):
+    if max(speeds) < _LEAST_SPEED_RATIO * min(speeds):
         return None
     names, pieces = (*joint.names, TIME, ANGLE), []
     for piece, made, omega in zip(joint.pieces, joint.designs(), speeds, strict=True):

@@ -198,16 +198,16 @@ def _window(
     """What is stated of the window, and whether several wheel speeds tell it from an angle that rounds the corners too."""
     fastest, slowest = (pick(fit.angular_frequency_rad_per_s for fit in fits) for pick in (max, min))
     if WINDOW not in found.names:
-        return _stated_window(stated_s, rig, is_told=False)
-    return _stated_window(stated_s, rig, is_told=fastest > _SPEED_RATIO * slowest)
+        return _stated_window(stated_s, rig, is_determined=False)
+    return _stated_window(stated_s, rig, is_determined=fastest > _SPEED_RATIO * slowest)
 
 
-def _stated_window(stated_s: float | None, rig: RigErrors, *, is_told: bool) -> Window:
+def _stated_window(stated_s: float | None, rig: RigErrors, *, is_determined: bool) -> Window:
     tail = rig.window_tail
     if stated_s is None or tail is None:
-        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told)
+        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_determined=is_determined)
     tails_s = {name: tail_delay_s(stated_s, part.time_constant_s) for name, part in tails(tail).items()}
-    return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_told=is_told, tails_s=tails_s)
+    return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_determined=is_determined, tails_s=tails_s)
 
 
 def _with_stated(
@@ -293,7 +293,7 @@ def of_row_fits(
     if constants:
         reported = measurands.of_lag(found, constants, degrees_of_freedom=freedom)
     else:
-        window = _stated_window(stated_s, rig, is_told=True)
+        window = _stated_window(stated_s, rig, is_determined=True)
         reported = measurands.of_window(found, window, degrees_of_freedom=freedom)
     record = _record(
         found, fits, whiteness=[_whiteness(fit) for fit in fits],

@@ -25,7 +25,7 @@ def condensed(*, deviance: float, gradient: Array, normal: Array) -> Linearised:
     scale = np.where(scale > 0, scale, 1.0)
     sizes, axes = np.linalg.eigh(normal / np.outer(scale, scale))
     root = np.sqrt(np.maximum(sizes, _RANK * sizes[-1]))
-    told = -(axes.T @ (gradient / scale)) / np.where(root > 0, root, 1.0)
-    rest = np.sqrt(max(deviance - float(told @ told), 0.0))
+    determined = -(axes.T @ (gradient / scale)) / np.where(root > 0, root, 1.0)
+    rest = np.sqrt(max(deviance - float(determined @ determined), 0.0))
     jacobian = root[:, None] * axes.T * scale
-    return Linearised(residual=np.append(told, rest), jacobian=np.vstack([jacobian, np.zeros((1, scale.size))]))
+    return Linearised(residual=np.append(determined, rest), jacobian=np.vstack([jacobian, np.zeros((1, scale.size))]))

@@ -166,9 +166,9 @@ class _Fixed:
         best: Array = np.zeros(rest.size)
         for column in (root, root * self.moving):
             along = np.cumsum((column * rest)[::-1])[::-1]
-            seen = np.cumsum((column[:, None] * basis)[::-1], axis=0)[::-1]
+            later = np.cumsum((column[:, None] * basis)[::-1], axis=0)[::-1]
             own = np.cumsum((column**2)[::-1])[::-1]
-            free = own - np.sum(seen**2, axis=1)
+            free = own - np.sum(later**2, axis=1)
             best = np.maximum(best, np.where(free > 1e-6 * own.max(), along**2 / np.maximum(free, 1e-300), 0.0))
         near = np.zeros(rest.size, bool)
         for at in (0, rest.size, *jumps):

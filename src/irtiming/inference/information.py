@@ -167,7 +167,7 @@ def combine(pieces: Iterable[Information]) -> Combined:
     names = tuple(dict.fromkeys(name for piece in given for name in piece.names))
     parts = tuple(_over(piece, names) for piece in given)
     matrix = np.sum([part.matrix for part in parts], axis=0)
-    silent = [name for name, told in zip(names, np.diag(matrix), strict=True) if not told > 0]
+    silent = [name for name, information in zip(names, np.diag(matrix), strict=True) if not information > 0]
     if silent:
         raise EstimationError(f"nothing determines {', '.join(silent)}; plan another measurement for it")
     return Combined(names=names, parts=parts, covariance=inverse(matrix))

@@ -2,7 +2,7 @@ r"""Trust-region least squares over named parameters: the one optimiser of every
 
 The sum of squares |r(p)|^2 of residuals in units of their standard deviations (the deviance) is minimised by SciPy's reflective
 trust region (Branch, Coleman and Li, SIAM J. Sci. Comput. 21, 1999). A step that gains nothing only shrinks the region, so a
-corner of the model ends no search: whatever is reached last is a minimum within rounding, and how far it is from one is told by
+corner of the model ends no search: whatever is reached last is a minimum within rounding, and how far it is from one is given by
 the Newton decrement, in standard uncertainties.
 
 Parameters that enter linearly are eliminated from the residuals beforehand (`variable_projection`).
@@ -119,34 +119,36 @@ def minimise(
     names, bounds = tuple(start), lowest or {}
     free = tuple(name for name in names if name not in held)
     columns = [names.index(name) for name in free]
-    seen = _Remembered(model, dict(start), free, enough=enough)
+    remembered = _Remembered(model, dict(start), free, enough=enough)
     begin = np.maximum([start[name] for name in free], [bounds.get(name, -np.inf) for name in free])
-    if not np.all(np.isfinite(seen.at(begin).residual)):
+    if not np.all(np.isfinite(remembered.at(begin).residual)):
         raise EstimationError(
             f"the model gives no finite residuals at the start value ({_text(start)}); check rig.toml against the recording"
         )
     if not free:
-        return Minimum(start=dict(start), values=dict(start), free=(), at=seen.at(begin), n_steps=1, decrement=0.0)
-    best = _searched(seen, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=gain)
-    at = seen.at(best)
+        return Minimum(
+            start=dict(start), values=dict(start), free=(), at=remembered.at(begin), n_steps=1, decrement=0.0
+        )
+    best = _searched(remembered, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=gain)
+    at = remembered.at(best)
     return Minimum(
         start=dict(start),
-        values=seen.named(best),
+        values=remembered.named(best),
         free=free,
         at=at,
-        n_steps=len(seen.deviances),
+        n_steps=len(remembered.deviances),
         decrement=_decrement(at, columns),
     )
 
 
-def _searched(seen: "_Remembered", begin: Array, *, lowest: list[float], gain: float) -> Array:
+def _searched(remembered: "_Remembered", begin: Array, *, lowest: list[float], gain: float) -> Array:
     """Free numbers at the least deviance, shape (n_free,)."""
     try:
         return np.asarray(
             least_squares(
-                seen.residual,
+                remembered.residual,
                 begin,
-                jac=seen.jacobian,
+                jac=remembered.jacobian,
                 bounds=(lowest, np.inf),
                 method="trf",
                 x_scale="jac",
@@ -157,7 +159,7 @@ def _searched(seen: "_Remembered", begin: Array, *, lowest: list[float], gain: f
             ).x
         )
     except _EnoughError:
-        return seen.best
+        return remembered.best
 
 
 class _EnoughError(Exception):

@@ -39,11 +39,11 @@ def draws(log_likelihood: Callable[[Array], Array], *, n_numbers: int, n_draws: 
     """
     rng = np.random.default_rng(_SEED)
     at = rng.standard_normal((n_draws, n_numbers))
-    crowd = _Crowd(likelihood=log_likelihood, rng=rng, at=at, told=log_likelihood(at))
+    crowd = _Crowd(likelihood=log_likelihood, rng=rng, at=at, log_density=log_likelihood(at))
     share = 0.0
     while share < 1.0:
-        rise = _rise(crowd.told, 1.0 - share)
-        crowd.pick(np.exp(rise * (crowd.told - crowd.told.max())))
+        rise = _rise(crowd.log_density, 1.0 - share)
+        crowd.pick(np.exp(rise * (crowd.log_density - crowd.log_density.max())))
         share = share + rise if rise < 1.0 - share else 1.0
         for _ in range(_MOVES):
             crowd.move(share)
@@ -55,11 +55,11 @@ def draws(log_likelihood: Callable[[Array], Array], *, n_numbers: int, n_draws: 
     return np.concatenate(found)
 
 
-def _rise(told: Array, most: float) -> float:
+def _rise(log_density: Array, most: float) -> float:
     """How much more of the likelihood leaves the wanted number of draws in effect; at most ``most``."""
 
     def left(rise: float) -> float:
-        weight = np.exp(rise * (told - told.max()))
+        weight = np.exp(rise * (log_density - log_density.max()))
         return float(weight.sum() ** 2 / (weight @ weight) / weight.size)
 
     if left(most) >= _KEPT:
@@ -79,14 +79,14 @@ class _Crowd:
     likelihood: Callable[[Array], Array]
     rng: np.random.Generator
     at: Array
-    told: Array
+    log_density: Array
 
     def pick(self, weight: Array) -> None:
         """Each as often as its weight says, in a new order."""
         ends = np.cumsum(weight) / weight.sum()
         places = (self.rng.random() + np.arange(weight.size)) / weight.size
         chosen = self.rng.permutation(np.minimum(np.searchsorted(ends, places), weight.size - 1))
-        self.at, self.told = self.at[chosen], self.told[chosen]
+        self.at, self.log_density = self.at[chosen], self.log_density[chosen]
 
     def move(self, share: float) -> None:
         """Each half once, by differences of the other half, which leaves the tempered posterior as it is."""
@@ -97,7 +97,9 @@ class _Crowd:
             length = _JUMP / np.sqrt(2 * n_numbers) * self.rng.uniform(*_JUMPS, half)
             length[self.rng.random(half) < _FULL_JUMPS] = 1.0
             new = self.at[own] + length[:, None] * (self.at[other][first] - self.at[other][second])
-            told = self.likelihood(new)
-            gain = share * (told - self.told[own]) - 0.5 * np.sum(new**2 - self.at[own] ** 2, axis=1)
+            log_density = self.likelihood(new)
+            gain = share * (log_density - self.log_density[own]) - 0.5 * np.sum(
+                new**2 - self.at[own] ** 2, axis=1
+            )
             taken = np.log(self.rng.random(half)) < gain
-            self.at[own][taken], self.told[own][taken] = new[taken], told[taken]
+            self.at[own][taken], self.log_density[own][taken] = new[taken], log_density[taken]

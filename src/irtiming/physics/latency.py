@@ -21,10 +21,10 @@ from typing import final
 from irtiming.records.rig import CameraOptics, Latency, Measured, WindowTail
 
 USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
-"""Relative error of a crystal that nobody measured: within +-50 ppm, all alike."""
+"""Relative error of an unmeasured crystal: within +-50 ppm, all alike."""
 
 USUAL_TAIL = WindowTail(share=Measured(0.0, 0.04 / sqrt(3)))
-"""Tail of a window that nobody measured: a share within +-4 %, all alike, over 0.2 ms."""
+"""Tail of an unmeasured window: a share within +-4 %, all alike, over 0.2 ms."""
 
 CLOCK_SOURCE = "clock of the trigger generator"
 WINDOW_SOURCE = "integration time as stated"
@@ -81,7 +81,7 @@ def window_tail(camera: CameraOptics) -> WindowTail | None:
     Parameters
     ----------
     camera
-        As measured. Where nobody vouches for the length, the whole window is taken on trust.
+        As measured. Where no uncertainty of the length is stated, the whole window is taken on trust.
     """
     return camera.window_tail or (None if camera.integration_time_u_s is None else USUAL_TAIL)
 
@@ -100,7 +100,7 @@ def effects_s(
     angular_frequency_rad_per_s
         Of the wheel in the recording.
     register_rad_per_s
-        Mean of it over the recordings that told the gate distance of this recording's angles.
+        Mean of it over the recordings that determined the gate distance of this recording's angles.
     gates_rad_per_s
         The same of the gate distance that beta_1 follows from.
     per_separation

@@ -15,7 +15,7 @@ def gate_angles(gate_separation_rad: float, gates: LightGates) -> GateAngles:
     gate_separation_rad
         dbeta, from the timestamps, rad.
     gates
-        d and dh, from a caliper, and the lateral offset x, 0 where nobody stated one.
+        d and dh, from a caliper, and the lateral offset x, 0 where it is not stated.
 
     Raises
     ------

@@ -141,7 +141,7 @@ class Projection:
 
 
 def projection_of(shape: SectorShape) -> Projection:
-    """How the sector is seen."""
+    """How the sector appears."""
     lens = Lens(
         distortion=shape.distortion,
         rows=shape.image_rows,

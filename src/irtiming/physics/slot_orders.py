@@ -1,7 +1,7 @@
 """Deviations of the control slots as a sum of waves around the wheel: order k has k waves to a turn.
 
 What shifts the slots' apparent angles by chance, the wheel's wander and the gate's jitter, does not know where on the wheel it
-strikes. So its covariance between two slots depends on their distance only, and is told by one variance per order: the
+strikes. So its covariance between two slots depends on their distance only, and is described by one variance per order: the
 eigenvalues of that matrix. Arrays over orders have shape (slots // 2 + 1,); order 0, the mean, is zero by definition.
 """
 

@@ -9,7 +9,7 @@ from irtiming.records.wheel_track import WheelTrack
 def wheel_angle_rad(delay_s: float, track: WheelTrack, *, at_ticks: Array | Ticks, set_s: float = 0.0) -> Array:
     """Unwrapped wheel angle ``delay_s`` after each of the given ticks, rad, same shape.
 
-    Linear between control-slot edges; nan outside them, where nobody saw the wheel.
+    Linear between control-slot edges; nan outside them, where the wheel was not recorded.
 
     Parameters
     ----------

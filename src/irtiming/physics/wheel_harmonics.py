@@ -27,7 +27,7 @@ def open_harmonics(model: WheelModel, n_harmonics: int) -> ComplexArray:
     Returns
     -------
     Shape (4, M + 1); their sum over the edges is 1 where the wheel is cut out at the opening's centre and 0 elsewhere.
-    The mean (m = 0) is shared evenly among the edges. Edge i seen a delay d later is multiplied by exp(i m omega d).
+    The mean (m = 0) is shared evenly among the edges. Edge i at a delay d later is multiplied by exp(i m omega d).
 
     Notes
     -----

@@ -12,18 +12,18 @@ from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 
 _FIRST, _APART = 2, 4
-_HIGHEST_SEEN = 62
+_HIGHEST_SIGNAL = 62
 _MOST_QUIET = 16
 
 
-def seen_orders(n_angles: int) -> Ticks:
-    """Orders in which a pixel's timing is told: 2, 6, 10, ... 62, or as far as so many angles in a turn carry; shape (k,)."""
-    return np.arange(_FIRST, min(_HIGHEST_SEEN, n_angles // 4) + 1, _APART)
+def signal_orders(n_angles: int) -> Ticks:
+    """Orders that determine a pixel's timing: 2, 6, 10, ... 62, or as far as so many angles in a turn carry; shape (k,)."""
+    return np.arange(_FIRST, min(_HIGHEST_SIGNAL, n_angles // 4) + 1, _APART)
 
 
 def quiet_orders(n_angles: int) -> Ticks:
     """The highest orders that so many angles tell apart and that hold least of the wheel, at most 16, ascending; shape (k,)."""
-    lowest = int(seen_orders(n_angles)[-1]) + 1
+    lowest = int(signal_orders(n_angles)[-1]) + 1
     quiet = [m for m in range((n_angles - 1) // 2, lowest, -1) if m % _APART != _FIRST]
     return np.array(sorted(quiet[:_MOST_QUIET]), int)
 

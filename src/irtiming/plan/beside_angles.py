@@ -15,7 +15,7 @@ Beside: TypeAlias = Mapping[str, Mapping[str, float]]
 """What each source adds to the standard uncertainty of each parameter, s: by parameter, then by source."""
 
 _DELAYS = ("trigger_delay", "exposure_midpoint_delay")
-_UNTOLD = (*GATE_SOURCES.values(), CLOCK_SOURCE)
+_UNDETERMINED = (*GATE_SOURCES.values(), CLOCK_SOURCE)
 _OF_WINDOW = (WINDOW_SOURCE, TAIL_SOURCE)
 
 
@@ -53,17 +53,17 @@ def clock_u(rig: Rig) -> float:
     return (USUAL_CLOCK if rig.clock is None else rig.clock.relative_error).standard_uncertainty
 
 
-def of_budget(lines: tuple[Contribution, ...], *, tells_window: bool) -> Beside:
+def of_budget(lines: tuple[Contribution, ...], *, determines_window: bool) -> Beside:
     """The same after an analysis, which knows all recordings' registers.
 
     Parameters
     ----------
     lines
         Its budget.
-    tells_window
+    determines_window
         Whether length and tail of the window are among what the recordings tell.
     """
-    sources = _UNTOLD if tells_window else (*_UNTOLD, *_OF_WINDOW)
+    sources = _UNDETERMINED if determines_window else (*_UNDETERMINED, *_OF_WINDOW)
     chosen = [line for line in lines if line.source in sources]
     names = {name for line in chosen for name in line.standard_uncertainty}
     return {name: {line.source: line.standard_uncertainty.get(name, 0.0) for line in chosen} for name in names}

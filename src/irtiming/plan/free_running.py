@@ -92,18 +92,20 @@ def predicted(setting: Setting, speed: FreeSpeed, *, period_s: float, frames: in
     per_frame = _coprime(round(frames * speed.wheel_rate_hz * period_s), frames)
     scheme = TriggerScheme(turn_period_ticks=frames * slots, camera_period_ticks=per_frame * slots)
     clock_hz = round(scheme.turn_period_ticks * speed.wheel_rate_hz)
-    told = Setting(
+    prediction = Setting(
         camera=setting.camera, rig=setting.rig, clock_frequency_hz=clock_hz, structure=setting.structure
     ).one_run(scheme)
-    names = [name for name in parameters_of(setting.camera) if name != RELATIVE and _is_told(name, told.names)]
+    names = [
+        name for name in parameters_of(setting.camera) if name != RELATIVE and _is_determined(name, prediction.names)
+    ]
     return FreeSpeed(
         wheel_rate_hz=speed.wheel_rate_hz,
         largest_gap=speed.largest_gap,
-        uncertainties=uncertainties([(told, 1)], names),
+        uncertainties=uncertainties([(prediction, 1)], names),
     )
 
 
-def _is_told(name: str, names: Sequence[str]) -> bool:
+def _is_determined(name: str, names: Sequence[str]) -> bool:
     return name in names or (name == "exposure_midpoint_delay" and "integration_time" in names)
 
 

@@ -17,7 +17,7 @@ from irtiming.physics.latency import window_tail
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import Beside, clock_u, of_budget
-from irtiming.plan.information import Told
+from irtiming.plan.information import RunInformation
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import RollingRun
 from irtiming.records.analysis import Analysis
@@ -32,7 +32,7 @@ _UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9
 _SHORTEST_S = 1e-6
 
-_Groups: TypeAlias = dict[tuple[float, float], list[Told]]
+_Groups: TypeAlias = dict[tuple[float, float], list[RunInformation]]
 
 
 def predict(analysis: Analysis) -> Prediction | None:
@@ -86,7 +86,7 @@ def _beside(analysis: Analysis) -> Beside:
         any(isinstance(fit, EdgeDelayFit) for fit in analysis.fits)
         and analysis.rig.camera.integration_time_u_s is not None
     )
-    return of_budget(analysis.best.budget, tells_window=has_own)
+    return of_budget(analysis.best.budget, determines_window=has_own)
 
 
 def photon(
@@ -116,10 +116,10 @@ def photon(
     groups: _Groups = {}
     for recording, fit in zip(recordings, fits, strict=True):
         key = recording.rotation_speed_hz, round(recording.trigger_delay_time_set_s, 9)
-        told = photon_information.one_run(
+        run = photon_information.one_run(
             _sampling(recording, fit), _noise(recording, fit), model=model, angles=angles, structure=structure
         )
-        groups.setdefault(key, []).append(told)
+        groups.setdefault(key, []).append(run)
     every = replace(information.total([one for members in groups.values() for one in members]), stated=tuple(stated))
     half = {"integration_time": 0.5} if "integration_time" in structure.shared else {}
     weights = {
@@ -171,7 +171,7 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
         for fit, noise in zip(fits, noises, strict=True)
     ]
     model = analysis.geometry.model
-    told = [
+    of_runs = [
         rolling_information.one_run(
             run, model=model, angles=angles, image=rolling_information.image_errors(run, image, model=model)
         )
@@ -182,7 +182,7 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
     if analysis.camera_type == "photon":
         weights |= _window(analysis, weights)
     try:
-        found = information.uncertainties(replace(information.total(told), stated=_stated(analysis)), weights)
+        found = information.uncertainties(replace(information.total(of_runs), stated=_stated(analysis)), weights)
     except (PlanError, np.linalg.LinAlgError):
         return None
     return Prediction(
@@ -232,12 +232,12 @@ def _sampling(recording: ReducedRecording, fit: EdgeDelayFit) -> Sampling:
     ticks = recording.trigger_ticks
     delay_s, set_s = float(fit.edge_delay_s.mean()), recording.trigger_delay_time_set_s
     angle = wheel_angle_rad(delay_s, recording.track, at_ticks=ticks, set_s=set_s)
-    seen = np.isfinite(angle)
+    is_known = np.isfinite(angle)
     time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
     period_s = float(np.median(np.diff(ticks))) / recording.track.clock_frequency_hz
     return Sampling(
-        wheel_angle_rad=angle[seen],
-        time=time[seen],
+        wheel_angle_rad=angle[is_known],
+        time=time[is_known],
         angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
         step_rad=fit.angular_frequency_rad_per_s * period_s,
     )

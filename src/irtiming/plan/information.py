@@ -27,11 +27,11 @@ Asked: TypeAlias = Mapping[str, Weights]
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Told:
+class RunInformation:
     """What runs say of parameters and errors (``frames``), and what is known of the errors beforehand, by source.
 
-    ``beside`` is what errors that no run tells add to parameters: by parameter, then by source, s. ``stated`` is what somebody
-    knows of parameters beforehand. ``centre`` is by how much errors make the centre of what the window takes in later than its
+    ``beside`` is what errors that no run determines add to parameters: by parameter, then by source, s. ``stated`` is what is
+    known of parameters beforehand. ``centre`` is by how much errors make the centre of what the window takes in later than its
     middle, s by their names.
     """
 
@@ -47,12 +47,12 @@ class Told:
         errors = {name for one in self.known for name in one.names}
         return tuple(name for name in self.frames.names if name not in errors)
 
-    def times(self, n_runs: float) -> "Told":
+    def times(self, n_runs: float) -> "RunInformation":
         """That of so many runs; what is known of the rig does not grow with them."""
         return replace(self, frames=self.frames.times(n_runs))
 
 
-def told(names: Sequence[str], sources: Sequence[str], *, matrix: Array) -> Told:
+def run_information(names: Sequence[str], sources: Sequence[str], *, matrix: Array) -> RunInformation:
     """What a run says.
 
     Parameters
@@ -67,7 +67,7 @@ def told(names: Sequence[str], sources: Sequence[str], *, matrix: Array) -> Told
     errors = [f"{source} {k}" for k, source in enumerate(sources)]
     of_source = {source: [e for e, own in zip(errors, sources, strict=True) if own == source] for source in sources}
     known = tuple(_ones(source, own) for source, own in of_source.items())
-    return Told(frames=_silent(NOISE, (*names, *errors), matrix), known=known)
+    return RunInformation(frames=_silent(NOISE, (*names, *errors), matrix), known=known)
 
 
 def _ones(source: str, errors: Sequence[str]) -> Information:
@@ -98,7 +98,7 @@ def stated_window(u_s: float | None) -> tuple[Information, ...]:
     return () if u_s is None else (prior("integration_time", max(u_s, EXACT_S), source=WINDOW_SOURCE),)
 
 
-def total(parts: Sequence[Told]) -> Told:
+def total(parts: Sequence[RunInformation]) -> RunInformation:
     """Information of independent runs together.
 
     Parameters
@@ -120,7 +120,7 @@ def total(parts: Sequence[Told]) -> Told:
     return replace(first, frames=replace(first.frames, matrix=matrix))
 
 
-def apart(delayed: Told, reference: Told) -> Told:
+def apart(delayed: RunInformation, reference: RunInformation) -> RunInformation:
     """Information of two sets of runs with two set delays: the difference of their delays is the parameter relative_delay."""
     names = ("relative_delay", *delayed.frames.names)
     without = np.eye(len(names))[1:]
@@ -130,13 +130,13 @@ def apart(delayed: Told, reference: Told) -> Told:
     return replace(delayed, frames=replace(both[0], matrix=both[0].matrix + both[1].matrix))
 
 
-def combined(one: Told) -> Combined:
+def combined(one: RunInformation) -> Combined:
     """Frames and what is known beforehand.
 
     Raises
     ------
     PlanError
-        If nothing is told of a parameter.
+        If nothing determines a parameter.
     """
     try:
         return combine([one.frames, *one.known, *one.stated])
@@ -144,7 +144,7 @@ def combined(one: Told) -> Combined:
         raise PlanError(str(error)) from error
 
 
-def uncertainties(one: Told, asked: Asked) -> tuple[PredictedUncertainty, ...]:
+def uncertainties(one: RunInformation, asked: Asked) -> tuple[PredictedUncertainty, ...]:
     """Predicted standard uncertainty of each sum of parameters, with its parts: noise, and the errors by source."""
     whole = combined(one)
     found = []
@@ -175,11 +175,11 @@ def with_parts(one: PredictedUncertainty, more: Mapping[str, float]) -> Predicte
     return replace(one, standard_uncertainty_s=float(np.sqrt(squares)), parts=(*one.parts, *parts))
 
 
-def variances(one: Told, asked: Asked) -> Array:
+def variances(one: RunInformation, asked: Asked) -> Array:
     """Squares of the uncertainties alone, shape (n_asked,), where many sets of runs are compared; s^2."""
     whole = combined(one)
     return np.array([whole.variance(weights) + _beside(one, name) for name, weights in asked.items()])
 
 
-def _beside(one: Told, name: str) -> float:
+def _beside(one: RunInformation, name: str) -> float:
     return sum(u**2 for u in one.beside.get(name, {}).values())

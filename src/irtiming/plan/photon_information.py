@@ -30,7 +30,7 @@ from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
 from irtiming.physics.response.integration_window import tail_delay_s, tails
-from irtiming.plan.information import EDGES, Told, told
+from irtiming.plan.information import EDGES, RunInformation, run_information
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
@@ -121,7 +121,7 @@ def one_run(
     model: WheelModel,
     angles: AngleErrors,
     structure: Structure = SHARED_SHAPE,
-) -> Told:
+) -> RunInformation:
     """Information of one run on the shared parameters and the angle errors.
 
     Parameters
@@ -153,7 +153,7 @@ def one_run(
     shared = np.stack([slopes[name] for name in structure.shared] + [column for _, column in errors], axis=1)
     own = np.stack([slopes[name] for name in structure.own], axis=1)
     left = without_own(shared / sigma[:, None], own / sigma[:, None])
-    run = told(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
+    run = run_information(structure.shared, [source for source, _ in errors], matrix=sampling.weight * left.T @ left)
     names = run.frames.names[len(run.frames.names) - len(parts) :]
     return replace(run, centre=dict(zip(names, late_s, strict=True)))
 

@@ -12,7 +12,7 @@ from irtiming.physics import camera as physics_camera
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.assumptions import AssumedRig
-from irtiming.plan.information import Told
+from irtiming.plan.information import RunInformation
 from irtiming.plan.photon_information import Sampling, Structure
 from irtiming.plan.sampling import sampling_order
 from irtiming.records.camera_description import Camera, PhotonCamera
@@ -44,24 +44,24 @@ class Setting:
     structure: Structure = photon_information.SHARED_SHAPE
 
     @cached_property
-    def one_run(self) -> Callable[[TriggerScheme], Told]:
+    def one_run(self) -> Callable[[TriggerScheme], RunInformation]:
         """Information of one run of a scheme."""
         if isinstance(self.camera, PhotonCamera) and self.camera.readout_mode == "snapshot":
-            told = _pixel_sums(self, self.camera)
+            of_scheme = _pixel_sums(self, self.camera)
         else:
-            told = _row_sums(self)
-        return lambda scheme: self._with_rig(told(scheme))
+            of_scheme = _row_sums(self)
+        return lambda scheme: self._with_rig(of_scheme(scheme))
 
-    def _with_rig(self, told: Told) -> Told:
+    def _with_rig(self, run: RunInformation) -> RunInformation:
         """The same with what rig.toml knows beside angles."""
         camera = physics_camera.camera(self.camera.camera_type, self.camera.readout_mode)
         known = information.stated_memory(camera, self.rig.u_frame_memory)
-        if "integration_time" in told.names:
+        if "integration_time" in run.names:
             known = (*information.stated_window(self.rig.u_window_s), *known)
-        return replace(told, beside=self.rig.beside, stated=known)
+        return replace(run, beside=self.rig.beside, stated=known)
 
 
-Runs: TypeAlias = Sequence[tuple[Told, int]]
+Runs: TypeAlias = Sequence[tuple[RunInformation, int]]
 """For each wheel speed what one run tells, and how many there are of each set delay."""
 
 
@@ -93,7 +93,7 @@ def sizes_s(runs: Runs, names: Sequence[str], *, n_delays: int = 1) -> dict[str,
     return found
 
 
-def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Told, information.Asked]]:
+def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[RunInformation, information.Asked]]:
     """What is asked of all runs as one camera's timing, and of pairs of them with two set delays."""
     every = information.total([one.times(n) for one, n in runs])
     absolute = {name: _weights(name, every) for name in names if name != RELATIVE}
@@ -101,7 +101,7 @@ def _asked(runs: Runs, names: Sequence[str], *, n_delays: int) -> list[tuple[Tol
     return [(every.times(n_delays), absolute), (information.apart(every, every), relative)]
 
 
-def _weights(name: str, one: Told) -> dict[str, float]:
+def _weights(name: str, one: RunInformation) -> dict[str, float]:
     """The parameter as a sum of those that the information is about."""
     if name == "exposure_midpoint_delay":
         return {"trigger_delay": 1.0, "integration_time": 0.5, **one.centre}
@@ -124,10 +124,10 @@ def nominal_sampling(scheme: TriggerScheme, clock_frequency_hz: int) -> Sampling
     )
 
 
-def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], Told]:
+def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerScheme], RunInformation]:
     noise = photon_information.frame_noise(camera)
 
-    def one_run(scheme: TriggerScheme) -> Told:
+    def one_run(scheme: TriggerScheme) -> RunInformation:
         return photon_information.one_run(
             nominal_sampling(scheme, setting.clock_frequency_hz),
             noise,
@@ -139,14 +139,14 @@ def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerSche
     return one_run
 
 
-def _row_sums(setting: Setting) -> Callable[[TriggerScheme], Told]:
+def _row_sums(setting: Setting) -> Callable[[TriggerScheme], RunInformation]:
     camera = setting.camera
     sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
     n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).n_harmonics
     rows = rolling_information.rows_of(sector, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector)
 
-    def one_run(scheme: TriggerScheme) -> Told:
+    def one_run(scheme: TriggerScheme) -> RunInformation:
         run = rolling_information.RollingRun(
             camera=camera,
             rows=rows,

@@ -16,7 +16,7 @@ import numpy as np
 from irtiming.errors import PlanError
 from irtiming.inference.information import NOISE
 from irtiming.physics.latency import CLOCK_SOURCE
-from irtiming.plan.information import Told
+from irtiming.plan.information import RunInformation
 from irtiming.plan.prediction import RELATIVE, Setting, sizes_s, uncertainties
 from irtiming.plan.sampling import run_period_ticks
 from irtiming.plan.schedule import plan_duration_s, schedule
@@ -70,7 +70,7 @@ class _Speed:
 
     scheme: TriggerScheme
     wheel_rate_hz: float
-    told: Told
+    run: RunInformation
     seconds: float
 
 
@@ -216,8 +216,8 @@ class _Search:
         return float(f"{sum(n * speed.seconds for n, speed in zip(runs, chosen, strict=True)):.2g}")
 
 
-def _pairs(speeds: Sequence[_Speed], runs: Sequence[int]) -> list[tuple[Told, int]]:
-    return [(speed.told, n) for speed, n in zip(speeds, runs, strict=True)]
+def _pairs(speeds: Sequence[_Speed], runs: Sequence[int]) -> list[tuple[RunInformation, int]]:
+    return [(speed.run, n) for speed, n in zip(speeds, runs, strict=True)]
 
 
 def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
@@ -232,13 +232,13 @@ def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
         except PlanError as error:
             refused.append(error)
             continue
-        told = setting.one_run(scheme)
+        run = setting.one_run(scheme)
         ticks = sum(run_period_ticks(scheme) + delay * clock for delay in delays)
         found.append(
             _Speed(
                 scheme=scheme,
                 wheel_rate_hz=clock / scheme.turn_period_ticks,
-                told=replace(told, beside={**told.beside, RELATIVE: of_clock}),
+                run=replace(run, beside={**run.beside, RELATIVE: of_clock}),
                 seconds=float(Fraction(ticks) / clock),
             )
         )

@@ -19,7 +19,7 @@ from irtiming.physics import camera as physics_camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.wheel import TURN
-from irtiming.plan.information import EDGES, Told, told
+from irtiming.plan.information import EDGES, RunInformation, run_information
 from irtiming.records.arrays import Array, ComplexArray, Ticks
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
@@ -142,7 +142,7 @@ class ImageErrors:
     gains: Array
 
 
-def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> Told:
+def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> RunInformation:
     """Information of one run on the camera's timing, the sector's numbers, and the errors.
 
     Parameters
@@ -179,7 +179,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
     shape = slice(n_own, n_own + n_shape)
     matrix[shape, shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
     sources = (*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape)
-    return told((*timing_names(run), *_SHAPE), sources, matrix=matrix)
+    return run_information((*timing_names(run), *_SHAPE), sources, matrix=matrix)
 
 
 def timing_names(run: RollingRun) -> tuple[str, ...]:
@@ -281,12 +281,12 @@ def sector_image(sector: SectorShape) -> SectorImage:
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
         columns.append((_second_harmonic(ahead, roi) - _second_harmonic(behind, roi)) / (2 * step))
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
-    seen, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
+    wave, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
     down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
     fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
-    columns += [down * seen * 1j, seen * 1j, seen, phase - seen, *(field * phase for field in fields)]
+    columns += [down * wave * 1j, wave * 1j, wave, phase - wave, *(field * phase for field in fields)]
     return SectorImage(
-        light=np.clip(np.abs(seen), 0, 1).ravel(), columns=(np.array(columns) * phase.conj()).reshape(18, -1)
+        light=np.clip(np.abs(wave), 0, 1).ravel(), columns=(np.array(columns) * phase.conj()).reshape(18, -1)
     )
 
 

@@ -65,7 +65,7 @@ class Analysis:
     wheel
         Slots that all recordings tell together.
     published, profiles, prediction, two_constants, diagnosis, maps
-        Made on request; None or empty where nobody asked, or none could be made.
+        Made on request; None or empty where none were asked for, or none could be made.
     """
 
     __repr__ = short_repr

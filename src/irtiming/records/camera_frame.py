@@ -73,7 +73,7 @@ class CameraFrame:
 class StreamCounts:
     """How the frames came since the camera was armed.
 
-    ``queue_dropped`` are frames that arrived whole and were lost because nobody took them; ``longest_queue`` is the
+    ``queue_dropped`` are frames that arrived whole and were lost because they were not taken in time; ``longest_queue`` is the
     largest number that waited.
     """
 

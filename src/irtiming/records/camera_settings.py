@@ -7,7 +7,7 @@ from typing import final
 @final
 @dataclass(frozen=True, kw_only=True)
 class CameraSettings:
-    """What a camera was set to beside its integration time and frame rate; None or empty: nobody says.
+    """What a camera was set to beside its integration time and frame rate; None or empty where not stated.
 
     ``gain_setting`` is in the camera's own words. ``internal_delay_set_s`` is the delay set in the camera itself between the edge
     that it accepts and its start (GenICam SFNC ``TriggerDelay``); it is part of the trigger delay that is measured.

@@ -21,7 +21,7 @@ WORST_FIRST: tuple[Judgement, ...] = (
 @final
 @dataclass(frozen=True, kw_only=True)
 class Listed:
-    """A recording as a person lists it; what is empty the recording says itself, or nobody.
+    """A recording as a person lists it; what is empty the recording says itself, or is unknown.
 
     ``is_one_of_many`` where there may be other cameras: it must then be known which it is of.
     """
@@ -36,7 +36,7 @@ class Listed:
 @final
 @dataclass(frozen=True, kw_only=True)
 class CampaignPoint:
-    """One result: its point, who measured, and which time (``operator`` and ``run`` of table.csv; empty where nobody says)."""
+    """One result: its point, who measured, and which time (``operator`` and ``run`` of table.csv; empty where not stated)."""
 
     point: SettingPoint
     operator: str = ""
@@ -97,7 +97,7 @@ class GaugeStudy:
 
     Variances of one measurement in the unit squared: of the same operator and camera again (``repeatability``), between operators
     (``operators``), of operators with cameras (``interaction``; 0 where it was pooled, ``interaction_p_value`` is what its F-test
-    says), and between ``cameras``. ``n_operators`` is 1 where none is told apart: there is then no reproducibility.
+    says), and between ``cameras``. ``n_operators`` is 1 where none is distinguished: there is then no reproducibility.
     ``rms_u_own`` is what the results themselves state of what they do not have in common.
     """
 

@@ -9,7 +9,7 @@ from irtiming.records.recording import Recording
 Method = Literal["pixel-sum", "row-sum", "published"]
 """As results name them: the project's best by what it sums, and the procedure of Schatz 2023 step by step.
 
-The first, which nobody need say, is the best for every kind of camera; row sums are those of cameras that lag or roll.
+The first, which need not be named, is the best for every kind of camera; row sums are those of cameras that lag or roll.
 """
 
 _PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
@@ -19,7 +19,7 @@ Language = Literal["en", "de"]
 """In which reports and certificates are written."""
 
 ReferenceEdge = Literal["automatic", "first", "second"]
-"""Which of the two alternating application edges is edge 0: the one before the longer interval, or as told."""
+"""Which of the two alternating application edges is edge 0: the one before the longer interval, or as chosen."""
 
 
 @final

@@ -176,7 +176,7 @@ class EdgeDelayFit:
         Local numbers: ``edge_delay_0`` .. ``edge_delay_3``, the middle of the integration window after trigger and set delay (s),
         and ``opening_angle`` (rad).
     edge_delay_s
-        Shape (4,); delay of the *start* of integration as seen from each wheel edge; of the middle where the recording does not
+        Shape (4,); delay of the *start* of integration by each wheel edge; of the middle where the recording does not
         tell the integration time.
     start_delay_s
         Where the search began; the fit has left it.

@@ -49,9 +49,9 @@ def perhaps_therefore(error: IrTimingError, findings: Sequence[Finding]) -> None
     findings
         Made before it; those that are no doubt, or that it has already, are left out.
     """
-    told = " ".join(getattr(error, "__notes__", ()))
+    notes = " ".join(getattr(error, "__notes__", ()))
     doubts = [one.sentence() for one in findings if one.severity == "doubt"]
-    if doubts := [one for one in dict.fromkeys(doubts) if one not in told]:
+    if doubts := [one for one in dict.fromkeys(doubts) if one not in notes]:
         error.add_note(f"and perhaps therefore: {'; '.join(doubts)}")
 
 

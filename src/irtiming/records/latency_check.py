@@ -62,6 +62,6 @@ class LoopBack:
 
     @property
     def latency(self) -> Latency:
-        """Latency of the trigger: the way out has a part of the time of both ways, which nobody knows."""
+        """Latency of the trigger: the way out has a part of the time of both ways, an unknown one."""
         half_s = self.mean_s / 2
         return Latency(trigger_s=Measured(half_s, abs(half_s) / 3**0.5))

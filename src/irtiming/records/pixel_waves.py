@@ -14,19 +14,19 @@ class PixelWaves:
 
     Parameters
     ----------
-    seen_orders, quiet_orders
+    signal_orders, quiet_orders
         Shapes (s,) and (q,); orders m of `physics.wheel_waves` that show the wheel, and those that show noise alone.
     wheel_angle_rad, segment
         Shape (n,); angle of each kept frame with which the waves were made, and number of its stretch.
     row_px, column_px
         Shape (p,); places of the pixels.
     sums_dn
-        Shape (2 (s + q), p); cosines of the seen and the quiet orders, then sines, times the value, drift removed, DN.
+        Shape (2 (s + q), p); cosines of the signal and the quiet orders, then sines, times the value, drift removed, DN.
     """
 
     __repr__ = short_repr
 
-    seen_orders: Ticks
+    signal_orders: Ticks
     quiet_orders: Ticks
     wheel_angle_rad: Array
     segment: Ticks

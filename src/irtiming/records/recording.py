@@ -17,7 +17,7 @@ CameraType = Literal["photon", "microbolometer"]
 ReadoutMode = Literal["snapshot", "rolling"]
 TimestampClock = Literal["camera", "computer"]
 USUAL_READOUT: Mapping[CameraType, ReadoutMode] = {"photon": "snapshot", "microbolometer": "rolling"}
-"""How cameras of a type are read where nobody says."""
+"""How cameras of a type are read where it is not stated."""
 
 
 class FrameStack(Protocol):

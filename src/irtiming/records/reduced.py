@@ -95,7 +95,7 @@ class Opening:
 @final
 @dataclass(frozen=True, kw_only=True)
 class AxleView:
-    """Wheel centre and mask as seen in the image.
+    """Wheel centre and mask as they appear in the image.
 
     ``row_px``, ``column_px`` locate the axle, found from when each pixel is covered. ``bisector_rad`` is the direction of
     the bisector of the mask's two radial edges, ``mean_angle_rad`` the mean polar angle, about the axle, of the light
@@ -277,7 +277,7 @@ class ReducedRecording:
     contrast
         How each pixel follows the wheel; None where it was not made.
     waves
-        Sums that tell the timing of every pixel; None where nobody asked.
+        Sums that tell the timing of every pixel; None where none were asked for.
     pixel_maps
         What else is known of each pixel of the region of interest over the kept frames, by name: ``mean_dn``, corrected DN, with
         any drift; ``u_gain``, relative standard uncertainty of its gain from finitely many reference frames, 0 without

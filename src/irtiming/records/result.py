@@ -187,7 +187,7 @@ class Result:
         ``falling_rising_time`` and ``falling_rising_angle``: delay by falling slopes less delay by rising ones, at the angular
         frequency omega, is the time plus the angle over omega; None where one wheel speed does not tell them apart.
     midpoint_leads
-        Whether the middle of the integration window is to be told before its start, whose distance nobody knows well.
+        Whether the middle of the integration window is to be reported before its start, whose distance is not well known.
     """
 
     __repr__ = short_repr

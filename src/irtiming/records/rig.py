@@ -107,7 +107,7 @@ class LensCalibration:
 class WindowTail:
     """What a photon camera still takes in after its window: ``share`` of all that counts, fading with ``time_constant_s``.
 
-    The latter is 0.2 ms where nobody states it.
+    The latter is 0.2 ms where it is not stated.
     """
 
     share: Measured
@@ -119,9 +119,9 @@ class WindowTail:
 class CameraOptics:
     """What is known of the camera's lens: its radial distortion k, r_d = r_u (1 + k r_u^2) in half widths of the image.
 
-    Where nobody measured one it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
-    ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where nobody
-    knows it. ``window_tail`` is what comes after it; None where nobody knows. ``frame_memory`` is the share of the frame
+    Where none was measured it is 0 with an uncertainty that few lenses exceed; the frames say more where they can.
+    ``integration_time_u_s`` is the standard uncertainty of the integration time that recordings state; None where
+    unknown. ``window_tail`` is what comes after it; None where unknown. ``frame_memory`` is the share of the frame
     before that each frame holds, by a noise filter or the detector; None where the frames alone tell it. ``lens_centre_px``,
     column and row, and ``focal_length_px`` are None where rig.toml does not state them. A ``calibration`` holds what is known
     of the lens, and then stands alone. ``roll_rad`` is by how much the camera is turned about its axis, an image angle less the

@@ -100,14 +100,14 @@ class SectorFit:
     model_contrast
         The same by the sector alone.
     plate
-        Contrast of the mask plate beside the opening, as a share of the opening's: it is seen where the wheel is cut out, and
+        Contrast of the mask plate beside the opening, as a share of the opening's: it shows where the wheel is cut out, and
         need not be as warm as the wheel.
     ring, ring_angle_rad
         What the ring that the cutouts sweep adds everywhere, and the polar angle from the bisector at which it acts: the plate's
         contrast, and a smooth field, since the solid wheel reflects the camera unevenly; shape (roi rows, roi columns). The
         sector's light is then only what the opening shows beyond the plate.
     swept
-        Part of each pixel over which the cutouts sweep, same shape: there the wheel itself is seen, blade after blade.
+        Part of each pixel over which the cutouts sweep, same shape: there the wheel itself shows, blade after blade.
     unevenness
         Standard deviation of that field over the ring, as a share of the contrast.
     borrowed, borrowed_angle_rad
@@ -245,9 +245,9 @@ class RowTimingFit:
     step_rad
         Angle by which the wheel turns from trigger to trigger.
     undone
-        Share of a recursive filter that frames were rid of before they were fitted; 0 where none was seen.
+        Share of a recursive filter that frames were rid of before they were fitted; 0 where none was found.
     blades_apart
-        Whether a warmer blade has one number for the opening and another for what is seen of it beside.
+        Whether a warmer blade has one number for the opening and another for what shows of it beside.
     sway
         How gain and offset of the recording's kept frames changed, which row sums were rid of before they were fitted; None
         before it was looked for.

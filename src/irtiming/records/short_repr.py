@@ -12,11 +12,13 @@ _LONGEST_TEXT = 40
 
 def short_repr(record: Any) -> str:
     """Name of the record with the fields that differ from their defaults; for a class body: ``__repr__ = short_repr``."""
-    told = [
-        f"{field.name}={_told(getattr(record, field.name))}" for field in fields(record) if not _is_usual(record, field)
+    texts = [
+        f"{field.name}={_shown(getattr(record, field.name))}"
+        for field in fields(record)
+        if not _is_usual(record, field)
     ]
     shown: list[str] = []
-    for text in told:
+    for text in texts:
         if sum(map(len, shown)) + len(text) > _LONGEST:
             shown.append("...")
             break
@@ -34,7 +36,7 @@ def _is_plain(value: object) -> bool:
     return value is None or isinstance(value, bool | int | float | str | tuple)
 
 
-def _told(value: object) -> str:
+def _shown(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"<{'×'.join(map(str, value.shape))}>"
     if isinstance(value, str):

@@ -33,7 +33,7 @@ class SlotsAtSpeed:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpeedRipple:
-    """Speed variation that repeats every turn, told from the slots by its fall with the square of the speed.
+    """Speed variation that repeats every turn, distinguished from the slots by its fall with the square of the speed.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class WheelCalibration:
     order_variance_rad2
         Shape (slots // 2 + 1,); its variance per order.
     ripple
-        None where all recordings have one speed: then no order can be told from a ripple that repeats every turn.
+        None where all recordings have one speed: then no order can be distinguished from a ripple that repeats every turn.
     speeds
         Apparent slots at each speed, slowest first: all that a later calibration needs of this one.
     gate_separation_rad, u_gate_separation_rad

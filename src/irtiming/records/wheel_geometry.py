@@ -51,7 +51,7 @@ class WheelGeometry:
 
     ``angle_budget`` lists what shifts all edges alike; ``measured`` has, by the same sources, the standard uncertainty of what
     was measured and its unit, where that is not the angle itself; ``u_edge_rad`` is the standard uncertainty of a single cutout
-    edge, None where nobody stated one. ``edges_from`` says where the edge angles come from. ``camera_roll_rad`` is rho, the
+    edge, None where none was stated. ``edges_from`` says where the edge angles come from. ``camera_roll_rad`` is rho, the
     bisector of the mask in the image minus phi_M; it touches no delay.
     """
 

@@ -40,7 +40,7 @@ class WheelTrack:
         Angle by which ``edge_angle_rad`` stands ahead of what the slots' timestamps show, for the latencies that rig.toml states:
         it is the wheel's angle at the moment when a trigger with that timestamp is at the camera's connector.
     register_rad_per_s
-        Mean angular frequency of the wheel in the recordings that told ``gate_separation_rad``; None where it is this one alone.
+        Mean angular frequency of the wheel in the recordings that determined ``gate_separation_rad``; None where it is this one.
     """
 
     __repr__ = short_repr

@@ -22,7 +22,7 @@ _BLOCK = 15  # frames, of which half overlap
 _PASSING = 2
 _MOST = 3  # frames that are looked for: half a turn has five, and more would be as good as fewer the other way
 _FAR = 6.0  # standard uncertainties: by chance never
-_TOLD = 0.2  # of a frame: the standard uncertainty from which a block tells a whole number by three of them
+_CERTAIN = 0.2  # of a frame: the standard uncertainty from which a block tells a whole number by three of them
 _IN_A_ROW = 3  # blocks, which a shutter that closes hardly is
 
 
@@ -80,7 +80,7 @@ def _phase(light: Array, angle: Array) -> tuple[float, float]:
 
 def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:
     """Whole frames by which a block is off; None where its noise does not tell, or where it is off by no whole number."""
-    if not u_rad < _TOLD * abs(_folded(_PASSING * step_rad)):
+    if not u_rad < _CERTAIN * abs(_folded(_PASSING * step_rad)):
         return None
     fits = [k for k in range(-_MOST, _MOST + 1) if abs(_folded(off_rad + _PASSING * k * step_rad)) < 3 * u_rad]
     if 0 in fits or not fits or abs(off_rad) < _FAR * u_rad:

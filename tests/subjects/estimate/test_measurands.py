@@ -36,9 +36,9 @@ def _window(length_s=240e-6, *, u_s=10e-6, coupling=0.0, **more):
     return _joint(("integration_time",), np.array([600e-6] * 4 + [length_s]), covariance, **more)
 
 
-def _of_window(found, *, is_told=True, **stated):
+def _of_window(found, *, is_determined=True, **stated):
     given = {"stated_s": None} | stated
-    window = Window(is_told=is_told, **given)
+    window = Window(is_determined=is_determined, **given)
     return measurands.of_window(found, window, degrees_of_freedom=50.0)
 
 
@@ -82,13 +82,13 @@ def test_a_length_of_the_other_sign_is_the_same_window():
 
 
 @pytest.mark.parametrize(
-    ("length_s", "is_told", "is_seen"), [(21e-6, True, True), (19e-6, True, False), (240e-6, False, False)]
+    ("length_s", "is_determined", "is_significant"), [(21e-6, True, True), (19e-6, True, False), (240e-6, False, False)]
 )
-def test_a_window_shorter_than_two_u_or_at_one_speed_is_not_reported(length_s, is_told, is_seen):
+def test_a_window_shorter_than_two_u_or_at_one_speed_is_not_reported(length_s, is_determined, is_significant):
     """Oracle: the limit of two standard uncertainties; without a stated length there is no start then."""
-    found = _of_window(_window(length_s), is_told=is_told).estimate
-    assert ("integration_time" in found) is is_seen
-    assert ("trigger_delay" in found) is is_seen
+    found = _of_window(_window(length_s), is_determined=is_determined).estimate
+    assert ("integration_time" in found) is is_significant
+    assert ("trigger_delay" in found) is is_significant
     assert "exposure_midpoint_delay" in found
 
 
@@ -126,7 +126,7 @@ def test_a_stated_length_that_frames_contradict_is_said():
 def test_a_stated_length_that_no_frame_tells_is_half_in_the_start():
     """Oracle: by hand; u = 15 us of the count_time is 7.5 us of the start, nothing of the middle."""
     bare = _joint((), np.array([600e-6] * 4), np.diag([16e-12] * 4))
-    exact, known = (_of_window(bare, stated_s=250e-6, u_stated_s=u, is_told=False) for u in (0.0, 15e-6))
+    exact, known = (_of_window(bare, stated_s=250e-6, u_stated_s=u, is_determined=False) for u in (0.0, 15e-6))
     assert known.estimate.value("trigger_delay") == exact.estimate.value("trigger_delay") == pytest.approx(475e-6)
     assert known.estimate.u("trigger_delay") == pytest.approx(np.hypot(exact.estimate.u("trigger_delay"), 7.5e-6))
     assert known.estimate.u("exposure_midpoint_delay") == exact.estimate.u("exposure_midpoint_delay")
@@ -149,10 +149,10 @@ def test_a_tail_makes_the_start_earlier_and_less_certain():
     _squares_add_up(found)
 
 
-@pytest.mark.parametrize(("is_told", "leads"), [(False, True), (True, False)])
-def test_a_length_on_trust_is_said_beside_the_result(is_told, leads):
+@pytest.mark.parametrize(("is_determined", "leads"), [(False, True), (True, False)])
+def test_a_length_on_trust_is_said_beside_the_result(is_determined, leads):
     """Oracle: the rule: the midpoint leads where no speeds verify the window; its u here (10 us) is too coarse to be silent."""
-    found = _of_window(_window(), stated_s=250e-6, is_told=is_told)
+    found = _of_window(_window(), stated_s=250e-6, is_determined=is_determined)
     assert [one.code for one in found.findings] == ["integration-time-on-trust"]
     assert found.not_held == ("integration time (count_time)",)
     assert found.midpoint_leads is leads

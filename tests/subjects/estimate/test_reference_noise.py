@@ -110,7 +110,7 @@ def test_delays_move_as_the_image_says(recordings, clockwise):
 def test_references_alone_turn_the_light_by_what_draws_of_them_do(recordings):
     """Oracle: 60 draws of gains: the spread of the light's mean angle."""
     turns = reference_noise.light_turns(recordings(_gains(60), True, [str(k) for k in range(60)]))
-    spread = np.std([turn.seen_rad for turn in turns], ddof=1)
+    spread = np.std([turn.image_rad for turn in turns], ddof=1)
     assert turns[0].u_references_rad == pytest.approx(spread, rel=0.25)
     n_pixel = _gains(1).size
     assert turns[0].u_references_rad == pytest.approx(SPREAD * GAMMA / np.sqrt(12 * n_pixel), rel=0.1)

@@ -208,14 +208,14 @@ def test_leans_in_the_image_by_hand(recordings, clockwise, expected):
     """
     (one,) = recordings((3.0,))
     seen = replace(one, axle=replace(one.axle, edge_miss_px=(3.0, -4.0), u_edge_miss_px=0.5))
-    leans, u = opening_in_image.leans_in_image(seen, turns_clockwise=clockwise)
+    leans, u = opening_in_image.edge_misalignments(seen, turns_clockwise=clockwise)
     rows, columns = np.nonzero(one.opening.mask)
     inner, outer = np.quantile(np.hypot(rows - 40, columns - 40), [0.02, 0.98])
     middle = (inner + outer) / 2
     assert leans == pytest.approx(np.array(expected) / middle)
     assert u == pytest.approx(0.5 / middle)
     for unseen in (replace(seen, axle=None), replace(seen, axle=replace(seen.axle, edge_miss_px=None))):
-        leans, u = opening_in_image.leans_in_image(unseen, turns_clockwise=clockwise)
+        leans, u = opening_in_image.edge_misalignments(unseen, turns_clockwise=clockwise)
         assert (leans.tolist(), u) == ([0.0, 0.0], 0.01)
 
 
@@ -223,9 +223,9 @@ def test_leans_in_the_image_by_hand(recordings, clockwise, expected):
 def test_only_several_speeds_tell_a_window(noisy, stated_s):
     """Oracle: by hand; an angle that rounds the corners is a time that falls with the speed, 8 Hz over 3 Hz."""
     window = timing._window(noisy.found.joint, noisy.fits, stated_s=stated_s)
-    assert window.is_told
+    assert window.is_determined
     assert window.stated_s == stated_s
-    assert not timing._window(noisy.found.joint, noisy.fits[:1], stated_s=stated_s).is_told
+    assert not timing._window(noisy.found.joint, noisy.fits[:1], stated_s=stated_s).is_determined
 
 
 def test_speeds_tell_the_window_from_what_rounds_corners_besides(recordings, geometry):

@@ -6,7 +6,7 @@ import pytest
 from irtiming.errors import PlanError
 from irtiming.inference.information import NOISE
 from irtiming.plan import information
-from irtiming.plan.information import told
+from irtiming.plan.information import run_information
 
 PER_S = 1e6
 """One over the uncertainty of a delay by one run, 1 us."""
@@ -15,7 +15,7 @@ PER_S = 1e6
 def _delay(u_angle_s):
     """A run that tells its delay plus an angle error of this size, s, to 1 us."""
     column = np.array([1.0, u_angle_s]) * PER_S
-    return told(("trigger_delay",), ("angle",), matrix=np.outer(column, column))
+    return run_information(("trigger_delay",), ("angle",), matrix=np.outer(column, column))
 
 
 def _u(one, **weights):
@@ -55,13 +55,13 @@ def test_variances_are_the_squares_of_the_uncertainties():
 
 def test_runs_that_differ_in_their_parameters_are_not_added():
     """Oracle: their matrices would not mean the same."""
-    other = told(("row_delay",), ("angle",), matrix=np.eye(2))
+    other = run_information(("row_delay",), ("angle",), matrix=np.eye(2))
     with pytest.raises(PlanError, match="same parameters"):
         information.total([_delay(1e-6), other])
 
 
 def test_what_no_run_tells_is_refused_by_name():
     """Oracle: a parameter without information has no uncertainty."""
-    blind = told(("trigger_delay", "skew"), (), matrix=np.diag([PER_S**2, 0.0]))
+    blind = run_information(("trigger_delay", "skew"), (), matrix=np.diag([PER_S**2, 0.0]))
     with pytest.raises(PlanError, match="skew"):
         information.combined(blind)

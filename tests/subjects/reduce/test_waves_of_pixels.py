@@ -51,7 +51,7 @@ def test_sums_are_those_of_kept_frames_with_each_stretch_less_its_mean(opening):
     correct = Correction(gain=gain, offset_dn=0 * gain, bad=gain < 0)
     found = waves.found(correct=correct, drift_dn=drift)
     segment = np.concatenate([np.zeros(140, int), np.ones(108, int)])
-    made = wheel_waves.waves(angle[kept], np.r_[found.seen_orders, found.quiet_orders], segment=segment)
+    made = wheel_waves.waves(angle[kept], np.r_[found.signal_orders, found.quiet_orders], segment=segment)
     value = gain * frames[kept] - drift[:, None, None]
     want = np.einsum("kn,nrc->krc", made, value)[:, opening.summed]
     np.testing.assert_array_equal(found.row_px, np.nonzero(opening.summed)[0])
@@ -62,7 +62,7 @@ def test_sums_are_those_of_kept_frames_with_each_stretch_less_its_mean(opening):
 @pytest.mark.parametrize("n", [100, 500, 1000])
 def test_quiet_orders_are_told_apart_and_are_none_of_the_seen_ones(n):
     """Oracle: what evenly spaced angles can tell: products of waves of distinct orders below half their number add up to 0."""
-    seen, quiet = wheel_waves.seen_orders(n), wheel_waves.quiet_orders(n)
+    seen, quiet = wheel_waves.signal_orders(n), wheel_waves.quiet_orders(n)
     assert set(seen % 4) == {2}
     assert not set(seen) & set(quiet)
     assert 2 not in quiet % 4

@@ -50,8 +50,8 @@ def linearised(pixels: PixelLight, at: PixelNumbers) -> tuple[ComplexArray, Comp
     omega, orders = pixels.angular_frequency_rad_per_s, pixels.orders[:, None]
     still = pixels.light * pixels.wheel[:, None] * np.exp(1j * omega * orders * at.delay_s)
     passed, slope = _response(pixels, at.response_s)
-    seen = at.contrast_dn * still * passed
-    return seen, np.array([still * passed, 1j * omega * orders * seen, at.contrast_dn * still * slope])
+    observed = at.contrast_dn * still * passed
+    return observed, np.array([still * passed, 1j * omega * orders * observed, at.contrast_dn * still * slope])
 
 
 def _response(pixels: PixelLight, parameter_s: Array) -> tuple[ComplexArray, ComplexArray]:

@@ -43,7 +43,7 @@ Timing: TypeAlias = Mapping[str, float]
 class RowSum:
     """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym and B_ym, shape (n_row, M + 1), rows and omega.
 
-    Without ``beside_harmonics``, B, the wheel is seen where the opening is, and nowhere else; unless ``blades_apart``, b' is b.
+    Without ``beside_harmonics``, B, the wheel shows where the opening is, and nowhere else; unless ``blades_apart``, b' is b.
     It turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of.
     """
 
@@ -101,7 +101,7 @@ def unit(parameter: str, camera: Camera) -> str:
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     """Harmonics F_ym of each row, shape (n_row, M + 1)."""
     factor = _response(rows, timing) * _memory(rows, timing)[0]
-    return np.asarray(_seen(rows, timing, factor=factor).sum(axis=0))
+    return np.asarray(_observed(rows, timing, factor=factor).sum(axis=0))
 
 
 def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
@@ -110,14 +110,14 @@ def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray
     kept, kept_slope = _memory(rows, timing)
     passed = _response(rows, timing)
     slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
-    seen, bare = (_seen(rows, timing, factor=factor) for factor in (passed * kept, np.ones(n + 1)))
-    by_edge = seen * (1j * np.arange(n + 1) * omega)
+    observed, bare = (_observed(rows, timing, factor=factor) for factor in (passed * kept, np.ones(n + 1)))
+    by_edge = observed * (1j * np.arange(n + 1) * omega)
     warm = -_edges(rows, timing)[2:].sum(axis=0) * passed * kept
     lights = [light for light in (rows.row_harmonics, rows.beside_harmonics) if light is not None]
     by_blades = warm * np.array([_read(rows, timing, light) for light in lights])
     by_blades = by_blades if rows.blades_apart else by_blades.sum(axis=0)[None]
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
-    return np.asarray(seen.sum(axis=0)), np.concatenate([
+    return np.asarray(observed.sum(axis=0)), np.concatenate([
         by_edge, bare.sum(axis=0)[None] * slope * kept, bare.sum(axis=0)[None] * passed * kept_slope, by_blades, by_readout
     ])  # fmt: skip
 
@@ -128,7 +128,7 @@ def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
     return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
 
 
-def _seen(rows: RowSum, timing: Timing, *, factor: ComplexArray | Array) -> ComplexArray:
+def _observed(rows: RowSum, timing: Timing, *, factor: ComplexArray | Array) -> ComplexArray:
     """What each edge adds to the rows as they are read, times a factor on the harmonics; shape (4, n_row, M + 1)."""
     edges = (_edges(rows, timing) * factor)[:, None, :]
     lit = edges * _read(rows, timing, rows.row_harmonics)

@@ -9,7 +9,7 @@ so harmonic m of what the camera gives is harmonic m of what its pixels saw time
           \qquad \frac{\partial G_m}{\partial k} = \frac{e^{-i m \delta} - 1}{(1 - k\,e^{-i m \delta})^2}
 
 A slope leaves echoes of itself one step, two steps, ... later. A lag leaves a tail that has gone after some time constants: the
-two are told apart where a frame lasts longer than the lag.
+two are distinguished where a frame lasts longer than the lag.
 
 The recursion runs over frames that the camera made, whether or not they arrived. Of two frames that followed each other it can be
 undone without knowing any other: :math:`x_n = (y_n - k\,y_{n-1}) / (1 - k)`.

@@ -16,8 +16,8 @@ then has its centre later than the middle, and is wider,
 
 Delays are counted to the centre. Corners of a pixel sum show the width, by what it adds to the variance :math:`T^2/12` of an even
 window; of what is beyond (the third moment) the sums of a usual camera tell nothing. By how much the centre is later for so much
-width depends on the time constant, which nobody knows well: so half of the share is a fast tail and half a slow one, each with an
-uncertainty of its own.
+width depends on the time constant, which is never known well: so half of the share is a fast tail and half a slow one, each with
+an uncertainty of its own.
 """
 
 import numpy as np

@@ -61,7 +61,7 @@ def effective_time_constant(model: TwoConstants, pixel_temperature_k: ArrayLike)
 
 
 def steady_temperature(model: TwoConstants, scene_temperature_k: ArrayLike, *, substrate_temperature_k: float) -> Array:
-    """Temperature of a pixel that has seen the same scene for long: between scene and substrate.
+    """Temperature of a pixel that has faced the same scene for long: between scene and substrate.
 
     Parameters
     ----------
@@ -76,12 +76,12 @@ def steady_temperature(model: TwoConstants, scene_temperature_k: ArrayLike, *, s
     -------
     Same shape; K. Newton's method from the substrate's temperature; the balance is smooth and monotonic.
     """
-    seen = in_band_radiance(scene_temperature_k, band_m=model.band_m)
+    radiance = in_band_radiance(scene_temperature_k, band_m=model.band_m)
     per_radiance = _per_radiance(model)
-    pixel = np.full_like(seen, substrate_temperature_k)
+    pixel = np.full_like(radiance, substrate_temperature_k)
     for _ in range(_MOST_STEPS):
         gain = (substrate_temperature_k - pixel) / model.substrate_time_constant_s
-        gain += per_radiance * (seen - in_band_radiance(pixel, band_m=model.band_m))
+        gain += per_radiance * (radiance - in_band_radiance(pixel, band_m=model.band_m))
         move = gain * effective_time_constant(model, pixel)
         pixel = np.maximum(pixel + move, 0.5 * pixel)
         if np.all(np.abs(move) < _SETTLED_K):

@@ -34,7 +34,7 @@ class WavesOfPixels:
 
     def __init__(self, wheel_angle_rad: Array, opening: Opening, *, n_angles: int) -> None:
         self._angle, self._opening = wheel_angle_rad, opening
-        self._seen, self._quiet = wheel_waves.seen_orders(n_angles), wheel_waves.quiet_orders(n_angles)
+        self._signal, self._quiet = wheel_waves.signal_orders(n_angles), wheel_waves.quiet_orders(n_angles)
         known = np.isfinite(wheel_angle_rad)
         every = wheel_waves.waves(
             np.where(known, wheel_angle_rad, 0.0), self._orders, segment=np.zeros(wheel_angle_rad.size, int)
@@ -55,7 +55,7 @@ class WavesOfPixels:
 
     @property
     def _orders(self) -> Ticks:
-        return np.concatenate([self._seen, self._quiet])
+        return np.concatenate([self._signal, self._quiet])
 
     def add(self, index: Ticks, frames: Pixels) -> None:
         """Take frames of the region of interest in, shape (frame, roi rows, roi columns)."""
@@ -98,7 +98,7 @@ class WavesOfPixels:
         rows, columns = self._row_px[self._wanted], self._column_px[self._wanted]
         raw = self._total[:, self._wanted] * correct.gain[rows, columns]
         return PixelWaves(
-            seen_orders=self._seen,
+            signal_orders=self._signal,
             quiet_orders=self._quiet,
             wheel_angle_rad=self._angle[index],
             segment=segment,

@@ -91,8 +91,8 @@ def _turns(train: EdgeTrain, n_slots: int) -> tuple[Array, Mask, float]:
     turn_ticks = (ticks[2 * half :] - ticks[: -2 * half]) * n_slots / (2 * half)
     deviation = TURN * (ticks[half:-half] - centre) / turn_ticks
     seen = np.isin(number[half:-half], train.number)
-    by_turn, was_seen = (_by_turn(values, n_slots, half) for values in (deviation, seen))
-    return by_turn, was_seen, TURN / float(np.median(turn_ticks))
+    by_turn, was_recorded = (_by_turn(values, n_slots, half) for values in (deviation, seen))
+    return by_turn, was_recorded, TURN / float(np.median(turn_ticks))
 
 
 def _by_turn(values: Any, n_slots: int, first: int) -> Any:
