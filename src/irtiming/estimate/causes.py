@@ -29,77 +29,77 @@ class Candidate:
     of_rows: bool = False
 
 
-def _frame_before(seen: FrameResiduals) -> list[Array]:
-    change = np.zeros_like(seen.fraction)
-    follows = np.diff(seen.number) == 1
-    change[1:][follows] = (seen.fraction[:-1] - seen.fraction[1:])[follows]
+def _frame_before(frames: FrameResiduals) -> list[Array]:
+    change = np.zeros_like(frames.fraction)
+    follows = np.diff(frames.number) == 1
+    change[1:][follows] = (frames.fraction[:-1] - frames.fraction[1:])[follows]
     return [change]
 
 
-def _polynomials(seen: FrameResiduals, orders: range) -> Array:
-    return np.stack([legendre.legval(seen.time, np.eye(max(orders) + 1)[k]) for k in orders])[:, :, None]
+def _polynomials(frames: FrameResiduals, orders: range) -> Array:
+    return np.stack([legendre.legval(frames.time, np.eye(max(orders) + 1)[k]) for k in orders])[:, :, None]
 
 
-def _level_sways(seen: FrameResiduals) -> list[Array]:
-    return [one * np.ones_like(seen.fraction) for one in _polynomials(seen, range(2, 6))]
+def _level_sways(frames: FrameResiduals) -> list[Array]:
+    return [one * np.ones_like(frames.fraction) for one in _polynomials(frames, range(2, 6))]
 
 
-def _gain_sways(seen: FrameResiduals) -> list[Array]:
-    return [one * (seen.fraction - seen.fraction.mean(axis=0)) for one in _polynomials(seen, range(1, 5))]
+def _gain_sways(frames: FrameResiduals) -> list[Array]:
+    return [one * (frames.fraction - frames.fraction.mean(axis=0)) for one in _polynomials(frames, range(1, 5))]
 
 
-def _level_jumps(seen: FrameResiduals) -> list[Array]:
-    return [(seen.time > place)[:, None] * np.ones_like(seen.fraction) for place in _JUMPS]
+def _level_jumps(frames: FrameResiduals) -> list[Array]:
+    return [(frames.time > place)[:, None] * np.ones_like(frames.fraction) for place in _JUMPS]
 
 
-def _half(seen: FrameResiduals, from_open_rad: float) -> Array:
+def _half(frames: FrameResiduals, from_open_rad: float) -> Array:
     """1 in one half turn, -1 in the other; it begins this far before the middle of an open plateau."""
-    return np.asarray(np.sign(np.sin(seen.angle_rad - seen.open_at_rad + from_open_rad)))[:, None]
+    return np.asarray(np.sign(np.sin(frames.angle_rad - frames.open_at_rad + from_open_rad)))[:, None]
 
 
-def _blades(seen: FrameResiduals) -> list[Array]:
-    return [(1 - seen.fraction) * _half(seen, 0.0)]
+def _blades(frames: FrameResiduals) -> list[Array]:
+    return [(1 - frames.fraction) * _half(frames, 0.0)]
 
 
-def _cutouts(seen: FrameResiduals) -> list[Array]:
-    return [seen.fraction * _half(seen, np.pi / 2)]
+def _cutouts(frames: FrameResiduals) -> list[Array]:
+    return [frames.fraction * _half(frames, np.pi / 2)]
 
 
-def _once_a_turn(seen: FrameResiduals) -> list[Array]:
-    ones = np.ones_like(seen.fraction)
-    return [np.cos(seen.angle_rad)[:, None] * ones, np.sin(seen.angle_rad)[:, None] * ones]
+def _once_a_turn(frames: FrameResiduals) -> list[Array]:
+    ones = np.ones_like(frames.fraction)
+    return [np.cos(frames.angle_rad)[:, None] * ones, np.sin(frames.angle_rad)[:, None] * ones]
 
 
-def _not_linear(seen: FrameResiduals) -> list[Array]:
-    return [seen.fraction * (1 - seen.fraction)]
+def _not_linear(frames: FrameResiduals) -> list[Array]:
+    return [frames.fraction * (1 - frames.fraction)]
 
 
-def _bent_edge(seen: FrameResiduals) -> list[Array]:
-    return [seen.fraction * (1 - seen.fraction) * np.sign(seen.slope)]
+def _bent_edge(frames: FrameResiduals) -> list[Array]:
+    return [frames.fraction * (1 - frames.fraction) * np.sign(frames.slope)]
 
 
-def _tails(seen: FrameResiduals) -> list[Array]:
-    lag = [seen.omega_rad_per_s * tail_s for tail_s in _TAILS_S]
-    return [seen.filtered(1 / (1 + 1j * harmonics() * one) - 1) for one in lag]
+def _tails(frames: FrameResiduals) -> list[Array]:
+    lag = [frames.omega_rad_per_s * tail_s for tail_s in _TAILS_S]
+    return [frames.filtered(1 / (1 + 1j * harmonics() * one) - 1) for one in lag]
 
 
-def _halo(seen: FrameResiduals) -> list[Array]:
-    return [seen.filtered(np.exp(-((harmonics() * width) ** 2) / 2) - 1 + 0j) for width in _HALOS_RAD]
+def _halo(frames: FrameResiduals) -> list[Array]:
+    return [frames.filtered(np.exp(-((harmonics() * width) ** 2) / 2) - 1 + 0j) for width in _HALOS_RAD]
 
 
-def _speed_once_a_turn(seen: FrameResiduals) -> list[Array]:
-    slope = seen.slope / seen.omega_rad_per_s
-    return [slope * np.cos(seen.angle_rad)[:, None], slope * np.sin(seen.angle_rad)[:, None]]
+def _speed_once_a_turn(frames: FrameResiduals) -> list[Array]:
+    slope = frames.slope / frames.omega_rad_per_s
+    return [slope * np.cos(frames.angle_rad)[:, None], slope * np.sin(frames.angle_rad)[:, None]]
 
 
-def _rows_bend(seen: FrameResiduals) -> list[Array]:
-    slope, row = seen.slope / seen.omega_rad_per_s, seen.row[None, :]
+def _rows_bend(frames: FrameResiduals) -> list[Array]:
+    slope, row = frames.slope / frames.omega_rad_per_s, frames.row[None, :]
     return [slope * row**2, np.abs(slope) * row, np.abs(slope) * row**2]
 
 
-def _every_second(seen: FrameResiduals) -> list[Array]:
-    sign = np.where(seen.number % 2 == 0, 1.0, -1.0)[:, None]
-    return [sign * np.ones_like(seen.fraction), sign * (seen.fraction - 0.5)]
+def _every_second(frames: FrameResiduals) -> list[Array]:
+    sign = np.where(frames.number % 2 == 0, 1.0, -1.0)[:, None]
+    return [sign * np.ones_like(frames.fraction), sign * (frames.fraction - 0.5)]
 
 
 CANDIDATES = (
@@ -151,24 +151,24 @@ CANDIDATES = (
 """All that are tried."""
 
 
-def fitted(seen: FrameResiduals, *, lag_s: float | None) -> dict[str, Array]:
+def fitted(frames: FrameResiduals, *, lag_s: float | None) -> dict[str, Array]:
     """What the numbers that every fit has add to the sums, by name, shapes (n, n_band); levels of the bands apart.
 
     Parameters
     ----------
-    seen
+    frames
         Residuals of one recording.
     lag_s
         The camera's time constant, s; None for one that has a window instead.
     """
-    slope = seen.slope
-    half = _half(seen, 0.0) > 0
+    slope = frames.slope
+    half = _half(frames, 0.0) > 0
     columns = {f"edge {k}": slope * ((slope > 0) == bool(k % 2)) * (half == bool(k // 2)) for k in range(4)}
-    if seen.row.size > 1:
-        columns["row delay"] = slope * seen.row[None, :]
-    order = 1j * harmonics() * seen.omega_rad_per_s
+    if frames.row.size > 1:
+        columns["row delay"] = slope * frames.row[None, :]
+    order = 1j * harmonics() * frames.omega_rad_per_s
     if lag_s is not None:
-        columns["time constant"] = seen.filtered(-order / (1 + order * lag_s))
+        columns["time constant"] = frames.filtered(-order / (1 + order * lag_s))
     else:
-        columns["window"] = seen.filtered(1 / (1 - (order * 0.2e-3) ** 2) - 1)
+        columns["window"] = frames.filtered(1 / (1 - (order * 0.2e-3) ** 2) - 1)
     return columns

@@ -53,7 +53,7 @@ class _Beside:
     numbers in each parameter of the result.
     """
 
-    seen: tuple[FrameResiduals, ...]
+    runs: tuple[FrameResiduals, ...]
     residual: Array
     fitted: Array
     known: Array
@@ -66,31 +66,33 @@ def diagnose(found: Timing) -> Diagnosis:
     Parameters
     ----------
     found
-        The fit of all recordings; numbers that it has for defects are told with how far they are from none.
+        The fit of all recordings; numbers that it has for defects are listed with how far they are from none.
     """
     estimate = found.found.result.estimate
     beside = _of_rows(found) if found.recordings[0].pixels is None else _of_pixels(found)
-    tried = [one for one in CANDIDATES if not one.of_rows or beside.seen[0].row.size > 2]
-    told = sorted((_cause(one, beside, estimate, n_tried=len(tried)) for one in tried), key=lambda one: -_surprise(one))
+    tried = [one for one in CANDIDATES if not one.of_rows or beside.runs[0].row.size > 2]
+    ranked = sorted(
+        (_cause(one, beside, estimate, n_tried=len(tried)) for one in tried), key=lambda one: -_surprise(one)
+    )
     deviance, freedom = float(beside.residual @ beside.residual), beside.residual.size - beside.fitted.shape[1]
     return Diagnosis(
         deviance=deviance,
         degrees_of_freedom=freedom,
-        causes=tuple(told),
+        causes=tuple(ranked),
         fitted=_fitted(found.found.joint, found.fits),
-        findings=_findings(told, deviance=deviance, freedom=freedom),
+        findings=_findings(ranked, deviance=deviance, freedom=freedom),
     )
 
 
 def _of_rows(found: Timing) -> _Beside:
     """With columns made of the model, for the likelihood of the rows is not one of frames."""
-    seen = [of_fit(one, fit) for one, fit in zip(found.recordings, found.fits, strict=True)]
+    runs = [of_fit(one, fit) for one, fit in zip(found.recordings, found.fits, strict=True)]
     lags = [
         float(fit.timing[LAG]) if isinstance(fit, RowTimingFit) and LAG in fit.timing else None for fit in found.fits
     ]
-    made = [causes.fitted(one, lag_s=lag) for one, lag in zip(seen, lags, strict=True)]
-    names, first = tuple(made[0]), seen[0]
-    columns = [np.concatenate([_flat(one, of[name]) for one, of in zip(seen, made, strict=True)]) for name in names]
+    made = [causes.fitted(one, lag_s=lag) for one, lag in zip(runs, lags, strict=True)]
+    names, first = tuple(made[0]), runs[0]
+    columns = [np.concatenate([_flat(one, of[name]) for one, of in zip(runs, made, strict=True)]) for name in names]
     delay = {name: 0.25 for name in names if name.startswith("edge")} | {"row delay": -first.middle_px / first.half_px}
     weights = {
         "trigger_delay": delay,
@@ -99,8 +101,8 @@ def _of_rows(found: Timing) -> _Beside:
         "row_delay": {"row delay": 1 / first.half_px},
     }
     return _Beside(
-        seen=tuple(seen),
-        residual=np.concatenate([_flat(one, one.residual) for one in seen]),
+        runs=tuple(runs),
+        residual=np.concatenate([_flat(one, one.residual) for one in runs]),
         fitted=np.stack(columns, axis=1),
         known=np.zeros((0, len(names))),
         parameters={
@@ -114,18 +116,18 @@ def _of_rows(found: Timing) -> _Beside:
 def _of_pixels(found: Timing) -> _Beside:
     """With the derivatives of the joint fit itself, and with its priors."""
     joint = found.found.joint
-    seen, residuals, columns = [], [], []
+    runs, residuals, columns = [], [], []
     for one, fit, model, design in zip(found.recordings, found.fits, joint.models, joint.designs(), strict=True):
         plain = of_fit(one, fit)
         there = model.at(dict(zip(model.names, (design @ joint.values).tolist(), strict=True)))
         scale = float(there.residual @ plain.residual[:, 0]) / max(float(there.residual @ there.residual), 1e-300)
         exact = with_residual(plain, scale * there.residual[:, None])
-        seen.append(exact)
+        runs.append(exact)
         residuals.append(scale * there.residual / exact.noise)
         columns.append(-scale * there.jacobian @ design / exact.noise[:, None])
     priors = [np.eye(len(joint.shared))[k] / one.u for k, one in enumerate(joint.shared) if one.u]
     return _Beside(
-        seen=tuple(seen),
+        runs=tuple(runs),
         residual=np.concatenate(residuals),
         fitted=np.concatenate(columns),
         known=np.array(priors).reshape(-1, len(joint.shared)),
@@ -137,18 +139,18 @@ def _of_pixels(found: Timing) -> _Beside:
     )
 
 
-def _flat(seen: FrameResiduals, values: Array) -> Array:
+def _flat(frames: FrameResiduals, values: Array) -> Array:
     """Values (n, n_band) over the noise, beside each band's own covered level and step, in one column."""
     left = np.empty_like(values)
     for band in range(values.shape[1]):
-        own = np.stack([np.ones(len(values)), seen.fraction[:, band]], axis=1)
+        own = np.stack([np.ones(len(values)), frames.fraction[:, band]], axis=1)
         left[:, band] = values[:, band] - own @ np.linalg.lstsq(own, values[:, band], rcond=None)[0]
-    return (left / seen.noise).ravel()
+    return (left / frames.noise).ravel()
 
 
 def _cause(one: Candidate, beside: _Beside, estimate: Estimate, *, n_tried: int) -> Cause:
-    made = [one.columns(seen) for seen in beside.seen]
-    each = [[_flat(seen, of[k]) for seen, of in zip(beside.seen, made, strict=True)] for k in range(len(made[0]))]
+    made = [one.columns(frames) for frames in beside.runs]
+    each = [[_flat(frames, of[k]) for frames, of in zip(beside.runs, made, strict=True)] for k in range(len(made[0]))]
     nothing = np.zeros(len(beside.known))
     columns = np.stack([np.concatenate([*parts, nothing]) for parts in each], axis=1)
     residual = np.concatenate([beside.residual, nothing])
@@ -161,7 +163,7 @@ def _cause(one: Candidate, beside: _Beside, estimate: Estimate, *, n_tried: int)
     number, _, rank, _ = np.linalg.lstsq(left / scale, residual, rcond=_UNLIKE)
     number = number / scale
     gained, n_numbers = float(np.sum((left @ number) ** 2)), int(rank)
-    noise = np.concatenate([np.broadcast_to(seen.noise, seen.residual.shape).ravel() for seen in beside.seen])
+    noise = np.concatenate([np.broadcast_to(frames.noise, frames.residual.shape).ravel() for frames in beside.runs])
     moved = -inside @ number
     return Cause(
         name=one.name,

@@ -13,7 +13,7 @@ from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.units import counted
 
-_SIGNIFICANT = 3.0  # standard uncertainties from which a share is told from none
+_SIGNIFICANT = 3.0  # standard uncertainties from which a share is distinguished from none
 _CONTRADICTS = 4.0  # standard uncertainties between statement and frames
 _MOSTLY = 0.5  # of a frame: from there on the frames before have the greater part in it
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
@@ -32,13 +32,13 @@ def of_result(estimate: Estimate) -> tuple[Finding, ...]:
         if name not in estimate:
             continue
         share, u = estimate.value(name), estimate.u(name)
-        told = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
+        shares = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
         if share > _MOSTLY:
-            found.append(_mostly_older(told))
+            found.append(_mostly_older(shares))
         elif share > _SIGNIFICANT * u:
-            found.append(_significant(name, told))
+            found.append(_significant(name, shares))
         elif share < -_IMPOSSIBLE * u:
-            found.append(_impossible(name, told))
+            found.append(_impossible(name, shares))
     return tuple(found)
 
 
@@ -52,11 +52,11 @@ def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Fi
     stated
         The share of the frame before; None where rig.toml does not state it.
     """
-    told = [(fit.estimate, name) for fit in fits for name in MEMORIES if name in fit.estimate]
-    if stated is None or not told:
+    estimates = [(fit.estimate, name) for fit in fits for name in MEMORIES if name in fit.estimate]
+    if stated is None or not estimates:
         return ()
-    weights = np.array([estimate.u(name) ** -2 for estimate, name in told])
-    share = float(np.average([estimate.value(name) for estimate, name in told], weights=weights))
+    weights = np.array([estimate.u(name) ** -2 for estimate, name in estimates])
+    share = float(np.average([estimate.value(name) for estimate, name in estimates], weights=weights))
     u = float(np.hypot(weights.sum() ** -0.5, stated.standard_uncertainty))
     if abs(share - stated.value) < _CONTRADICTS * u:
         return ()
@@ -71,39 +71,39 @@ def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Fi
     )
 
 
-def _significant(name: str, told: str) -> Finding:
+def _significant(name: str, shares: str) -> Finding:
     if name == "recursive_filter":
         return Finding(
             code="camera-filters-frames",
             severity="warning",
-            what=f"each frame of the camera holds {told}: a noise filter in the camera is on; time constant and delay are "
+            what=f"each frame of the camera holds {shares}: a noise filter in the camera is on; time constant and delay are "
             "corrected for it, if it keeps the digits behind the point",
             cure="switch the filter off to measure the detector alone",
         )
     return Finding(
         code="pixels-remember",
         severity="warning",
-        what=f"each frame holds {told}: a memory of the pixels, or a noise filter in the camera; delays are corrected for it",
+        what=f"each frame holds {shares}: a memory of the pixels, or a noise filter in the camera; delays are corrected for it",
         cure="switch filters of the camera off; what is left is the detector's own",
     )
 
 
-def _mostly_older(told: str) -> Finding:
+def _mostly_older(shares: str) -> Finding:
     return Finding(
         code="frames-mostly-older",
         severity="doubt",
-        what=f"each frame holds {told}: most of it is older than its trigger, as where a camera repeats frames, hands each one "
+        what=f"each frame holds {shares}: most of it is older than its trigger, as where a camera repeats frames, hands each one "
         "out a frame late, or takes the mean of several; the model knows a filter that takes the smaller part of the frame "
         "before, and what goes along with it (time constant, delays) may be off by more than stated",
         cure="switch filters and averaging of the camera off, and check with a lamp that a frame shows what is at its trigger",
     )
 
 
-def _impossible(name: str, told: str) -> Finding:
+def _impossible(name: str, shares: str) -> Finding:
     return Finding(
         code="frame-memory-negative",
         severity="doubt",
-        what=f"frames seem to hold {told}, which no camera does: something that is not in the model looks like a "
+        what=f"frames seem to hold {shares}, which no camera does: something that is not in the model looks like a "
         f"{name.replace('_', ' ')}, and what goes along with it (time constant, delays) may be off by more than stated",
         cure="look at the residuals over the wheel angle for what differs from the model",
     )
@@ -115,7 +115,7 @@ def correlation(fit: RowTimingFit) -> tuple[float, float]:
     Parameters
     ----------
     fit
-        Its residuals are in the order of the triggers; a recursive filter that was seen is undone in them.
+        Its residuals are in the order of the triggers; a recursive filter that was found is undone in them.
 
     Returns
     -------
@@ -135,8 +135,8 @@ def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
     fits
         One per recording.
     """
-    told = [correlation(fit) for fit in fits]
-    low = [one for one in told if one[1] < LEAST_WHITENESS]
+    correlations = [correlation(fit) for fit in fits]
+    low = [one for one in correlations if one[1] < LEAST_WHITENESS]
     if not low:
         return ()
     largest = max((one[0] for one in low), key=abs)
@@ -144,7 +144,7 @@ def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
         Finding(
             code="residuals-not-white-in-time",
             severity="warning",
-            what=f"residuals of {len(low)} of {counted(len(told), 'recording')} are not white in the order of the "
+            what=f"residuals of {len(low)} of {counted(len(correlations), 'recording')} are not white in the order of the "
             f"triggers (correlation of successive frames up to {largest:+.2f}): the camera's level sways from frame to frame, or "
             "a filter in the camera is not the one of the model",
             cure="their uncertainty is widened for it",

@@ -101,9 +101,9 @@ def of_fit(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> Frame
     return _made(fit, angle, ticks, fraction=fraction, residual=residual, row=np.zeros(1))
 
 
-def with_residual(seen: FrameResiduals, residual: Array) -> FrameResiduals:
+def with_residual(frames: FrameResiduals, residual: Array) -> FrameResiduals:
     """The same with other residuals, shape (n, n_band), and their noise."""
-    return replace(seen, residual=residual, noise=_noise(seen.angle_rad, residual))
+    return replace(frames, residual=residual, noise=_noise(frames.angle_rad, residual))
 
 
 def _noise(angle: Array, residual: Array) -> Array:

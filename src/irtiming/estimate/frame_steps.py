@@ -16,7 +16,7 @@ def follows(recording: ReducedRecording) -> Mask:
     Parameters
     ----------
     recording
-        Its triggers are periodic but for those that were lost; of a frame after a lost one nobody knows what it holds of that.
+        Its triggers are periodic but for those that were lost; what a frame after a lost one holds of that is unknown.
     """
     same = np.concatenate([[False], np.diff(recording.segment) == 0])
     return same & in_camera_filter.follows(recording.trigger_ticks)
@@ -56,11 +56,11 @@ def unfiltered(recording: ReducedRecording, share: float) -> ReducedRecording:
     pairs = image.pairs
     left = abs(in_camera_filter.transfer(step_rad(recording), share, n_harmonics=2)[2])
     n_before, n_now = (np.count_nonzero(weight) for weight in (image.frame_weight, pairs.frame_weight))
-    seen = ContrastImage(
+    contrast = ContrastImage(
         projection_dn=np.asarray((pairs.projection_dn - share * pairs.before_dn) / (1 - share), complex),
         frame_weight=pairs.frame_weight,
         u_dn=image.u_dn / float(left) * float(np.sqrt(n_before / n_now)),
         good=image.good,
         roi=image.roi,
     )
-    return replace(recording, contrast=seen)
+    return replace(recording, contrast=contrast)

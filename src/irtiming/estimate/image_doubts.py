@@ -25,7 +25,7 @@ _REACH = 5.0  # blurs on either side of the border
 _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
-_PROTRACTOR_RAD = np.radians(0.5)  # nobody measured the angle better: its bisector is off by half of that then
+_PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
@@ -40,8 +40,12 @@ class LeftOver:
     @property
     def p_value(self) -> float:
         """Of sides that are as far off, or further, where the model holds."""
-        seen = self.u_px2 > 0
-        return float(special.chdtrc(max(1, int(seen.sum())), np.sum((self.variance_px2[seen] / self.u_px2[seen]) ** 2)))
+        is_known = self.u_px2 > 0
+        return float(
+            special.chdtrc(
+                max(1, int(is_known.sum())), np.sum((self.variance_px2[is_known] / self.u_px2[is_known]) ** 2)
+            )
+        )
 
 
 def left_over(sector: SectorFit) -> LeftOver:
@@ -128,7 +132,7 @@ def of_opening(sector: SectorFit, stated: Measured) -> tuple[Finding, ...]:
 
 
 def of_rows(sector: SectorFit) -> tuple[Finding, ...]:
-    """Where the rows of a camera that is said to read all of them at once are seen one after the other.
+    """Where the rows of a camera that is said to read all of them at once appear one after the other.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ class LocalModel:
 
 
 def parabola(estimate: Estimate) -> LocalModel:
-    """A recording that is told by the estimate of its local numbers: residuals are how far numbers are from it.
+    """A recording that is described by the estimate of its local numbers: residuals are how far numbers are from it.
 
     Parameters
     ----------
@@ -211,12 +211,12 @@ def traces(joint: Joint) -> tuple[Trace, ...]:
     joint
         The joint fit.
     """
-    told = [
+    pieces = [
         model.trace(dict(zip(model.names, (made @ joint.values).tolist(), strict=True)))
         for model, made in zip(joint.models, joint.designs(), strict=True)
         if model.trace is not None
     ]
-    return tuple(told) if len(told) == len(joint.models) else ()
+    return tuple(pieces) if len(pieces) == len(joint.models) else ()
 
 
 def residuals(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Model:

@@ -36,7 +36,7 @@ _FOCAL_LENGTH, _FOCAL_LENGTH_U = math.log(5.0), math.log(2.5)  # half diagonals
 class LensKnowledge:
     """What is known of LENS_NUMBERS, and the further terms of a calibrated lens.
 
-    ``u_axis_px`` and ``u_quartic`` say how far a lens that nobody calibrated may have them beside zero.
+    ``u_axis_px`` and ``u_quartic`` say how far an uncalibrated lens may have them beside zero.
     """
 
     known: Mapping[str, Measured]

@@ -47,7 +47,7 @@ def deviating(delays: MappedDelays, clock: RowClock, *, lag_pulls: Array | None,
     return np.asarray(stray)
 
 
-def told(maps: PixelMaps, delays: MappedDelays, *, clock: RowClock) -> PixelMaps:
+def with_findings(maps: PixelMaps, delays: MappedDelays, *, clock: RowClock) -> PixelMaps:
     """The maps with their findings.
 
     Parameters
@@ -78,17 +78,17 @@ def _taps(maps: PixelMaps) -> list[Finding]:
 def _row_clock(maps: PixelMaps, delays: MappedDelays, clock: RowClock) -> list[Finding]:
     """Rows that do not lie on a straight line: by a pattern that has a name, else by what they are off."""
     sure = [one for one in maps.patterns if one.name in _OF_ROWS and abs(one.pull) > _SURE]
-    told = [_OF_ROWS[one.name].format(_later(one)) for one in sure]
-    if not told:
+    uneven = [_OF_ROWS[one.name].format(_later(one)) for one in sure]
+    if not uneven:
         p_value, row, off_s = map_patterns.p_value_of_straight_rows(delays, clock)
         if p_value > _SIGNIFICANCE:
             return []
-        told = [f"row {row} is off the straight line of the others by {1e6 * off_s:+.2f} us"]
+        uneven = [f"row {row} is off the straight line of the others by {1e6 * off_s:+.2f} us"]
     return [
         Finding(
             code="row-clock-not-even",
             severity="warning",
-            what=f"the row clock is not even: {'; '.join(told)}",
+            what=f"the row clock is not even: {'; '.join(uneven)}",
             cure="use the map's means over rows where that matters: the result has one row delay for all",
         )
     ]

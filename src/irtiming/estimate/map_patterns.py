@@ -62,8 +62,8 @@ def u_shape_s(sound: MappedDelays, every: MappedDelays) -> Array:
         Pixels that tell the common delay and the row delay, and those that are asked for.
     """
     unit = sound.u_s[:, None]
-    told, *_ = np.linalg.lstsq(sound.line / unit, sound.shape_s / unit, rcond=None)
-    return np.asarray(np.sqrt(np.sum((every.shape_s - every.line @ told) ** 2, axis=1)))
+    slope, *_ = np.linalg.lstsq(sound.line / unit, sound.shape_s / unit, rcond=None)
+    return np.asarray(np.sqrt(np.sum((every.shape_s - every.line @ slope) ** 2, axis=1)))
 
 
 def shape_effect_s(sector: SectorFit, *, row_px: Ticks, column_px: Ticks, omega: float) -> Array:

@@ -30,7 +30,7 @@ MEMORY = "share of the frame before in each frame"
 
 _MIDDLE = "exposure_midpoint_delay"
 _FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
-_SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter is not told from none
+_SHORTEST_SHOWN = 2.0  # standard uncertainties: a window that is shorter cannot be distinguished from none
 _CONTRADICTS = 4.0  # standard uncertainties
 _UNDETERMINED = 0.25  # relative standard uncertainty of tau from which it is no number any more
 _SHORTEST_LAG_S = 0.5e-3  # of any microbolometer: an uncertainty below it would have shown the lag
@@ -42,7 +42,7 @@ class Reported:
     """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts.
 
     ``profiled`` are those that are one sum of shared numbers; ``not_held`` is in words what no uncertainty holds;
-    ``midpoint_leads`` whether the middle of the window is to be told before its start.
+    ``midpoint_leads`` whether the middle of the window is to be reported before its start.
     """
 
     estimate: Estimate
@@ -290,13 +290,13 @@ def _budget(
 
 
 def _with_known_memory(joint: Joint) -> Joint:
-    """The same as if somebody had told the shares of the frame before; itself where nothing was free.
+    """The same as if the shares of the frame before were stated; itself where nothing was free.
 
     What they add to a variance then is the difference: the square of what one unit of the share does, times its variance.
     """
     free = [one.name for one in joint.shared if one.name in MEMORIES and one.u is None]
-    told = tuple(prior(name, EXACT_SHARE, source=MEMORY, kind="A", gap=0.0) for name in free)
-    return replace(joint, priors=(*joint.priors, *told)) if free else joint
+    known = tuple(prior(name, EXACT_SHARE, source=MEMORY, kind="A", gap=0.0) for name in free)
+    return replace(joint, priors=(*joint.priors, *known)) if free else joint
 
 
 @final
@@ -309,18 +309,18 @@ class _Trust:
     midpoint_leads: bool = False
 
 
-def _trusted(told: Estimate | None, window: Window, *, u_middle_s: float) -> _Trust:
+def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -> _Trust:
     """What the sums, where they tell it, say of the integration time that the recordings state."""
     stated_s, u_stated_s = window.stated_s, window.u_stated_s
     if stated_s is None:
         return _Trust()
-    if told is not None:
-        length_s, u_s = abs(told.value(WINDOW)), float(np.hypot(told.u(WINDOW), u_stated_s or 0.0))
+    if by_frames is not None:
+        length_s, u_s = abs(by_frames.value(WINDOW)), float(np.hypot(by_frames.u(WINDOW), u_stated_s or 0.0))
         if abs(length_s - stated_s) > _CONTRADICTS * u_s:
             return _Trust(findings=(_contradicted(length_s, u_s, stated_s=stated_s),), midpoint_leads=True)
     if u_stated_s is not None:
         return _Trust()
-    if told is None:
+    if by_frames is None:
         what, within = (
             "the recordings' count_time is taken on trust, and half of its error is in trigger_delay; so is that nothing "
             "comes after the window",
@@ -328,8 +328,8 @@ def _trusted(told: Estimate | None, window: Window, *, u_middle_s: float) -> _Tr
         )
     else:
         what = "rig.toml states no u of the recordings' count_time: the wheel speeds confirm it"
-        within = f" within u = {1e6 * told.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
-    is_fine = told is not None and told.u(WINDOW) <= 2 * u_middle_s
+        within = f" within u = {1e6 * by_frames.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
+    is_fine = by_frames is not None and by_frames.u(WINDOW) <= 2 * u_middle_s
     return _Trust(
         findings=(
             Finding(
@@ -340,7 +340,7 @@ def _trusted(told: Estimate | None, window: Window, *, u_middle_s: float) -> _Tr
             ),
         ),
         not_held=() if is_fine else ("integration time (count_time)",),
-        midpoint_leads=told is None,
+        midpoint_leads=by_frames is None,
     )
 
 

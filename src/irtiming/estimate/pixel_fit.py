@@ -156,10 +156,10 @@ def _shared(recording: ReducedRecording, wheel: WheelModel, reference: Reference
     edges = wheel_harmonics.open_harmonics(wheel, _HIGHEST) * wheel_harmonics.later(
         omega * (reference.edge_delay_s - reference.edge_delay_s.mean()), n_harmonics=_HIGHEST
     )
-    seen = edges.sum(axis=0) - reference.blade * edges[2:].sum(axis=0)
+    modelled = edges.sum(axis=0) - reference.blade * edges[2:].sum(axis=0)
     step = frame_steps.step_rad(recording)
     mean = wheel_harmonics.later(np.array(omega * reference.edge_delay_s.mean()), n_harmonics=_HIGHEST)
-    return np.asarray(seen * mean * kind.memory.transfer(step, reference.memory, n_harmonics=_HIGHEST))
+    return np.asarray(modelled * mean * kind.memory.transfer(step, reference.memory, n_harmonics=_HIGHEST))
 
 
 def _iterated(
@@ -172,18 +172,18 @@ def _iterated(
         leak = found.contrast_dn * light.share * sums.leak.of(turned, light.reach_rad)
         target = sums.root @ sums.harmonics(leak)
         for _ in range(_STEPS):
-            seen, slopes = pixel.linearised(pixels, found)
-            left = target - sums.root @ _packed(seen)
+            modelled, slopes = pixel.linearised(pixels, found)
+            left = target - sums.root @ _packed(modelled)
             jacobian = np.matmul(sums.root, _packed(slopes[:n_free]))
             found = _stepped(found, jacobian, left)
-    seen, slopes = pixel.linearised(pixels, found)
+    modelled, slopes = pixel.linearised(pixels, found)
     jacobian = np.matmul(sums.root, _packed(slopes[:n_free]))
-    return found, sums.noise(leak), jacobian, target - sums.root @ _packed(seen)
+    return found, sums.noise(leak), jacobian, target - sums.root @ _packed(modelled)
 
 
 def _first(sums: SumsWithWaves, pixels: PixelLight, *, response_s: float) -> PixelNumbers:
     """Contrast and delay by the lowest order alone."""
-    harmonics = sums.harmonics(np.zeros((len(sums.seen) + len(sums.quiet), 1)))
+    harmonics = sums.harmonics(np.zeros((len(sums.signal) + len(sums.quiet), 1)))
     n, omega = pixels.orders.size, pixels.angular_frequency_rad_per_s
     n_pixels = harmonics.shape[1]
     start = PixelNumbers(

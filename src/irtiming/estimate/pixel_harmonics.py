@@ -4,7 +4,7 @@ Of a recording whose frames visit all wheel angles alike, the sums with two wave
 
 .. math:: p = X f + l(C, \delta) + \mathrm{noise}, \qquad \mathrm{cov} = \sigma^2 W W^T
 
-with f the harmonics of the seen orders, X the waves W times what those show in each frame, and l what leaks into the sums from
+with f the harmonics of the signal orders, X the waves W times what those show in each frame, and l what leaks into the sums from
 all other orders. The leak is what the wheel would show of them with the pixel's own contrast and delay, so it is small twice
 over: a few missing frames times the orders that are left out. The sums with quiet orders, rid of the
 leak and of what they share with the others, are noise alone; there are enough of them
@@ -30,7 +30,7 @@ _WORST = 1e-3  # least eigenvalue of the waves' products over their mean: below,
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Leak:
-    """What all orders but the seen ones would add to the sums, of pixels with a contrast of 1.
+    """What all orders but the signal ones would add to the sums, of pixels with a contrast of 1.
 
     ``spectrum`` (k, M + 1) is what each order of a point's light adds to each of the k sums.
     """
@@ -60,12 +60,12 @@ class Leak:
 class SumsWithWaves:
     """Sums of a recording, and the algebra of its waves.
 
-    Shapes, with s seen and q quiet orders: ``seen`` (2 s, p) and ``quiet`` (2 q, p) are the sums; ``shown`` (2 s, 2 s) is X,
-    ``shared`` (2 q, 2 s) takes from the quiet sums what they share with the seen ones, ``quiet_root`` makes them white.
+    Shapes, with s signal and q quiet orders: ``signal`` (2 s, p) and ``quiet`` (2 q, p) are the sums; ``shown`` (2 s, 2 s) is X,
+    ``shared`` (2 q, 2 s) takes from the quiet sums what they share with the signal ones, ``quiet_root`` makes them white.
     ``root`` (2 s, 2 s) makes harmonics white with the standard deviation of a pixel's noise.
     """
 
-    seen: Array
+    signal: Array
     quiet: Array
     shown: Array
     shared: Array
@@ -74,12 +74,12 @@ class SumsWithWaves:
     leak: Leak
 
     def harmonics(self, leak: Array) -> Array:
-        """Real parts of the seen harmonics, then minus their imaginary parts; shape (2 s, p); ``leak`` as of `Leak.of`."""
-        return np.asarray(np.linalg.solve(self.shown, self.seen - leak[: len(self.seen)]), float)
+        """Real parts of the signal harmonics, then minus their imaginary parts; shape (2 s, p); ``leak`` as of `Leak.of`."""
+        return np.asarray(np.linalg.solve(self.shown, self.signal - leak[: len(self.signal)]), float)
 
     def noise(self, leak: Array) -> Array:
         """Standard deviation of each pixel from frame to frame, shape (p,), by 2 q degrees of freedom."""
-        own = self.quiet - leak[len(self.seen) :] - self.shared @ (self.seen - leak[: len(self.seen)])
+        own = self.quiet - leak[len(self.signal) :] - self.shared @ (self.signal - leak[: len(self.signal)])
         return np.asarray(np.sqrt(np.mean((self.quiet_root @ own) ** 2, axis=0)))
 
 
@@ -121,15 +121,15 @@ def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: Complex
     left = gram[np.ix_(quiet_at, quiet_at)] - gram[np.ix_(quiet_at, signal_at)] @ between
     information = shown.T @ np.linalg.solve(gram[np.ix_(signal_at, signal_at)], shown)
     every = np.exp(1j * np.multiply.outer(np.arange(point.size), wheel_angle_rad))
-    told = (weight @ every.T) * point
-    told[:, np.concatenate([[0], waves.signal_orders])] = 0
+    spectrum = (weight @ every.T) * point
+    spectrum[:, np.concatenate([[0], waves.signal_orders])] = 0
     picked = np.concatenate([signal_at, quiet_at])
     return SumsWithWaves(
-        seen=waves.sums_dn[signal_at],
+        signal=waves.sums_dn[signal_at],
         quiet=waves.sums_dn[quiet_at],
         shown=shown,
         shared=between.T,
         quiet_root=np.linalg.inv(np.linalg.cholesky(left)),
         root=np.linalg.cholesky(information).T,
-        leak=Leak(spectrum=told[picked]),
+        leak=Leak(spectrum=spectrum[picked]),
     )

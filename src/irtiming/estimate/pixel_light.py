@@ -59,9 +59,9 @@ def light_of_pixels(sector: SectorFit, orders: Ticks, *, row_px: Ticks, column_p
     border = blurred_sector.images(points, waves, blur_px=shape.blur_of_axes_px, roi=roi)
     lit = [blurred_sector.with_glare(one, shape) for one in np.where(inside, even, border)]
     ring = sector.ring * _even(every, sector.ring_angle_rad, reach)
-    seen = ((1 - sector.plate) * np.array(lit) + ring)[:, *at]
+    light = ((1 - sector.plate) * np.array(lit) + ring)[:, *at]
     return LightOfPixels(
-        harmonics=seen[1:], share=seen[0].real, angle_rad=angle[at], reach_rad=reach[at], is_inside=inside[at]
+        harmonics=light[1:], share=light[0].real, angle_rad=angle[at], reach_rad=reach[at], is_inside=inside[at]
     )
 
 

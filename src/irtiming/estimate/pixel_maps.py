@@ -149,7 +149,7 @@ def _together(
 ) -> _Together:
     """Each recording's deviations from its own fit, weighted by what it tells, on top of the result of all."""
     n = parts[0].covariance.shape[1] - 1
-    information, told, sound = np.zeros((*shape, n, n)), np.zeros((*shape, n)), np.ones(shape, bool)
+    information, score, sound = np.zeros((*shape, n, n)), np.zeros((*shape, n)), np.ones(shape, bool)
     middle = float(np.average(parts[0].row_px, weights=1 / parts[0].covariance[:, 1, 1]))
     for part, reference in zip(parts, references, strict=True):
         less = [part.delay_s - middle * reference.row_delay_s, part.response_s - reference.response_s][:n]
@@ -157,12 +157,12 @@ def _together(
         at = part.row_px, part.column_px
         information[at] += own
         sound[at] &= part.is_sound
-        told[at] += np.einsum("pkl,lp->pk", own, np.array(less))
-    seen = information[..., 0, 0] > 0
+        score[at] += np.einsum("pkl,lp->pk", own, np.array(less))
+    is_determined = information[..., 0, 0] > 0
     covariance = np.full(information.shape, np.nan)
-    covariance[seen] = np.linalg.inv(information[seen])
-    values = np.full(told.shape, np.nan)
-    values[seen] = np.einsum("pkl,pl->pk", covariance[seen], told[seen])
+    covariance[is_determined] = np.linalg.inv(information[is_determined])
+    values = np.full(score.shape, np.nan)
+    values[is_determined] = np.einsum("pkl,pl->pk", covariance[is_determined], score[is_determined])
     level, u_level, row_delay = _level(fitted, references, middle=middle)
     rows = np.broadcast_to(np.arange(shape[0])[:, None], shape)
     constant, u_constant = _constant(fitted, references)
@@ -170,8 +170,8 @@ def _together(
         delay_s=values[..., 0] + level,
         lag_s=values[..., 1] + constant if n > 1 else None,
         covariance=covariance,
-        expected_s=np.where(seen, level + (rows - middle) * row_delay, np.nan),
-        is_sound=sound & seen,
+        expected_s=np.where(is_determined, level + (rows - middle) * row_delay, np.nan),
+        is_sound=sound & is_determined,
         fitted_row_delay_s=row_delay,
         u_common_s=u_level,
         u_common_lag_s=u_constant if n > 1 else None,
@@ -199,10 +199,10 @@ def _constant(fitted: Estimate, references: Sequence[Reference]) -> tuple[float,
 
 def _maps(found: _Together, parts: Sequence[PixelsOfRecording], *, first: _First, estimate: Estimate) -> PixelMaps:
     """All that there is, in images of the region of interest."""
-    seen, sound, box = np.isfinite(found.delay_s), np.nonzero(found.is_sound), first.box
+    is_determined, sound, box = np.isfinite(found.delay_s), np.nonzero(found.is_sound), first.box
     u_s, lag = np.sqrt(found.covariance[..., 0, 0]), _Lag.of(found)
-    every = _delays(found, first, at=np.nonzero(seen))
-    delays = every.some(found.is_sound[seen])
+    every = _delays(found, first, at=np.nonzero(is_determined))
+    delays = every.some(found.is_sound[is_determined])
     clock = map_patterns.row_clock(delays)
     strays = map_findings.deviating(
         delays, clock, lag_pulls=None if lag is None else lag.pulls[sound], noise_dn=first.noise_dn[sound]
@@ -220,18 +220,18 @@ def _maps(found: _Together, parts: Sequence[PixelsOfRecording], *, first: _First
         time_constant_s=None if lag is None else lag.value_s[box], u_time_constant_s=None if lag is None else lag.u_s[box],
         correlation=None if lag is None else (found.covariance[..., 0, 1] / (u_s * lag.u_s))[box],
         noise_dn=first.image(part.noise_dn), noise_degrees_of_freedom=part.n_quiet,
-        u_shape_s=first.at(np.nonzero(seen), u_shape_s), u_common_delay_s=found.u_common_s,
+        u_shape_s=first.at(np.nonzero(is_determined), u_shape_s), u_common_delay_s=found.u_common_s,
         u_common_time_constant_s=found.u_common_lag_s,
         is_border=first.image(part.is_border.astype(float)) == 1,
         is_dead=(recording.opening.bad & recording.opening.mask)[box],
-        is_deviating=(seen & ~found.is_sound)[box] | (first.at(sound, strays.astype(float)) == 1),
+        is_deviating=(is_determined & ~found.is_sound)[box] | (first.at(sound, strays.astype(float)) == 1),
         rows=means[0], columns=means[1],
         row_delay_s=clock.row_delay_s, u_row_delay_s=clock.u_row_delay_s, fitted_row_delay_s=found.fitted_row_delay_s,
-        unseen_row_px=np.flatnonzero(~seen.any(axis=1)),
+        unseen_row_px=np.flatnonzero(~is_determined.any(axis=1)),
         patterns=map_patterns.patterns(delays, clock),
         reduced_chi_square=_reduced_chi_square(parts), n_recordings=len(parts),
     )  # fmt: skip
-    return map_findings.told(made, delays, clock=clock)
+    return map_findings.with_findings(made, delays, clock=clock)
 
 
 def _delays(found: _Together, first: _First, *, at: Places) -> MappedDelays:

@@ -79,7 +79,7 @@ class PixelSums:
     ``kept`` (n_frame,) are the frames that count, ``levels`` how those drift.
     ``unit_dn`` is a first guess of the step, by which residuals are divided: a fitted one would let them vanish by growing.
     ``noise`` is the standard deviation of a residual in that unit. ``tails_s`` are the time constants of what comes after the
-    window, by the names of the local numbers that say how much it is; none where nobody thinks of it.
+    window, by the names of the local numbers that say how much it is; none by default.
     """
 
     reduced: ReducedRecording
@@ -107,7 +107,7 @@ class PixelSums:
     def angle(self, delay_s: float, *, earlier: int = 0) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,).
 
-        ``earlier`` is by how many triggers; before the wheel was seen it has turned evenly.
+        ``earlier`` is by how many triggers; before the wheel was recorded it has turned evenly.
         """
         ticks, set_s = self.reduced.trigger_ticks, self.reduced.trigger_delay_time_set_s
         period = float(np.median(np.diff(ticks)))
@@ -171,8 +171,8 @@ class PixelSums:
             named = dict(zip(pixel_sum.SMALL, amounts.tolist(), strict=True))
             now, then = (pixel_sum.slopes(one, **named) for one in (passing, before))
             found = {name: (1 - share) * now[name] + share * then[name] for name in now}
-            told = [one.fraction + one.small @ amounts for one in made]
-            found[MEMORY] = told[1] - told[0]
+            later = [one.fraction + one.small @ amounts for one in made]
+            found[MEMORY] = later[1] - later[0]
             taken = [per_unit.get(name, (name, 1.0)) for name in numbers]
             return np.stack([unit * step * found[name] for name, unit in taken], axis=1) / self.noise
 
@@ -231,7 +231,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
 
 
 def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
-    """Delay of the window's middle as seen from each of the four wheel edges, from one recording alone.
+    """Delay of the window's middle by each of the four wheel edges, from one recording alone.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
 _N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
-_LEAST = 1e-4  # of the contrast: less is not told from none
+_LEAST = 1e-4  # of the contrast: less is taken for none
 
 
 def spread(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, Array]:

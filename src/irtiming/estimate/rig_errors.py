@@ -41,7 +41,7 @@ class RigErrors:
     clock
         Relative error of the clock, which the recordings' times already know, and its standard uncertainty.
     u_window_s
-        Of the integration time that the recordings state; None where nobody knows it.
+        Of the integration time that the recordings state; None where unknown.
     window_tail
         What is known of what comes after the window; None of a camera without one, and where the window is taken on trust.
     frame_memory

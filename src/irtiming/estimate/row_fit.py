@@ -29,9 +29,9 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
-_DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel is seen slowly
+_DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
 _SIGNIFICANT = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
-_RANK = 1e-6  # relative: amounts of a sway that are less told stay where they are
+_RANK = 1e-6  # relative: amounts of a sway that are determined worse stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
@@ -120,10 +120,12 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     model = (packed(whole) @ waves).T
     residual, fraction = _residuals(task, found, model)
     mass, noise = np.asarray(light.harmonics[:, 0].real, dtype=float), np.std(fraction - model, axis=0)
-    told = _scores(task, found, residual=residual, waves=waves, swaying=_swaying(task, model))
-    covariance, variance_inflation = robust_covariance(told.timing[np.argsort(np.mod(task.angle, TURN))], told.normal)
+    scored = _scores(task, found, residual=residual, waves=waves, swaying=_swaying(task, model))
+    covariance, variance_inflation = robust_covariance(
+        scored.timing[np.argsort(np.mod(task.angle, TURN))], scored.normal
+    )
     if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
-        covariance = inflated_in_time(covariance, told.timing, normal=told.normal)
+        covariance = inflated_in_time(covariance, scored.timing, normal=scored.normal)
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
@@ -138,7 +140,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         step_rad=task.model.step_rad,
         undone=task.model.undone,
         blades_apart=task.model.blades_apart,
-        sway=None if task.sway is None else task.sway.moved(_DAMPED * told.sway_step),
+        sway=None if task.sway is None else task.sway.moved(_DAMPED * scored.sway_step),
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
@@ -327,17 +329,17 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, sway
         for k, slope in enumerate(slopes):
             free = slope - (np.einsum("yp,yp->y", through, slope) / norm)[:, None] * shape
             free[:, 0] -= free @ mean
-            seen = free.astype(np.float32) @ own_waves
-            taken[k] = np.einsum("yn,yn->y", seen, alone)
-            seen -= taken[k][:, None].astype(np.float32) * alone
-            scores[part, k] = np.einsum("yn,yn->n", seen, weighted)
-            mixed[k] += np.einsum("jyn,yn->j", sways, seen)
+            swayed = free.astype(np.float32) @ own_waves
+            taken[k] = np.einsum("yn,yn->y", swayed, alone)
+            swayed -= taken[k][:, None].astype(np.float32) * alone
+            scores[part, k] = np.einsum("yn,yn->n", swayed, weighted)
+            mixed[k] += np.einsum("jyn,yn->j", sways, swayed)
         lost += (taken * weight * gain) @ taken.T
     return _without_sway(scores, beside, normal=found.normal - lost, mixed=mixed, own=own)
 
 
 def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array) -> _Scores:
-    """Timing and sway together by least squares, seen from either; ``mixed`` (k, j) and ``own`` (j, j) are normal equations."""
+    """Timing and sway together by least squares, each free of the other: ``mixed`` (k, j) and ``own`` (j, j) normal equations."""
     scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))
     taken = mixed / scale @ np.linalg.pinv(own / np.outer(scale, scale), rcond=_RANK, hermitian=True) / scale
     of_timing = np.linalg.solve(normal, mixed)

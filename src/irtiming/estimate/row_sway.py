@@ -36,10 +36,10 @@ def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: A
     if before is not None and before.n_looks >= _LOOKS:
         return before
     weight = fit.noise**-2.0 / np.sum(fit.noise**-2.0)
-    moving, seen, per_offset = fit.model @ weight, fit.fraction @ weight, float(pixels @ weight)
+    moving, measured, per_offset = fit.model @ weight, fit.fraction @ weight, float(pixels @ weight)
     if before is not None:
         known = before.of(fit.kept)
-        seen = seen + (known.relative_gain - 1) * moving + known.offset_change * per_offset
+        measured = measured + (known.relative_gain - 1) * moving + known.offset_change * per_offset
     offsets, gains = list[Array](), list[Array]()
     amounts: tuple[list[Array], list[Array]] = ([np.zeros(0)], [np.zeros(0)])
     for number in np.unique(segment):
@@ -49,7 +49,9 @@ def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: A
             own = part[fit.kept]
             place = trigger_ticks / max(1, int(np.ptp(trigger_ticks[kept])))
             place = place - place[kept][0]
-            found = drifting_levels.choose(seen[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept])
+            found = drifting_levels.choose(
+                measured[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept]
+            )
             offsets.append(_over_all(found.drift, place, kept=kept, part=part))
             gains.append(_over_all(found.gain, place, kept=kept, part=part))
             amounts[0].append(_amounts(found.drift, found.offset_change / per_offset))
@@ -151,8 +153,8 @@ def steadied(row_sums: Array, expected: Array, *, sway: Sway, pixels: Array, str
     change = (sway.relative_gain - 1)[:, None] * expected + sway.offset_change[:, None] * pixels
     for part in stretches:
         if np.ptp(change[part]) > 0:
-            seen = _centred(expected[part] + change[part])
-            found[part] -= _products(seen, _centred(row_sums[part])) / _products(seen, seen) * change[part]
+            centred = _centred(expected[part] + change[part])
+            found[part] -= _products(centred, _centred(row_sums[part])) / _products(centred, centred) * change[part]
     return without(own_columns(sway, expected, stretches=stretches), found, stretches=stretches)
 
 

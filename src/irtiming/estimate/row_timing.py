@@ -141,14 +141,14 @@ def _minimum(
 ) -> tuple[Minimum, _Projected]:
     """Where the search ended, and the rows there."""
     ordered = {name: start[name] for name in model.names}
-    seen: list[_Projected] = []
+    last: list[_Projected] = []
 
-    def told(timing: Timing) -> Linearised:
-        seen[:] = [_project(data, model, timing)]
-        return condensed(deviance=seen[0].deviance, gradient=seen[0].gradient, normal=seen[0].normal)
+    def model_at(timing: Timing) -> Linearised:
+        last[:] = [_project(data, model, timing)]
+        return condensed(deviance=last[0].deviance, gradient=last[0].gradient, normal=last[0].normal)
 
-    found = minimise(told, start=ordered, held=held)
-    return found, seen[0]  # where a search ends is the last place that it looks at
+    found = minimise(model_at, start=ordered, held=held)
+    return found, last[0]  # where a search ends is the last place that it looks at
 
 
 def _project(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> _Projected:
@@ -159,8 +159,8 @@ def _project(data: Sequence[HarmonicData], model: RowSum, timing: Timing) -> _Pr
     gains, normals, gradients, left, least = [], [], [], np.zeros(n_row), np.zeros(n_row)
     for part in data:
         white = part.white
-        seen = (columns.reshape(n_row * n_column, -1) @ white.root.T).reshape(n_row, n_column, -1)
-        shape, slope = seen[:, :1], seen[:, 1:]
+        whitened = (columns.reshape(n_row * n_column, -1) @ white.root.T).reshape(n_row, n_column, -1)
+        shape, slope = whitened[:, :1], whitened[:, 1:]
         norm = np.maximum(np.einsum("yik,yik->y", shape, shape), 1e-300)
         gain = np.einsum("yik,yk->y", shape, white.target) / norm
         residual = white.target - gain[:, None] * shape[:, 0]
@@ -194,26 +194,26 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
     part = max(data, key=lambda one: one.n_frames)
     most = (part.gram.shape[0] - 1) // 2
     amplitude = np.linalg.solve(part.gram[1:, 1:] + 1e-9 * np.trace(part.gram) * np.eye(2 * most), part.moment[:, 1:].T)
-    seen = amplitude[1] - 1j * amplitude[most + 1]
-    if not np.all(np.isfinite(seen)) or not np.any(seen):
+    wave = amplitude[1] - 1j * amplitude[most + 1]
+    if not np.all(np.isfinite(wave)) or not np.any(wave):
         raise EstimationError(
             "the row sums do not change with the wheel; check the recording and its region of interest"
         )
     tried = [held[response]] if response in held else (2 / omega * _RESPONSE_TURNS).tolist()
     trials = [
-        _by_phases(seen, model, sign=sign, held={response: value, memory: held[memory]})
+        _by_phases(wave, model, sign=sign, held={response: value, memory: held[memory]})
         for value in tried
         for sign in signs  # the other one is half a period of the second harmonic later
     ]
     return min(trials, key=lambda timing: _project(data, model, timing).deviance)
 
 
-def _by_phases(seen: Array, model: RowSum, *, sign: int, held: Timing) -> Timing:
+def _by_phases(wave: Array, model: RowSum, *, sign: int, held: Timing) -> Timing:
     """Delay of all edges, and row delay if there is one, that give the rows' second harmonic (n_row,) its phases."""
     omega, readout = model.angular_frequency_rad_per_s, model.camera.readout.PARAMETERS
     blades = [name for name in BLADES if name in model.names]
     at_once = dict.fromkeys((*EDGE_DELAYS, *blades, *readout), 0.0) | dict(held)
-    turned = sign * seen * row_sum.harmonics(model.lowest(2), at_once)[:, 2].conj()
+    turned = sign * wave * row_sum.harmonics(model.lowest(2), at_once)[:, 2].conj()
     phase = np.angle(np.sum(turned))
     rows = np.angle(turned * np.exp(-1j * phase))
     slope, level = np.polyfit(model.row_px, rows, 1, w=np.sqrt(np.abs(turned))) if readout else (0.0, 0.0)

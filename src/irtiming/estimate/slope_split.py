@@ -3,7 +3,7 @@ r"""Delay by falling slopes minus delay by rising ones, as a constant time and a
 .. math:: \delta(\omega) = t + a / \omega
 
 A mask edge that is not where it seems, an edge of a cutout that is off, a warm blade: each is an angle, a. A detector that
-remembers the frame before, or settles more slowly one way, is a time, t. At one wheel speed nobody can tell them apart; Schatz
+remembers the frame before, or settles more slowly one way, is a time, t. At one wheel speed they cannot be distinguished; Schatz
 2023, 3.1.5 has 78.8 us at 3 Hz, "cause not apparent".
 """
 

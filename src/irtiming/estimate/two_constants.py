@@ -174,8 +174,8 @@ def _relative(share: float, blackbody_k: Array, around: PixelSurroundings) -> tu
     model = TwoConstants(
         substrate_time_constant_s=1 / (1 - share), scene_time_constant_s=1 / share if share > 0 else np.inf
     )
-    seen = np.array([*blackbody_k, around.wheel_temperature_k])
-    steady = steady_temperature(model, seen, substrate_temperature_k=around.substrate_temperature_k)
+    temperatures_k = np.array([*blackbody_k, around.wheel_temperature_k])
+    steady = steady_temperature(model, temperatures_k, substrate_temperature_k=around.substrate_temperature_k)
     exposed, covered = steady[:-1], np.full(len(blackbody_k), steady[-1])
     middle = (exposed + covered) / 2
     bend = _BENT * bending(model, exposed, second_k=covered) ** 2
@@ -187,11 +187,11 @@ def _surroundings(effective: EffectiveTimeConstants, substrate_k: float, wheel_k
         return PixelSurroundings(
             substrate_temperature_k=substrate_k, wheel_temperature_k=wheel_k, wheel_temperature_from="you"
         )
-    seen = _wheel_by_contrast(effective)
+    by_contrast = _wheel_by_contrast(effective)
     return PixelSurroundings(
         substrate_temperature_k=substrate_k,
-        wheel_temperature_k=_ASSUMED_WHEEL_K if seen is None else seen,
-        wheel_temperature_from="assumption" if seen is None else "contrast",
+        wheel_temperature_k=_ASSUMED_WHEEL_K if by_contrast is None else by_contrast,
+        wheel_temperature_from="assumption" if by_contrast is None else "contrast",
     )
 
 
@@ -216,8 +216,8 @@ def _least_share(problem: _Problem) -> float | None:
         return None
     slopes = np.gradient(problem.scan, _SHARES, axis=0)
     u = np.array([np.sqrt(problem.spread(h, slope)[1, 1]) for h, slope in zip(problem.scan, slopes, strict=True)])
-    told = _SHARES[1:][u[1:] < _UNDETERMINED * _SHARES[1:]]
-    return float(told[0]) if told.size else None
+    determined = _SHARES[1:][u[1:] < _UNDETERMINED * _SHARES[1:]]
+    return float(determined[0]) if determined.size else None
 
 
 def _estimate(problem: _Problem, share: float) -> Estimate:
@@ -232,7 +232,7 @@ def _estimate(problem: _Problem, share: float) -> Estimate:
 
 
 def of_result(result: Result, *, choices: Choices) -> TwoConstantsResult | None:
-    """Constants of substrate and scene, where a person says how warm the substrate is; None where nobody does.
+    """Constants of substrate and scene, where the substrate's temperature is stated; else None.
 
     Parameters
     ----------

@@ -24,9 +24,7 @@ DISTANCE, HEIGHT, BESIDE = (
 _LARGEST_ROLL_RAD = np.radians(
     5.0
 )  # a camera that is set up by eye stands straighter; a bubble level tells a tenth of it
-_BY_CHANCE = (
-    4.0  # standard uncertainties of an angle that an instrument told: by chance once in the life of a laboratory
-)
+_BY_CHANCE = 4.0  # standard uncertainties of an angle by an instrument: by chance once in the life of a laboratory
 _RULER_M = 2e-3  # half of what one slot more between the gates makes; a ruler in a hand is better
 _IDEAL_EDGES: EdgeAngles = (0.0, TURN / 4, TURN / 2, 3 * TURN / 4)
 
@@ -174,9 +172,9 @@ def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None
         u = float(np.sqrt(np.mean([e.standard_uncertainty**2 for e in stated])))
         values = (stated[0].value, stated[1].value, stated[2].value, stated[3].value)
         return values, u or None, "rig.toml", ()
-    seen = [track.application_edges_rad for track in tracks if track.application_edges_rad is not None]
-    if seen:
-        a, b, c, d = (float(angle) for angle in np.mean(seen, axis=0))
+    edges_rad = [track.application_edges_rad for track in tracks if track.application_edges_rad is not None]
+    if edges_rad:
+        a, b, c, d = (float(angle) for angle in np.mean(edges_rad, axis=0))
         return (a, b, c, d), None, "application_edges of the recordings", ()
     doubt = Finding(
         code="edges-taken-as-ideal",

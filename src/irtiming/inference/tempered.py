@@ -98,8 +98,6 @@ class _Crowd:
             length[self.rng.random(half) < _FULL_JUMPS] = 1.0
             new = self.at[own] + length[:, None] * (self.at[other][first] - self.at[other][second])
             log_density = self.likelihood(new)
-            gain = share * (log_density - self.log_density[own]) - 0.5 * np.sum(
-                new**2 - self.at[own] ** 2, axis=1
-            )
+            gain = share * (log_density - self.log_density[own]) - 0.5 * np.sum(new**2 - self.at[own] ** 2, axis=1)
             taken = np.log(self.rng.random(half)) < gain
             self.at[own][taken], self.log_density[own][taken] = new[taken], log_density[taken]

@@ -42,7 +42,7 @@ def fit(
     Notes
     -----
     Harmonics of the wheel angle are fitted beside the drift. Sampled once a frame, some of them may look as slow as a drift:
-    167 samples of 1000 from frame to frame make a beat of two periods a run of order 6. Then the two cannot be told apart, and
+    167 samples of 1000 from frame to frame make a beat of two periods a run of order 6. Then the two cannot be distinguished, and
     it takes a level that does not follow the wheel, fitted without harmonics.
     Cubic splines with 1, 2, 4.. intervals, none shorter than 5 s, against the straight line: the Bayesian information
     criterion chooses. Huber weights keep single frames from bending the curve.

@@ -52,7 +52,7 @@ def reduce(
         )
     is_instant = (recording.camera_type, recording.readout_mode) == ("photon", "snapshot")
     recipe = pixel_sums if is_instant else row_sums
-    with suspicions.told(recording, rig, choices=choices):
+    with suspicions.explained(recording, rig, choices=choices):
         reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before, maps=maps)
         clipping.refuse(recording, reduced.opening.mask)
     if before is not None:

@@ -1,6 +1,6 @@
 r"""Whether frames belong to the triggers that their numbers say: short blocks of a run against all of it.
 
-A frame is lost, or delivered twice, and nobody counts it: from then on each frame is given the trigger before or after its own.
+A frame is lost, or delivered twice, uncounted: from then on each frame is given the trigger before or after its own.
 The light of some ten frames follows the wheel in a wave :math:`\exp(2 i \theta)`, since two cutouts pass in a turn. Where frames
 are given triggers k before their own, and the wheel turns by :math:`\Delta` from one trigger to the next, its phase is off by
 :math:`2 k \Delta`: much more than the noise of a block, so that a block tells k to a whole number.

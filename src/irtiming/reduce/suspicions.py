@@ -24,7 +24,7 @@ _LIVELIEST = 0.995
 
 
 @contextmanager
-def told(recording: Recording, rig: Rig, *, choices: Choices) -> Iterator[None]:
+def explained(recording: Recording, rig: Rig, *, choices: Choices) -> Iterator[None]:
     """A refusal within is raised with the doubts about the run.
 
     Parameters
@@ -45,7 +45,7 @@ def told(recording: Recording, rig: Rig, *, choices: Choices) -> Iterator[None]:
 
 
 def of(recording: Recording, rig: Rig, *, choices: Choices) -> tuple[Finding, ...]:
-    """Doubts about the run, by the light of its liveliest pixels; none where that cannot be told.
+    """Doubts about the run, by the light of its liveliest pixels; none where that cannot be decided.
 
     Parameters
     ----------
@@ -54,10 +54,10 @@ def of(recording: Recording, rig: Rig, *, choices: Choices) -> tuple[Finding, ..
     """
     try:
         angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
-        seen = sample_frames.look(recording, angles.angle_rad, correct=nonuniformity.correction(recording))
+        sample = sample_frames.look(recording, angles.angle_rad, correct=nonuniformity.correction(recording))
     except IrTimingError:
         return ()
-    swing = seen.raw.std(axis=0, dtype=np.float32)
+    swing = sample.raw.std(axis=0, dtype=np.float32)
     lively = np.asarray(swing >= _LIVELY * np.quantile(swing, _LIVELIEST))
     return steadiness.findings(angles, rig, light_dn=_light(recording, lively))
 

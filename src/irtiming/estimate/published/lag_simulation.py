@@ -205,8 +205,8 @@ def _run(target: Array, z: float, out: Array) -> None:
     drawn = np.zeros(out.size)  # what the steps from one sample to the next make of 0
     for sample in range(out.size):
         for step in range(sample * STEPS_PER_SAMPLE, (sample + 1) * STEPS_PER_SAMPLE):
-            seen = at_start * target[2 * step] + at_middle * target[2 * step + 1] + at_end * target[2 * step + 2]
-            drawn[sample] = keep * drawn[sample] + seen
+            exposed = at_start * target[2 * step] + at_middle * target[2 * step + 1] + at_end * target[2 * step + 2]
+            drawn[sample] = keep * drawn[sample] + exposed
     kept = keep**STEPS_PER_SAMPLE
     value = START
     for _ in range(TURNS):

@@ -23,7 +23,7 @@ def relative_delays(fits: list[PublishedFit]) -> tuple[RelativeDelay, ...]:
 
     Notes
     -----
-    A larger delay shifts the curve to smaller angles: the same state of the wheel is seen in frames triggered earlier.
+    A larger delay shifts the curve to smaller angles: the same state of the wheel appears in frames triggered earlier.
     """
     entries = []
     for fit in fits:

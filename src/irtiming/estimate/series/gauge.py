@@ -88,13 +88,13 @@ def studies(points: Sequence[CampaignPoint]) -> tuple[tuple[GaugeStudy, ...], st
     ]  # fmt: skip
     found = []
     for name in names:
-        told = [[[each.point.parameters[name] for each in cell] for cell in row] for row in used]
-        values = np.array([[[one.value for one in cell] for cell in row] for row in told])
+        given = [[[each.point.parameters[name] for each in cell] for cell in row] for row in used]
+        values = np.array([[[one.value for one in cell] for cell in row] for row in given])
         own = [
             max(0.0, one.standard_uncertainty**2 - sum(c**2 for c in one.common.values()))
-            for row in told for cell in row for one in cell
+            for row in given for cell in row for one in cell
         ]  # fmt: skip
-        unit = told[0][0][0].unit
+        unit = given[0][0][0].unit
         found.append(study(values, parameter=name, unit=unit, rms_u_own=float(np.sqrt(np.mean(own)))))
     words = f"{left} of {len(points)} results are not in the study, which must be balanced" if left else ""
     return tuple(found), words

@@ -86,14 +86,14 @@ def _over(group: list[SettingPoint], setting: SettingName, *, name: str) -> list
     points = [one for one in group if name in one.parameters]
     if len(points) < 2 or is_same_setting(_x(points[0], setting), _x(points[-1], setting)):
         return []
-    told = [one.parameters[name] for one in points]
-    x, y = np.array([_x(one, setting) for one in points]), np.array([one.value for one in told])
-    u = np.array([one.standard_uncertainty for one in told])
-    covariance = common_inputs.covariance(u, [one.common for one in told])
+    given = [one.parameters[name] for one in points]
+    x, y = np.array([_x(one, setting) for one in points]), np.array([one.value for one in given])
+    u = np.array([one.standard_uncertainty for one in given])
+    covariance = common_inputs.covariance(u, [one.common for one in given])
     step = weighted_line.step(x, y, covariance=covariance)
     return [
         OverSetting(
-            parameter=name, unit=told[0].unit, event=told[0].event, setting=setting, points=tuple(points), x=x, values=y,
+            parameter=name, unit=given[0].unit, event=given[0].event, setting=setting, points=tuple(points), x=x, values=y,
             covariance=covariance, level=weighted_line.level(y, covariance=covariance),
             line=weighted_line.line(x, y, covariance=covariance),
             step=step if step is not None and step.p_value < _CLEAR_STEP else None,

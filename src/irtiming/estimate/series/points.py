@@ -57,8 +57,8 @@ def point(result: Result, *, label: str) -> SettingPoint:
 
 
 def _settings(result: Result, label: str) -> dict[SettingName, float | str]:
-    """Those that all recordings agree on; none that nobody says."""
-    told: dict[SettingName, list[float | str | None]] = {
+    """Those that all recordings agree on; none where it is not stated."""
+    stated: dict[SettingName, list[float | str | None]] = {
         "integration_time": [one.integration_time for one in result.inputs],
         "frame_period": [one.frame_period for one in result.inputs],
         "internal_delay_set": [one.settings.internal_delay_set for one in result.inputs],
@@ -67,9 +67,9 @@ def _settings(result: Result, label: str) -> dict[SettingName, float | str]:
         "gain_setting": [one.settings.gain_setting for one in result.inputs],
     }
     if result.camera != "photon":
-        del told["integration_time"]
+        del stated["integration_time"]
     found: dict[SettingName, float | str] = {}
-    for name, values in told.items():
+    for name, values in stated.items():
         known = [value for value in values if value is not None]
         if not known:
             continue

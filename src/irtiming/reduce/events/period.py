@@ -1,4 +1,4 @@
-"""The period of a grid of stamps, told by the light as well: it follows the wheel equally late in all parts of a run.
+"""The period of a grid of stamps, determined by the light as well: it follows the wheel equally late in all parts of a run.
 
 A few hundred arrivals tell where the middle of their grid lies much better than how fast it runs; the light in each quarter of
 the run tells that again, by the wheel. Both are put together by their uncertainties, and the grid is turned about its middle:

@@ -22,19 +22,19 @@ def placed(recording: Recording) -> Recording:
     Raises
     ------
     ReductionError
-        If the events of its frames cannot be told.
+        If the events of its frames cannot be determined.
     """
     if recording.frame_event == "trigger" or recording.events is not None:
         return recording
     found = (strobe if recording.frame_event == "strobe" else stamps).place(recording)
-    told = tuple(replace(one, recording=recording.name) for one in found.events.findings)
+    findings = tuple(replace(one, recording=recording.name) for one in found.events.findings)
     return replace(
         recording,
         camera_trigger_ticks=found.ticks,
         frame_number=found.frame_number,
         camera_period_ticks=None,
-        events=replace(found.events, findings=told),
-        findings=(*recording.findings, *told),
+        events=replace(found.events, findings=findings),
+        findings=(*recording.findings, *findings),
     )
 
 

@@ -2,7 +2,7 @@
 
 A camera that runs free makes its frames regularly, by its own clock; what scatters is the stamp. So the events are a grid of one
 period, the median line of `inference.stamp_line`: half of the stamps are late, half early, and the tail of late arrivals does not
-move it. For arrivals the event is thus the median arrival, and how they scatter about it is told beside the delay.
+move it. For arrivals the event is thus the median arrival, and how they scatter about it is reported beside the delay.
 """
 
 import numpy as np
@@ -135,14 +135,14 @@ def _grid(number: Ticks, time_s: Array, *, name: str) -> StampLine:
 
 def _findings(recording: Recording, found: StampLine, links: dict[str, Relation], *, source: str) -> list[Finding]:
     late_s, wide_s = (float(np.quantile(found.deviation_s, share)) for share in (0.99, 0.95))
-    told = ", ".join(
+    clocks_known = ", ".join(
         f"the {one} within {readable_time(float(f'{link.u_offset_s:.2g}'))}" for one, link in links.items()
     )
     kind = "arrivals" if recording.frame_event == "arrival" else "stamps"
     what = (
         f"the event of a frame is its place on the grid of the {kind} (frames counted by {source}): 5 of 100 come more than "
         f"{readable_time(float(f'{wide_s:.2g}'))} later, 1 of 100 more than {readable_time(float(f'{late_s:.2g}'))}; the "
-        f"computer's clock is known (u) against {told}"
+        f"computer's clock is known (u) against {clocks_known}"
     )
     findings = [Finding(code="event-grid", severity="info", what=what)]
     if found.bend > _BENT:

@@ -50,7 +50,7 @@ def place(recording: Recording) -> Placed:
     Raises
     ------
     ReductionError
-        If there are fewer edges than frames, the edges are not regular, or lost frames cannot be told.
+        If there are fewer edges than frames, the edges are not regular, or lost frames cannot be recognised.
     """
     edges = recording.camera_input_ticks
     n_frames = recording.frames.shape[0]
@@ -116,16 +116,16 @@ def _first_edge(
             f"each of {numbered.number.size} frames has its strobe edge: as many as the camera made, by {numbered.source}"
         )
     stamps, period_s = stamps_s(recording), float(np.median(np.diff(edge_s)))
-    told = None if stamps is None else _by_pattern(stamps, edge_s, numbered.number, spare=spare)
+    paired = None if stamps is None else _by_pattern(stamps, edge_s, numbered.number, spare=spare)
     latency_s = clocks.arrival_after_s(recording, edge_s[numbered.number])
     last = spare if latency_s is None else int(np.clip(np.floor(latency_s / period_s), 0, spare))
-    if told is not None and told.ahead > _SURE:
+    if paired is not None and paired.ahead > _SURE:
         what = (
             f"of {spare + 1} ways to pair frames and strobe edges the camera's stamps tell one: they scatter by "
-            f"{readable_time(float(f'{told.scatter_s:.2g}'))} from its edges, by {readable_time(float(f'{told.second_s:.2g}'))} "
-            "from those of the second best"
+            f"{readable_time(float(f'{paired.scatter_s:.2g}'))} from its edges, by "
+            f"{readable_time(float(f'{paired.second_s:.2g}'))} from those of the second best"
         )
-        return told.first, _paired(what)
+        return paired.first, _paired(what)
     first = 0 if latency_s is None else last
     chosen = "the first edge is taken for the first frame" if latency_s is None else (
         "the last edge before the frames' arrival is taken"

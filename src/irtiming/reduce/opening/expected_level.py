@@ -117,7 +117,7 @@ def _consensus(angle: Array, level: Array) -> Array:
             continue
         fit = np.linalg.solve(design[three], level[three])
         if not _LEAST_WAVE * swing < np.hypot(fit[1], fit[2]) < _MOST_WAVE * swing:
-            continue  # a closed shutter is level: it must not pass for the scene, however often it is seen
+            continue  # a closed shutter is level: it must not pass for the scene, however often it is there
         beside = np.abs(level - design @ fit)
         cost = float(np.sum(np.minimum(beside, coarse) ** 2))
         if cost < best_cost:

@@ -70,18 +70,18 @@ def find(
     Raises
     ------
     ReductionError
-        If no opening is seen, most frames show something else, or the image cuts the opening.
+        If no opening is found, most frames show something else, or the image cuts the opening.
     """
     name = recording.name
-    seen = sample_frames.look(recording, wheel_angle_rad, correct=correct)
-    good = np.ones(seen.place.size, bool)
+    sample = sample_frames.look(recording, wheel_angle_rad, correct=correct)
+    good = np.ones(sample.place.size, bool)
     for _ in range(2):  # the second time without the frames that do not show the scene
-        outline = wheel_contrast.outline(seen, good, threshold_level=choices.threshold_level, name=name)
+        outline = wheel_contrast.outline(sample, good, threshold_level=choices.threshold_level, name=name)
         if before is not None and mask_shape.is_in_place(outline.mask, before.mask):
             outline = replace(outline, mask=before.mask, border_px=before.border_px)
         quiet = _quiet(outline) & ~correct.bad
-        seen = _with_common_level(seen, quiet)
-        expected = _expected(seen, outline.mask, name)
+        sample = _with_common_level(sample, quiet)
+        expected = _expected(sample, outline.mask, name)
         good = expected.good
         if good.all():
             break
@@ -90,14 +90,14 @@ def find(
     roi = choices.roi or mask_shape.box(outline.mask, margin=border + _MARGIN_PX, name=name)
     mask_shape.check_roi(roi, summed, name=name)
     picked = np.flatnonzero(good)[:: max(1, int(good.sum()) // _CLOSER_LOOK)]
-    live = seen.values[picked]
+    live = sample.values[picked]
     bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed) | (correct.bad & summed)
     _refuse_few_rows(outline.mask & ~bad, name)
-    _refuse_saturation(live if correct.is_none else seen.raw[picked], outline.mask & ~bad, recording)
-    expected = _expected(seen, outline.mask & ~bad, name)
+    _refuse_saturation(live if correct.is_none else sample.raw[picked], outline.mask & ~bad, recording)
+    expected = _expected(sample, outline.mask & ~bad, name)
     surroundings = 0.0 if quiet.any() else float(np.median(live[:, ~summed]))
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
-    bright, dark = _extreme_frames(seen, expected.good, outline.mask & ~bad)
+    bright, dark = _extreme_frames(sample, expected.good, outline.mask & ~bad)
     opening = Opening(
         roi=roi, open_frame_dn=dark if colder else bright, covered_frame_dn=bright if colder else dark, mask=outline.mask,
         summed=summed, weight=dead_pixels.row_weights(summed, bad), border_px=border, bad=bad, blackbody_is_colder=bool(colder),
@@ -105,13 +105,13 @@ def find(
     noise, found = sample_frames.noise_dn(live, ~summed), _doubts(recording, summed, bad)
     return Sighting(
         opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found,
-        places=motion.places(_sampled(seen, expected.good, n_frames=recording.frames.shape[0]), opening),
+        places=motion.places(_sampled(sample, expected.good, n_frames=recording.frames.shape[0]), opening),
     )  # fmt: skip
 
 
-def _sampled(seen: SampleFrames, good: Mask, *, n_frames: int) -> SampledFrames:
-    index = np.rint(seen.place * n_frames).astype(np.int64)
-    return SampledFrames(values=seen.values, angle_rad=seen.wheel_angle_rad, index=index, good=good)
+def _sampled(sample: SampleFrames, good: Mask, *, n_frames: int) -> SampledFrames:
+    index = np.rint(sample.place * n_frames).astype(np.int64)
+    return SampledFrames(values=sample.values, angle_rad=sample.wheel_angle_rad, index=index, good=good)
 
 
 def _quiet(outline: Outline) -> Mask:
@@ -129,13 +129,13 @@ def _quiet(outline: Outline) -> Mask:
     return np.asarray(quiet & thin)
 
 
-def _with_common_level(seen: SampleFrames, quiet: Mask) -> SampleFrames:
+def _with_common_level(sample: SampleFrames, quiet: Mask) -> SampleFrames:
     """The sample with the mean of the quiet pixels as common level, zero where there are none."""
-    return replace(seen, common_dn=sample_frames.mean_within(seen.values, quiet))
+    return replace(sample, common_dn=sample_frames.mean_within(sample.values, quiet))
 
 
-def _expected(seen: SampleFrames, mask: Mask, name: str) -> ExpectedLevel:
-    expected = expected_level.learn(seen.wheel_angle_rad, seen.place, level_dn=seen.level(mask))
+def _expected(sample: SampleFrames, mask: Mask, name: str) -> ExpectedLevel:
+    expected = expected_level.learn(sample.wheel_angle_rad, sample.place, level_dn=sample.level(mask))
     if expected.good.mean() < _LIVE_SHARE:
         raise ReductionError(
             f"{name}: only {expected.good.mean():.0%} of the sample frames show what the wheel angle demands, at "
@@ -144,15 +144,16 @@ def _expected(seen: SampleFrames, mask: Mask, name: str) -> ExpectedLevel:
     return expected
 
 
-def _extreme_frames(seen: SampleFrames, good: Mask, mask: Mask) -> tuple[Array, Array]:
+def _extreme_frames(sample: SampleFrames, good: Mask, mask: Mask) -> tuple[Array, Array]:
     """Mean of the brightest and of the darkest good frames, each brought to the same common level, shape (row, column)."""
-    level = seen.level(mask)
+    level = sample.level(mask)
     frames = np.flatnonzero(good)
     order = frames[np.argsort(level[frames])]
     n = max(3, round(_EXTREME_SHARE * frames.size))
-    middle = float(np.median(seen.common_dn[frames]))
+    middle = float(np.median(sample.common_dn[frames]))
     bright, dark = (
-        seen.values[part].mean(axis=0) - float(seen.common_dn[part].mean()) + middle for part in (order[-n:], order[:n])
+        sample.values[part].mean(axis=0) - float(sample.common_dn[part].mean()) + middle
+        for part in (order[-n:], order[:n])
     )
     return bright, dark
 

@@ -82,11 +82,11 @@ def find(
     ReductionError
         If nothing changes in the frames, no frame shows the opening wholly open or covered, or the image cuts it.
     """
-    seen = _sample(recording, correct, wheel_angle_rad)
-    open_dn = mean_frame(seen.raw[seen.open_frames], correct)
-    covered_dn = mean_frame(seen.raw[seen.covered_frames], correct)
-    covered_dn += _apart(open_dn - covered_dn, seen)
-    step = float(np.median((open_dn - covered_dn)[seen.seeds]))
+    sample = _sample(recording, correct, wheel_angle_rad)
+    open_dn = mean_frame(sample.raw[sample.open_frames], correct)
+    covered_dn = mean_frame(sample.raw[sample.covered_frames], correct)
+    covered_dn += _apart(open_dn - covered_dn, sample)
+    step = float(np.median((open_dn - covered_dn)[sample.seeds]))
     contrast = (open_dn - covered_dn) / step
     contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
     mask = mask_shape.largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
@@ -105,18 +105,18 @@ def find(
         weight=dead_pixels.weights(summed, correct.bad), border_px=border_px, bad=correct.bad,
         blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn, histogram=histogram,
     )  # fmt: skip
-    noise = sample_frames.noise_dn(seen.raw[:: max(1, len(seen.raw) // _CLOSER_LOOK)], ~summed)
+    noise = sample_frames.noise_dn(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK)], ~summed)
     return Sighting(
-        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=seen.steady,
-        places=_places(seen, found, correct, wheel_angle_rad),
+        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=sample.steady,
+        places=_places(sample, found, correct, wheel_angle_rad),
     )  # fmt: skip
 
 
-def _places(seen: _Sample, found: Opening, correct: Correction, wheel_angle_rad: Array | None) -> Places | None:
+def _places(sample: _Sample, found: Opening, correct: Correction, wheel_angle_rad: Array | None) -> Places | None:
     if wheel_angle_rad is None:
         return None
-    good = np.ones(seen.index.size, bool) if seen.steady is None else ~seen.steady.is_odd
-    sampled = SampledFrames(values=seen.raw, angle_rad=wheel_angle_rad[seen.index], index=seen.index, good=good)
+    good = np.ones(sample.index.size, bool) if sample.steady is None else ~sample.steady.is_odd
+    sampled = SampledFrames(values=sample.raw, angle_rad=wheel_angle_rad[sample.index], index=sample.index, good=good)
     return motion.places(sampled, found, gain=correct.gain)
 
 
@@ -190,10 +190,10 @@ def _follows(raw: Pixels, values: Array, *, around: Mask, correct: Correction) -
     return abs(float(rest @ beside) / float(rest @ rest))
 
 
-def _apart(contrast_dn: Array, seen: _Sample) -> float:
+def _apart(contrast_dn: Array, sample: _Sample) -> float:
     """Contrast of the pixels far from the opening, DN, where levels drift between the open and the covered frames."""
-    far = ~ndimage.binary_dilation(seen.seeds, iterations=_FAR_PX)
-    is_disturbed = seen.steady is not None and seen.steady.is_disturbed
+    far = ~ndimage.binary_dilation(sample.seeds, iterations=_FAR_PX)
+    is_disturbed = sample.steady is not None and sample.steady.is_disturbed
     return float(np.median(contrast_dn[far])) if is_disturbed and far.any() else 0.0
 
 

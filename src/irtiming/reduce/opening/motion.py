@@ -80,12 +80,12 @@ class SampledFrames:
     good: Mask
 
 
-def places(seen: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) -> Places | None:
+def places(sample: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) -> Places | None:
     """Of the parts of a run; None where too few frames, or pixels, tell.
 
     Parameters
     ----------
-    seen
+    sample
         Frames that were looked at.
     opening
         As found in them.
@@ -93,14 +93,14 @@ def places(seen: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) 
         Of the non-uniformity correction, shape (row, column), for values that are not corrected.
     """
     mask, bad, reach = opening.mask, opening.bad, opening.border_px + _MARGIN_PX
-    used = np.flatnonzero(seen.good & np.isfinite(seen.angle_rad))
+    used = np.flatnonzero(sample.good & np.isfinite(sample.angle_rad))
     parts = np.array_split(used, _PARTS)
     if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
         return None
     box = _box(mask, margin=reach)
-    near = np.ascontiguousarray(seen.values[:, *box])
+    near = np.ascontiguousarray(sample.values[:, *box])
     scale = np.broadcast_to(gain, mask.shape)[box]
-    waves = [scale * one for one in _harmonics(near, seen.angle_rad, parts=parts)]
+    waves = [scale * one for one in _harmonics(near, sample.angle_rad, parts=parts)]
     pixels = ndimage.binary_dilation(mask[box], iterations=reach) & ~bad[box]
     whole: ComplexArray = np.mean(waves, axis=0)
     inner = mask[box] & ~bad[box]
@@ -111,7 +111,7 @@ def places(seen: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) 
     clusters, middle = _clusters(direction, pixels), np.mean(contrast, axis=0)
     found = [_moved(one, middle, pixels=pixels, direction=direction, clusters=clusters) for one in contrast]
     return Places(
-        first_frame=tuple(int(seen.index[part[0]]) for part in parts),
+        first_frame=tuple(int(sample.index[part[0]]) for part in parts),
         moved_px=np.array([moved for moved, _ in found]),
         covariance_px2=np.array([covariance for _, covariance in found]),
         radius_px=_radius_px(direction, inner),
@@ -218,7 +218,7 @@ def findings(found: Places | None, rig: Rig, *, name: str) -> tuple[Finding, ...
     found
         Where it lies in the parts of the run.
     rig
-        What its owner says of the mask's angle: as much, seen from the axle, may be amiss anyway.
+        What its owner says of the mask's angle: as much, as an angle about the axle, may be amiss anyway.
     name
         Of the recording.
     """

@@ -33,8 +33,8 @@ def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> Ex
     angles, fractions = [], []
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
-        seen = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
-        angle, counted = angle[seen], run.pixel_sums.pixel_count[seen]
+        is_known = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
+        angle, counted = angle[is_known], run.pixel_sums.pixel_count[is_known]
         found = plateaus.find(angle, counted, name=run.name, margin=plateau_margin)
         angles.append(angle)
         fractions.append(plateaus.normalise(angle, counted, plateaus=found))

@@ -49,11 +49,11 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
     angles, curves = [], []
     for run in runs:
         angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
-        seen = np.isfinite(angle)
-        places, sums = np.searchsorted(run.row_sums.row_px, rows), run.row_sums.mask_row_sum_dn[seen]
+        is_known = np.isfinite(angle)
+        places, sums = np.searchsorted(run.row_sums.row_px, rows), run.row_sums.mask_row_sum_dn[is_known]
         together = np.concatenate([sums.sum(axis=1)[None], sums[:, places].T])
-        angles.append(angle[seen])
-        fraction = _normalised(angle[seen], together, run.name)
+        angles.append(angle[is_known])
+        fraction = _normalised(angle[is_known], together, run.name)
         curves.append(1 - fraction if run.opening.blackbody_is_colder else fraction)
     names = tuple(run.name for run in runs)
     visits = nominal_angles.group(np.concatenate(angles), first.samples_per_turn, names=names)

@@ -67,11 +67,11 @@ def register(
 def _edges_per_turn(ticks: Ticks, turn_ticks: float, *, control_slots: int, name: str) -> int:
     if ticks.size < _FEWEST_TURNS:
         raise ReductionError(f"{name}: {ticks.size} edges were recorded; check the line and that it is recorded")
-    seen = turn_ticks / float(np.median(np.diff(ticks)))
-    usual = min((*_PER_TURN, control_slots), key=lambda n: abs(np.log(n / seen)))
-    if not 0.8 < seen / usual < 1.25:
+    per_turn = turn_ticks / float(np.median(np.diff(ticks)))
+    usual = min((*_PER_TURN, control_slots), key=lambda n: abs(np.log(n / per_turn)))
+    if not 0.8 < per_turn / usual < 1.25:
         raise ReductionError(
-            f"{name}: {seen:.2f} edges come in a turn; 1, 2, 4 or {control_slots} are expected, check the line and rotation_speed"
+            f"{name}: {per_turn:.2f} edges come in a turn; 1, 2, 4 or {control_slots} are expected, check line and rotation_speed"
         )
     return usual
 
@@ -79,7 +79,7 @@ def _edges_per_turn(ticks: Ticks, turn_ticks: float, *, control_slots: int, name
 def _mean_over_classes(fraction: Array, of_class: Ticks, rounding: float) -> tuple[float, float]:
     """Mean of each edge of the turn over all turns, then of all edges, in slots, and its standard uncertainty.
 
-    Which edge is which does not matter then. Fractions are told from their common direction, so that 0 and 1 are one place.
+    Which edge is which does not matter then. Fractions are counted from their common direction, so that 0 and 1 are one place.
     ``rounding`` is that of a fraction by the clock: no scatter is trusted to be less.
     """
     towards = float(np.angle(np.mean(np.exp(1j * TURN * fraction)))) / TURN

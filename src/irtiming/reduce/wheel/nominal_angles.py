@@ -41,12 +41,12 @@ def share_of_turn(wheel_angle_rad: Array, samples_per_turn: int) -> Array:
         np.rint(np.where(known, wheel_angle_rad, 0.0) / TURN * samples_per_turn).astype(int), samples_per_turn
     )
     count = np.bincount(sample[known], minlength=samples_per_turn)
-    seen = np.flatnonzero(count)
-    if seen.size < 3:
+    met = np.flatnonzero(count)
+    if met.size < 3:
         return known.astype(float)
-    gap = np.diff(seen, append=seen[0] + samples_per_turn)
+    gap = np.diff(met, append=met[0] + samples_per_turn)
     span = np.zeros(samples_per_turn)
-    span[seen] = (gap + np.roll(gap, 1)) / 2
+    span[met] = (gap + np.roll(gap, 1)) / 2
     share = np.where(known, span[sample] / np.maximum(count[sample], 1), 0.0)
     return np.asarray(share * known.sum() / share.sum())
 

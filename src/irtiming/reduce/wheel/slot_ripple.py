@@ -30,16 +30,16 @@ def separate(speeds: Sequence[SlotsAtSpeed]) -> tuple[SlotTable, SpeedRipple | N
     """
     n_slots = speeds[0].deviation_rad.size
     hz = np.array([one.rotation_speed_hz for one in speeds])
-    seen = slot_orders.spectrum(np.array([one.deviation_rad for one in speeds]))
+    spectra = slot_orders.spectrum(np.array([one.deviation_rad for one in speeds]))
     weight = 1 / np.maximum([one.order_variance_rad2 for one in speeds], _LEAST_VARIANCE_RAD2)
     total = weight.sum(axis=0)
-    mean = np.sum(weight * seen, axis=0) / total
+    mean = np.sum(weight * spectra, axis=0) / total
     if hz.max() < _CLEARLY_APART * hz.min():
         return SlotTable(deviation_rad=slot_orders.from_spectrum(mean, n_slots), order_variance_rad2=1 / total), None
     fall = ((hz.min() / hz) ** 2)[:, None]
     middle = np.sum(weight * fall, axis=0) / total
     reach = np.sum(weight * (fall - middle) ** 2, axis=0)
-    slope = np.sum(weight * (fall - middle) * seen, axis=0) / reach
+    slope = np.sum(weight * (fall - middle) * spectra, axis=0) / reach
     strength = np.abs(slope) ** 2 * reach
     trust = strength / (1 + strength)
     slots = SlotTable(

@@ -52,7 +52,7 @@ def learn_slots(train: EdgeTrain, n_slots: int) -> SlotTable:
 
     Each slot's time is compared with the mean over the turn that is centred on it: a mean over whole turns knows
     nothing of the slots and follows the wheel's slow wander. The deviations are then averaged over all turns; a turn that is
-    far off, because the wheel was touched, counts little (Huber's mean), and an edge that was not seen does not count.
+    far off, because the wheel was touched, counts little (Huber's mean), and an edge that was not recorded does not count.
 
     Parameters
     ----------
@@ -67,20 +67,20 @@ def learn_slots(train: EdgeTrain, n_slots: int) -> SlotTable:
 
     Notes
     -----
-    A speed ripple that repeats every turn cannot be told from slot deviations at one speed. The variances are from the
+    A speed ripple that repeats every turn cannot be distinguished from slot deviations at one speed. The variances are from the
     scatter over turns with its correlation from turn to turn; they do not hold that ripple.
     """
     if train.number[-1] + 1 < (_TURNS_NEEDED + 1) * n_slots:
         return equal_slots(n_slots)
-    by_turn, seen, tick_rad = _turns(train, n_slots)
+    by_turn, is_recorded, tick_rad = _turns(train, n_slots)
     rise = np.roll((np.arange(n_slots) + 0.5) / n_slots, n_slots // 2)
-    mean, influence = _robust_mean(by_turn, _faded(seen, rise), least_scale=tick_rad)
+    mean, influence = _robust_mean(by_turn, _faded(is_recorded, rise), least_scale=tick_rad)
     blocks = rise * influence[:-1] + (1 - rise) * influence[1:]
     return SlotTable(deviation_rad=mean - mean.mean(), order_variance_rad2=_variance_of_mean(blocks))
 
 
 def _turns(train: EdgeTrain, n_slots: int) -> tuple[Array, Mask, float]:
-    """Deviations and whether each edge was seen, shapes (turn, slot), and the angle of one tick, rad."""
+    """Deviations and whether each edge was recorded, shapes (turn, slot), and the angle of one tick, rad."""
     number = np.arange(train.number[-1] + 1)
     ticks = np.interp(number, train.number, train.ticks - train.ticks[0])
     half = n_slots // 2
@@ -90,9 +90,9 @@ def _turns(train: EdgeTrain, n_slots: int) -> tuple[Array, Mask, float]:
     centre = np.convolve(ticks, window / n_slots, "valid")
     turn_ticks = (ticks[2 * half :] - ticks[: -2 * half]) * n_slots / (2 * half)
     deviation = TURN * (ticks[half:-half] - centre) / turn_ticks
-    seen = np.isin(number[half:-half], train.number)
-    by_turn, was_recorded = (_by_turn(values, n_slots, half) for values in (deviation, seen))
-    return by_turn, was_recorded, TURN / float(np.median(turn_ticks))
+    is_recorded = np.isin(number[half:-half], train.number)
+    by_turn, is_recorded_by_turn = (_by_turn(values, n_slots, half) for values in (deviation, is_recorded))
+    return by_turn, is_recorded_by_turn, TURN / float(np.median(turn_ticks))
 
 
 def _by_turn(values: Any, n_slots: int, first: int) -> Any:
@@ -101,12 +101,12 @@ def _by_turn(values: Any, n_slots: int, first: int) -> Any:
     return np.roll(values[: turns * n_slots].reshape(turns, n_slots), first, axis=1)
 
 
-def _faded(seen: Mask, rise: Array) -> Array:
-    """Weight of each value, (turn, slot): 1 where seen, growing in the first turn and falling in the last one.
+def _faded(is_recorded: Mask, rise: Array) -> Array:
+    """Weight of each value, (turn, slot): 1 where recorded, growing in the first turn and falling in the last one.
 
     So each slot has the weight of one turn less, and a wander that ends elsewhere than it began makes no step in the table.
     """
-    weight = seen.astype(float)
+    weight = is_recorded.astype(float)
     weight[0] *= rise
     weight[-1] *= 1 - rise
     return weight

@@ -94,7 +94,7 @@ def table_of(track: WheelTrack) -> SlotTable:
 
 
 def _moved_edges(track: WheelTrack, change: Array) -> tuple[float, float, float, float] | None:
-    """Application edges seen on the changed slots."""
+    """Application edges on the changed slots."""
     if track.application_edges_rad is None:
         return None
     edges = np.array(track.application_edges_rad)

@@ -258,10 +258,10 @@ def _application_edges(
     """Mean angle of the four edges at the application gate relative to edge 0, where all four were recorded."""
     if recording.application_edge_ticks is None:
         return None, None
-    seen = np.interp(recording.application_edge_ticks, ticks, angle, left=np.nan, right=np.nan)
-    seen = seen[np.isfinite(seen)]
-    quarter = np.rint(seen / (TURN / 4)).astype(int)
-    beside = seen - quarter * (TURN / 4)
+    passed = np.interp(recording.application_edge_ticks, ticks, angle, left=np.nan, right=np.nan)
+    passed = passed[np.isfinite(passed)]
+    quarter = np.rint(passed / (TURN / 4)).astype(int)
+    beside = passed - quarter * (TURN / 4)
     groups = [beside[quarter % 4 == i] for i in range(4)]
     if min(group.size for group in groups) < 2:
         return None, None

@@ -71,7 +71,7 @@ def from_recordings(
     Raises
     ------
     ReductionError
-        If a recording's wheel angles cannot be told, a recording is given twice, or there are no slots to learn.
+        If a recording's wheel angles cannot be determined, a recording is given twice, or there are no slots to learn.
     """
     runs: list[_Run] = []
     for recording in recordings:
@@ -310,13 +310,15 @@ _FourAngles = tuple[float, float, float, float]
 
 def _application_edges(tracks: Sequence[WheelTrack], slots: SlotTable) -> tuple[_FourAngles | None, _FourAngles | None]:
     """Mean over the recordings that have them; the uncertainty of the slots beside two edges is common to all."""
-    seen = [(t.application_edges_rad, t.u_application_edges_rad) for t in tracks if t.application_edges_rad is not None]
-    if not seen:
+    found = [
+        (t.application_edges_rad, t.u_application_edges_rad) for t in tracks if t.application_edges_rad is not None
+    ]
+    if not found:
         return None, None
-    angles, u = np.array([edges for edges, _ in seen]), np.array([u_edges for _, u_edges in seen], dtype=float)
-    u_mean_2 = np.sum(u**2, axis=0) / len(seen) ** 2
-    if len(seen) > 1:
-        u_mean_2 = np.maximum(u_mean_2, angles.var(axis=0, ddof=1) / len(seen))
+    angles, u = np.array([edges for edges, _ in found]), np.array([u_edges for _, u_edges in found], dtype=float)
+    u_mean_2 = np.sum(u**2, axis=0) / len(found) ** 2
+    if len(found) > 1:
+        u_mean_2 = np.maximum(u_mean_2, angles.var(axis=0, ddof=1) / len(found))
     beside_2 = 2 * float(slots.u_deviation_rad[0]) ** 2 * np.array([0.0, 1.0, 1.0, 1.0])
     a, b, c, d = (float(angle) for angle in angles.mean(axis=0))
     u_a, u_b, u_c, u_d = (float(value) for value in np.sqrt(u_mean_2 + beside_2))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from irtiming.errors import ReductionError
 from irtiming.reduce.wheel.edge_train import number_edges
+from irtiming.units import counted
 
 PERIOD = 163_840
 STARTS = (0, -5_000_000_000, 2**47 - 1000, -(2**47))
@@ -38,7 +39,7 @@ def test_missing_edges_leave_their_numbers_free(start, gone):
     train = _numbered(np.delete(_regular(start=start), gone))
     assert train.number.tolist() == [i for i in range(1000) if i not in gone]
     assert (train.n_missing, train.n_spurious) == (len(gone), 0)
-    assert f"{len(gone)} edges missing" in train.findings("control_slot", recording="run")[0].what
+    assert f"{counted(len(gone), 'edge')} missing" in train.findings("control_slot", recording="run")[0].what
 
 
 @pytest.mark.parametrize("at", [0, 1, 3, 500, 990, 998, 999])
