@@ -1,4 +1,4 @@
-"""The expected level, learned from scouts of which up to two in five lie."""
+"""The expected level, learned from sample frames of which up to two in five lie."""
 
 import numpy as np
 import pytest
