@@ -28,15 +28,9 @@ def _pages() -> list[Path]:
 
 
 def _docstrings(path: Path) -> set[ast.expr]:
-    """Docstrings of a file, but for those of commands, which are the help of the command line."""
+    """Texts that stand alone: those of commands are read on the page of the command line, the others by developers."""
     bodies = [body for node in nodes(path) if isinstance(body := getattr(node, "body", None), list)]
-    alone = {one.value for body in bodies for one in body if isinstance(one, ast.Expr)}
-    helps = {
-        node.body[0].value
-        for node in nodes(path)
-        if isinstance(node, ast.FunctionDef) and node.decorator_list and isinstance(node.body[0], ast.Expr)
-    }
-    return alone - helps if "cli" in path.parts else alone
+    return {one.value for body in bodies for one in body if isinstance(one, ast.Expr)}
 
 
 def _complaints(text: str, *, where: str) -> list[str]:
@@ -57,7 +51,7 @@ def test_a_page_uses_the_words_of_the_field(page):
 
 
 def test_texts_of_the_program_use_the_words_of_the_field():
-    """Oracle: the same list; a text has a space, which names and keys have not. Docstrings of commands are their help."""
+    """Oracle: the same list; a text has a space, which names and keys have not."""
     found = []
     for path in sorted(SOURCE.rglob("*.py")):
         docstrings = _docstrings(path)
