@@ -42,14 +42,14 @@ def require_uncertainty(u: float, *, of: float | None, fields: tuple[str, str]) 
     u
         The standard uncertainty.
     of
-        The number that it belongs to, in the same unit; None: nobody gave it.
+        The number that it belongs to, in the same unit; None where not given.
     fields
         What both are called: the number, its uncertainty.
 
     Raises
     ------
     UnitError
-        If it is negative or no number, or belongs to a number that nobody gave.
+        If it is negative or no number, or belongs to a number that was not given.
     """
     of_name, name = fields
     if not u >= 0:

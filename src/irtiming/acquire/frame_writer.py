@@ -147,7 +147,7 @@ class FrameWriter:
         """Timestamps are tried for even after an error: without theirs the frames before it would be worthless."""
         try:
             job()
-        except Exception as error:  # whatever it is, it ends the run and is told there
+        except Exception as error:  # whatever it is, it ends the run and is reported there
             self.failure = self.failure or error
 
     async def _in_thread(self, job: Callable[[], _T]) -> _T:

@@ -14,7 +14,7 @@ from irtiming.records.timestamps import Timestamps
 from irtiming.units import counted, readable_time
 
 _SAME_RATE = 1e-3
-"""By so much, relative, the camera's period may differ from the one that was planned before it is told."""
+"""By so much, relative, the camera's period may differ from the one that was planned before it is reported."""
 
 
 @final
@@ -40,7 +40,7 @@ class FreeCount:
         return self._last >= self._n_frames - 1
 
     def take(self, frame: CameraFrame) -> Place | None:
-        """Place of the next frame; None for one whose count does not rise, which is then told by `judge`."""
+        """Place of the next frame; None for one whose count does not rise, which `judge` then reports."""
         if frame.frame_id <= self._last:
             self._reasons = self._reasons or [f"frame {frame.frame_id} came after frame {self._last}"]
             return None

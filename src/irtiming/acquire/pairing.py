@@ -101,7 +101,7 @@ class Pairing:
         return self._numbers[-1] if self._numbers else -1
 
     def take(self, frame: CameraFrame) -> Place | None:
-        """Place of the next frame; None for one that has none, which is then told by `judge`."""
+        """Place of the next frame; None for one that has none, which `judge` then reports."""
         before = self._ids[-1] if self._ids else -1
         ids = frame.frame_id - before
         if ids < 1 or frame.frame_id >= 2 * self._n_triggers:
@@ -174,7 +174,7 @@ class Pairing:
 
     @property
     def _has_clock(self) -> bool:
-        """Whether the camera's clock told of every frame; of one that came damaged the time may be missing."""
+        """Whether the camera's clock stamped every frame; of one that came damaged the time may be missing."""
         ticks = [ticks for ticks in self._device_ticks if ticks]
         return self._device_hz > 0 and not self._is_untimed and all(a < b for a, b in pairwise(ticks))
 
@@ -196,7 +196,7 @@ class Pairing:
         return max(next_number, min(number + periods, next_number + self._n_triggers))
 
     def _check_ends(self, n_made: int) -> Iterator[Finding]:
-        """More frames than triggers are refused; fewer are told."""
+        """More frames than triggers are refused; fewer are reported."""
         if self.last_number >= n_made:
             self._against(f"frames of {self.last_number + 1} triggers came, but only {n_made} were made")
         yield from lost_on_the_way(self._lost)

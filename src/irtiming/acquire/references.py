@@ -41,7 +41,7 @@ async def record_references(
     run
         Whose frame rate is taken; the chopper's reference goes on as for that run.
     attendant
-        Takes wheel and mask away before and brings them back after, is told what is waited for, and may leave.
+        Takes wheel and mask away before and brings them back after, learns what is waited for, and may leave.
     runs_free
         Whether the camera makes its frames without triggers.
 

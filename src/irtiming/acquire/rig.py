@@ -54,7 +54,7 @@ async def connected_rig(plan: SeriesPlan) -> AsyncIterator[Rig]:
     Raises
     ------
     RigNotReady
-        If any cannot be connected; every one is tried, and each complaint told.
+        If any cannot be connected; every one is tried, and each complaint reported.
     """
     places, complaints, found = plan.devices, [], {}
     async with AsyncExitStack() as stack:
@@ -75,7 +75,7 @@ async def connected_rig(plan: SeriesPlan) -> AsyncIterator[Rig]:
 
 @asynccontextmanager
 async def _generator(address: str, plan: SeriesPlan) -> AsyncIterator[TriggerGenerator]:
-    """The trigger generator with the wiring of the plan; a filter is told in cycles, so the clock must be known first."""
+    """The trigger generator with the wiring of the plan; a filter is set in cycles, so the clock must be known first."""
     reply_s = Patience.reply_s if plan.devices.speed == 1 else _REPLY_OF_A_PROGRAM_S
     patience = Patience(poll_s=_POLL_S / max(plan.devices.speed, 1.0), reply_s=reply_s)
     clock_hz = 1

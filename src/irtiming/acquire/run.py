@@ -91,7 +91,7 @@ async def record_run(rig: Rig, order: RunOrder, *, attendant: Attendant) -> RunO
         raise InstrumentError(INTERRUPTED)
     if order.camera.runs_free:
         setup = await rig.camera.arm(free_hz=_frame_hz(rig, order))
-        await rig.camera.disarm()  # it only told its settings: it starts when its strobe is listened to
+        await rig.camera.disarm()  # it only sent its settings: it starts when its strobe is listened to
     else:
         setup = await rig.camera.arm()
     capture = _Capture(rig, order, setup=setup, attendant=attendant)
@@ -163,7 +163,7 @@ class _Capture:
         return await self._finished(timestamps, counts)
 
     async def _until_it_fails(self, timestamps: Awaitable[Timestamps]) -> Timestamps:
-        """Of the whole run; where the generator fails, what it had told until then."""
+        """Of the whole run; where the generator fails, what it had sent until then."""
         try:
             return await timestamps
         except InstrumentError as error:
@@ -348,7 +348,7 @@ class _Capture:
             self._ends(ENOUGH)
 
     def _ends(self, why: str) -> None:
-        """The first reason to end is the one that is told."""
+        """The first reason to end is the one that is reported."""
         if self._ending is None:
             self._ending = " ".join(why.split())
 

@@ -21,7 +21,7 @@ def set_aside(path: Path, *, attendant: Attendant) -> Path:
     path
         Of the file.
     attendant
-        Told where it stays.
+        Learns where it stays.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def recovered_parts(folder: Path, *, journal: Journal, attendant: Attendant) -> 
     folder
         Of the series.
     journal, attendant
-        Told of each.
+        Learns of each.
 
     Returns
     -------

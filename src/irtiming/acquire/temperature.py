@@ -32,7 +32,7 @@ async def settled(rig: Rig, target_k: float, *, wishes: BlackbodyWishes, attenda
     wishes
         How long it may take, and how near it must come.
     attendant
-        Told what is waited for, and may leave.
+        Learns what is waited for, and may leave.
 
     Returns
     -------

@@ -24,7 +24,7 @@ _SETTLING_S = 30.0
 """Time of the device within which the wheel must have come to the speed of its reference."""
 
 Progress = Callable[[int, int], None]
-"""Told the camera triggers that were made and all of them."""
+"""Given the camera triggers that were made and all of them."""
 
 
 async def _nothing() -> None:
@@ -37,7 +37,7 @@ class Accompaniment:
     """What goes on beside a train of triggers.
 
     ``before_start`` is awaited when the generator records and the wheel has made two turns, just before the first trigger.
-    ``is_over`` is asked again and again: once it says so, the train is ended early. ``progress`` is told how far it is.
+    ``is_over`` is asked again and again: once it says so, the train is ended early. ``progress`` learns how far it is.
     """
 
     before_start: Callable[[], Awaitable[None]] = _nothing
@@ -177,7 +177,7 @@ class FreeAccompaniment:
     """What goes on beside a camera that runs free.
 
     ``start_camera`` is awaited when the generator records and the wheel has made two turns, ``look`` again and again, before and
-    after as well, ``stop_camera`` once ``has_all`` or ``is_over`` says so; ``progress`` is then told how far it is.
+    after as well, ``stop_camera`` once ``has_all`` or ``is_over`` says so; ``progress`` then learns how far it is.
     """
 
     start_camera: Callable[[], Awaitable[None]]

@@ -47,7 +47,7 @@ _SURE = 2.0  # standard uncertainties, from which a share of the frame before co
 @final
 @dataclass(frozen=True, kw_only=True)
 class Conditions:
-    """For which camera and settings a result holds, or how frames were made; None or empty: nobody says."""
+    """For which camera and settings a result holds, or how frames were made; None or empty where not stated."""
 
     camera_type: CameraType | Literal[""] = ""
     readout_mode: ReadoutMode | Literal[""] = ""

@@ -15,7 +15,7 @@ _FEWEST = 8
 _SAME_WINDOW = 1e-3  # relative, within which two integration times are one setting
 _OTHER_UNIT = 10.0
 """Factor between two times between frames from which a unit is doubted. Units of stamps are 1000 apart, cameras' counters tick in
-1 µs or 0.1 µs, 10 apart; a camera that makes frames so much faster or slower than when it was measured is told, not refused."""
+1 µs or 0.1 µs, 10 apart; a camera that makes frames so much faster or slower than when it was measured is noted, not refused."""
 
 
 def of_recording(recording: Recording) -> Conditions:

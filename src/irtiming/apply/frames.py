@@ -247,7 +247,7 @@ def _noise_of_rows(weights: NDArray[np.float32], noise: inverse_lag.NoiseRespons
     own = float(noise.as_it_came @ noise.as_it_came)
     length = weights.shape[1] + noise.added.size - 1
     came, added = np.zeros((weights.shape[0], length)), np.zeros((weights.shape[0], length))
-    for k in range(weights.shape[1]):  # the latest reading has seen the most noise: taps run backwards in time
+    for k in range(weights.shape[1]):  # the latest reading has the most noise: taps run backwards in time
         at = slice(weights.shape[1] - 1 - k, weights.shape[1] - 1 - k + noise.added.size)
         came[:, at] += weights[:, k : k + 1] * noise.as_it_came
         added[:, at] += weights[:, k : k + 1] * noise.added

@@ -51,7 +51,7 @@ class HandOver:
     ``exposure_start`` is the start of integration of row 0, None where pixels lag. ``readout`` is from the reading of
     row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera. ``frames_back`` is by how much
     earlier the share of the frame before makes the effective moment, None where the result has no such share or no one frame
-    period, without which it cannot be told; then ``not_in_uncertainty`` names it.
+    period, without which it is unknown; then ``not_in_uncertainty`` names it.
     """
 
     event: FrameEvent

@@ -6,8 +6,8 @@ x is the integration time, or where all results have the same one the time betwe
 line. V holds what each measurement has of its own, on its diagonal, and what all share, everywhere: errors of rig.toml (type B),
 which are taken to be the same in all of them. So the shared part does not become smaller by many results.
 
-Whether a straight line holds is told by chi-squared where there are three results or more. Beyond the settings that were measured
-nothing is said.
+Whether a straight line holds is judged by chi-squared where there are three results or more. Beyond the settings measured nothing
+is said.
 """
 
 from collections.abc import Sequence

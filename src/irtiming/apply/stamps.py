@@ -12,7 +12,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.units import readable_time
 
 UNKNOWN_CLOCK = 50e-6 / 3**0.5
-"""Relative standard uncertainty of a crystal's rate that nobody measured: rectangular."""
+"""Relative standard uncertainty of an unmeasured crystal's rate: rectangular."""
 
 
 @final
@@ -118,7 +118,7 @@ def from_ticks(
     set_delay_s
         Delay set in the trigger generator: what the camera got came so much later; s.
     generator
-        What is known of it; None: a crystal that nobody measured, and delays that count from the stamps.
+        What is known of it; None: an unmeasured crystal, and delays that count from the stamps.
     """
     known = generator or Generator()
     late = known.way or Latency(value_s=0.0, u_s=0.0)
@@ -162,7 +162,7 @@ def on_grid(raw: Raw, *, scale: str, latency: Latency) -> EventTimes:
     Parameters
     ----------
     raw
-        The stamps; without numbers of frames these are told by the stamps.
+        The stamps; without numbers of frames these follow from the stamps.
     scale
         In words.
     latency

@@ -54,7 +54,7 @@ class CheckedCertificate:
 
 
 def check_certificate(path: str | Path) -> CheckedCertificate:
-    """Read a certificate back. A signature is seen, not verified.
+    """Read a certificate back. A signature is found, not verified.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Findings on their way to a reader: raised as a complaint, told as an error."""
+"""Findings on their way to a reader: raised as a complaint, reported as an error."""
 
 from pathlib import Path
 from typing import final

@@ -42,7 +42,7 @@ def survey(frames: FrameStack, *, bit_depth: int, progress: Callable[[int, int],
     bit_depth
         Bits of a pixel value: the highest value is 2 ** bit_depth - 1.
     progress
-        Called with frames seen and all frames after each block.
+        Called with frames read and all frames after each block.
 
     Raises
     ------

@@ -34,7 +34,7 @@ MOST_NAMES = 1000
 
 DEEPEST = 32
 MOST_OBJECTS = 10_000
-"""Where nobody reads: groups in groups, and objects of the whole file that are named."""
+"""What is not read: groups in groups, and objects of the whole file that are named."""
 
 _PACKED_BEYOND = 1.125
 _PACKED_EXTRA_BYTES = 2**16

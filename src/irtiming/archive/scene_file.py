@@ -20,7 +20,7 @@ from irtiming.errors import ArchiveError
 from irtiming.records.arrays import Ticks, read_only
 
 SCENE = f"{layout.ENTRY}/scene"
-"""Group of what is told of each frame beside its pixels."""
+"""Group of what is stated of each frame beside its pixels."""
 
 _GAIN, _NOISE_GAIN = f"{SCENE}/gain", f"{SCENE}/noise_gain"
 _COLUMNS = ("frame_number", "time")

@@ -29,7 +29,7 @@ from irtiming.records.rig import Rig
 from irtiming.units import counted
 
 Progress: TypeAlias = Callable[[int, int], None]
-"""Called with frames seen and all frames."""
+"""Called with frames read and all frames."""
 
 _MUCH_CLIPPED = 0.01
 _SOME_CLIPPED = 0.001
@@ -47,7 +47,7 @@ def verify(path: str | Path, *, progress: Progress | None = None, rig: Rig | Non
     path
         The recording.
     progress
-        Called with frames seen and all frames while the frames are streamed.
+        Called with frames read and all frames while the frames are streamed.
     rig
         On which it was recorded: then what the frames show is held against it.
     """
@@ -217,7 +217,7 @@ def _of_reference(path: Path, contents: Contents) -> Iterator[Finding]:
     try:
         low_dn, high_dn, low_noise_dn, high_noise_dn = reduce_reference(low_frames, high_frames)
     except ArchiveError:
-        return  # the survey has told
+        return  # the survey has reported
     noise = math.hypot(float(np.median(low_noise_dn)), float(np.median(high_noise_dn)))
     step = float(np.median(high_dn - low_dn))
     if step <= 3 * noise:

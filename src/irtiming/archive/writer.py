@@ -254,7 +254,7 @@ def identity_values(camera: CameraIdentity) -> dict[Field, str | None]:
 
 
 def settings_values(settings: CameraSettings) -> dict[Field, Any]:
-    """What a camera was set to, by field of the file; None where nobody says."""
+    """What a camera was set to, by field of the file; None where not stated."""
     return {field: getattr(settings, name) for name, field in layout.SETTINGS.items()}
 
 

@@ -24,7 +24,7 @@ from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
 from irtiming.units import counted, readable_time
 
 _MANY, _GROWS = 8, 2
-"""Frames that wait for the disk: it is told when they are this many times more than when it was told last, and than so many."""
+"""Frames that wait for the disk: reported when they are this many times more than at the last report, and than so many."""
 
 
 @final

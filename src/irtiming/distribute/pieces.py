@@ -63,7 +63,7 @@ def look(listed: Listed) -> Seen:
     Raises
     ------
     ArchiveError
-        If it cannot be read, says that it is of another camera than it was listed for, or nobody says which.
+        If it cannot be read, says that it is of another camera than it was listed for, or which is not stated.
     """
     recording = reader.read(listed.path)
     camera = recording.camera

@@ -14,7 +14,7 @@ from irtiming.gateware.register_map import Channel, Polarity
 class EdgeDetector(wiring.Component):
     """Edges of one asynchronous pin whose new level lasts.
 
-    A pin that changes during cycle n is seen by the clock edge that begins cycle n + 1; ``rising`` or ``falling`` is
+    A pin that changes during cycle n is taken in by the clock edge that begins cycle n + 1; ``rising`` or ``falling`` is
     high in cycle n + 3 + ``filter``, if the level stays that long.
 
     Attributes

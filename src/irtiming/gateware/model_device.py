@@ -75,7 +75,7 @@ class TriggeredCamera(Protocol):
     """What hears the camera trigger of a simulated device."""
 
     def trigger(self, cycles: Ticks) -> None:
-        """Rising edges of the line that lie ahead of the last ones told.
+        """Rising edges of the line that lie ahead of the last ones reported.
 
         Parameters
         ----------

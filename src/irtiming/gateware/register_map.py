@@ -31,7 +31,7 @@ class Channel(IntFlag):
 
     CAMERA_TRIGGER = 1 << 0  # nominal: t0 + k C
     CAMERA_TRIGGER_DELAYED = 1 << 1  # the edge that the camera gets: t0 + D + k C
-    CAMERA_INPUT = 1 << 2  # what a camera sends back: its exposure output, or the trigger line seen at its end
+    CAMERA_INPUT = 1 << 2  # what a camera sends back: its exposure output, or the trigger line at its end
     CONTROL_SLOT = 1 << 3  # cut out to solid
     APPLICATION_SLOT = 1 << 4  # cut out to solid: edges 0 and 2
     APPLICATION_OTHER_EDGE = 1 << 5  # solid to cut out: edges 1 and 3

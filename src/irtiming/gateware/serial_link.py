@@ -172,7 +172,7 @@ class CommandReceiver(wiring.Component):
 class MessageSender(wiring.Component):
     """Replies and records, a reply first. Messages and their bytes follow each other without a gap.
 
-    A record leaves the queue in the very cycle in which it is seen to wait, the one before the line begins with it: a queue
+    A record leaves the queue in the very cycle in which it is found to wait, the one before the line begins with it: a queue
     that is cleared meanwhile cannot give what it no longer has.
 
     Attributes

@@ -20,7 +20,7 @@ def open_camera(address: str) -> AbstractAsyncContextManager[Camera]:
     Raises
     ------
     InstrumentError
-        If nobody knows the scheme; on entry, what the driver finds wrong.
+        If the scheme is unknown; on entry, what the driver finds wrong.
     """
     return connect(CAMERAS, address)
 

@@ -1,6 +1,6 @@
 """Driver of the blackbody CI Systems SR-800R (ControlMaster, manual 605-7040, chapter 6): texts over RS-232, TCP or UDP.
 
-Opening it only asks. Its successor SR-800N speaks in binary; it is told apart and refused.
+Opening it only asks. Its successor SR-800N speaks in binary; it is recognised and refused.
 """
 
 import re

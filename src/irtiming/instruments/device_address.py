@@ -58,7 +58,7 @@ def connect(group: str, address: str) -> AbstractAsyncContextManager[Any]:
     Raises
     ------
     InstrumentError
-        If the address has no scheme, nobody knows the scheme, or its driver cannot be loaded.
+        If the address has no scheme, the scheme is unknown, or its driver cannot be loaded.
     """
     points = _entry_points(group)
     scheme, colon, rest = address.partition(":")

@@ -103,7 +103,7 @@ class TimingResult(Mapping[str, Quantity]):
         Raises
         ------
         IrTimingError
-            If nobody asked for maps, or the result was read from a file.
+            If no maps were asked for, or the result was read from a file.
         """
         if self.analysis is None or self.analysis.maps is None:
             raise EstimationError("this result has no maps; analyse the recordings with maps=True")

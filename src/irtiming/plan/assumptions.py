@@ -40,7 +40,7 @@ class AssumedRig:
     """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say.
 
     ``beside`` is what latencies and clock add to parameters, ``u_clock`` the standard uncertainty of the clock's relative error,
-    ``u_window_s`` that of the integration time, ``u_frame_memory`` that of the share of the frame before; None where nobody knows
+    ``u_window_s`` that of the integration time, ``u_frame_memory`` that of the share of the frame before; None where unknown
     it.
     """
 

@@ -214,7 +214,7 @@ def two_constant_parameters(found: TwoConstantsResult | None) -> dict[str, Any]:
 
 
 def diagnosis(found: Diagnosis | None) -> dict[str, Any] | None:
-    """Causes that were tried and numbers that stand for defects; None where nobody asked."""
+    """Causes that were tried and numbers that stand for defects; None where not asked for."""
     if found is None:
         return None
     return {

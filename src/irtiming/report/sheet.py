@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 INK, FAINT, GRID = "#1d2733", "#7a8794", "#e3e8ee"
 BLUE, RED, GREEN, PURPLE, ORANGE = "#1f5fa8", "#c0271d", "#1d7a3a", "#7b3fa0", "#d98200"
 SERIES = ("#0b3c6f", "#2f7ec2", "#2f9e6e", "#d98200", "#b5306f", "#6a4fb3", "#7d6a52", "#4a9aa8")
-"""One colour per nominal delay, in order; told apart by colour-blind readers too."""
+"""One colour per nominal delay, in order; distinguished by colour-blind readers too."""
 
 _MANY_POINTS = 600  # beyond, the points of a panel are embedded as a picture
 _STYLE: Any = {

@@ -88,7 +88,7 @@ def write(
     ArchiveError
         If a file cannot be written.
     """
-    if report is None:  # figures take half of the time, and are drawn for nobody else
+    if report is None:  # figures take half of the time, and are drawn for a report alone
         data = plain_result.result(found)
     else:
         told = certificate.report(found, written_in=language)

@@ -99,7 +99,7 @@ def write(
 
 
 def _refuse_foreign_slots(one: MeasuredItem) -> None:
-    """Slots that other recordings told are not in the crate."""
+    """Slots that other recordings determined are not in the crate."""
     told = (one.result.wheel or {}).get("slots_from")
     if isinstance(told, list) and len(told) > len(one.result.inputs):
         raise ArchiveError(

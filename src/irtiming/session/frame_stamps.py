@@ -41,7 +41,7 @@ _WORDS: Mapping[StampKind, str] = {
 class StampsWanted:
     """Which stamps of a file count, and how late they are.
 
-    ``column`` and ``unit`` are for CSV. ``latency_s`` is by how much later than the event a stamp is, None: nobody said, and
+    ``column`` and ``unit`` are for CSV. ``latency_s`` is by how much later than the event a stamp is, None: not stated, and
     ``latency_u_s`` its standard uncertainty. ``alone`` takes each stamp by itself in place of the regular grid of all.
     ``calibrated_by`` is a recording in which the same camera, not switched off since, got triggers that were stamped.
     """

@@ -98,7 +98,7 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
 
 
 def _after(given: HandOver) -> str:
-    """How much after, or before, the event the middle row is seen."""
+    """How much after, or before, the event the middle row shows the scene."""
     side = "after" if given.middle_row.value_s >= 0 else "before"
     event = "the trigger edge" if given.event == "trigger" else NOUNS[given.event]
     return f"{time_text(abs(given.middle_row.value_s), given.middle_row.u_s)} {side} {event}"

@@ -41,7 +41,7 @@ class LiveView:
         self._seen = 0
 
     def begin(self) -> None:
-        """Forget what was seen before."""
+        """Forget what was shown before."""
         self._low = self._high = None
         self._seen = 0
 

@@ -47,7 +47,7 @@ def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[Ca
     Raises
     ------
     IrTimingError
-        If a file cannot be read or written, a recording cannot be analysed, or results cannot be told apart by camera.
+        If a file cannot be read or written, a recording cannot be analysed, or results cannot be distinguished by camera.
     """
     _require_places(order)
     files = [path for path in order.sources if path.suffix.lower() == layout.SUFFIX]

@@ -13,7 +13,7 @@ class InCamera:
 
     Memory of the pixels: m_n = (1 - ``memory_share``) x_n + ``memory_share`` x_{n-1}. Recursive filter:
     y_n = (1 - ``filter_share``) m_n + ``filter_share`` y_{n-1}. Mean of the last ``averaged_frames`` of y. What comes out is
-    rounded, once. The camera has seen its first frame for long when the first trigger comes. Frames that are lost afterwards
+    rounded, once. The camera has looked at its first frame for long when the first trigger comes. Frames that are lost afterwards
     take part.
     """
 

@@ -49,7 +49,7 @@ class View(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def undistorted(row: float, column: float, half_diagonal: float, distortion: float) -> tuple[float, float]:
-    """Where a point seen at (row, column) from the image centre would be without distortion, px.
+    """Where a point that appears at (row, column) from the image centre would be without distortion, px.
 
     Newton's method for r_u in r_d = r_u (1 + k r_u^2), radii in half diagonals.
     """

@@ -52,7 +52,7 @@ class LiveCamera:
     wheel
         What the camera sees, and what tells it the time: `irtiming.twin.driven_wheel.DrivenWheel`.
     clock_frequency_hz
-        Of the counter whose cycles are told.
+        Of the counter whose cycles are reported.
     seed
         Fixes noise and jitter.
     blackbody_k
@@ -106,7 +106,7 @@ class LiveCamera:
 
     @property
     def clock_frequency_hz(self) -> int:
-        """Of the counter whose cycles are told."""
+        """Of the counter whose cycles are reported."""
         return self._clock_hz
 
     @property

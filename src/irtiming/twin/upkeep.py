@@ -30,7 +30,7 @@ class ShutterEvent:
 class SelfCorrection:
     """What a microbolometer camera does to keep its image even.
 
-    Its shutter has the temperature ``surface_k``, at which no gain error is seen. Offsets that are left have
+    Its shutter has the temperature ``surface_k``, at which no gain error shows. Offsets that are left have
     the standard deviation of the detector's ``offset_spread_dn``.
     """
 

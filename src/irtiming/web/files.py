@@ -17,7 +17,7 @@ FRAMES = (
     ".nxs", ".h5", ".hdf5", ".tif", ".tiff", ".npy", ".npz", ".raw", ".bin", ".dat", ".img", ".fff", ".seq", ".csq", ".sfmov",
     ".ptw", ".irb", ".hcc", ".fits", ".fit", ".mkv", ".avi", ".hdr", ".bag", ".png", ".pgm",
 )  # fmt: skip
-"""Endings of files that may hold frames; what they are is told from their content."""
+"""Endings of files that may hold frames; what they are is recognised by their content."""
 
 _SHOWN = {".html": "text/html; charset=utf-8", ".pdf": "application/pdf", ".svg": "image/svg+xml"}
 _KEPT = (*FRAMES, ".json", ".toml", ".xml", ".csv", ".zip", ".yaml", ".parquet")

@@ -22,7 +22,7 @@ class RigOrder:
 @final
 @dataclass(frozen=True, kw_only=True)
 class RecordingOrder:
-    """A series, or only its checklist; ``is_silent``: nobody is asked to move wheel and mask. No estimate without ``rig``."""
+    """A series, or only its checklist; ``is_silent``: no one is asked to move wheel and mask. No estimate without ``rig``."""
 
     plan: Path
     folder: Path

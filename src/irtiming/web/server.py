@@ -123,7 +123,7 @@ async def _served(order: ServeOrder, rules: Rules, *, line: socket.socket, ready
 def add_pages(desk: Desk, *, upload_bytes: int) -> None:
     """All pages, for a desk."""
     pages_app.add_static_files("/look", Path(__file__).with_name("look"))
-    logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is told to who asked
+    logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is reported to who asked
     pages_app.config.socket_io_js_transports = ["websocket"]
     for page in (
         start_page,

@@ -35,7 +35,7 @@ def html(content: str = "") -> ui.html:
 
 
 def finding_html(severity: str, text: str, *, cure: str = "", title: str = "") -> str:
-    """One finding as HTML: its colour is told in a word, too."""
+    """One finding as HTML: its colour is named in a word, too."""
     head = f"<b>{escape(title or severity)}</b>"
     tail = f'<span class="cure">{escape(cure)}</span>' if cure else ""
     return f'<div class="finding {escape(severity)}">{head}{escape(text)}{tail}</div>'

@@ -28,7 +28,7 @@ _CLOCKS = ("camera clock", "UTC")
 @final
 @dataclass(frozen=True, kw_only=True)
 class CameraFacts:
-    """What a file of frames does not tell of the camera that made them; None where it may tell, or nobody knows."""
+    """What a file of frames does not tell of the camera that made them; None where it may tell, or it is unknown."""
 
     camera_type: CameraType
     rotation_speed_hz: float
@@ -41,7 +41,7 @@ class CameraFacts:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CameraFrames:
-    """Frames and what was told of them, by a person or by the file, as a `Recording` has it."""
+    """Frames and what was stated of them, by a person or by the file, as a `Recording` has it."""
 
     frames: FrameStack
     frame_number: Ticks

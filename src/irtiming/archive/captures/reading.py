@@ -15,7 +15,7 @@ _SNIFFED_BYTES = 4096
 
 
 def read_capture(path: str | Path, names: Sequence[str]) -> Capture:
-    """Some lines of a capture; its kind is told from what is in it, not from its name.
+    """Some lines of a capture; its kind is recognised by what is in it, not from its name.
 
     Parameters
     ----------

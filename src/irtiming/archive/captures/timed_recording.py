@@ -179,7 +179,7 @@ def _from_frames(source: Path, ticks: CapturedTicks, facts: CameraFacts) -> Reco
 
 
 def _is_recording(source: Path, facts: CameraFacts | None) -> bool:
-    """Whether a file tells its camera itself; an HDF5 file of which nobody says anything else is taken for one."""
+    """Whether a file tells its camera itself; an HDF5 file of which nothing else is stated is taken for one."""
     reader = reader_of(source)
     if facts is None and (reader is None or reader is readers()["hdf5_stack"]):
         return True
@@ -217,6 +217,6 @@ def _oddities(contents: "Contents", *, called: Path) -> list[Finding]:
     for finding in findings:
         if (
             finding.severity == "error" and finding.where != layout.LOST_AFTER.path
-        ):  # written, so that nobody overlooks it
+        ):  # written, so that it is not overlooked
             raise archive_error(called, finding)
     return findings

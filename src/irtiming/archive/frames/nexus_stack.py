@@ -77,7 +77,7 @@ def _write_facts(file: h5py.File, facts: FrameFacts) -> None:
 
 
 def _clock_values(facts: FrameFacts) -> dict[Field, Any]:
-    """Times of frames as ticks of the step in which the file told them; those of the computer's clock as they are."""
+    """Times of frames as ticks of the step in which the file has them; those of the computer's clock as they are."""
     if facts.times_s is None:
         return {}
     if facts.time_scale == "host clock":

@@ -1,4 +1,4 @@
-"""Open a file of frames, whatever program wrote it: its format is told from what is in it."""
+"""Open a file of frames, whatever program wrote it: its format is recognised by what is in it."""
 
 import logging
 from functools import cache

@@ -31,7 +31,7 @@ TickStream = Literal[
 """Tick streams of the file by their names there."""
 
 COMPLETE = layout.COMPLETE
-"""What `LiveRecording.finish` is told of a run in which everything came; any other text says why it ended early."""
+"""What `LiveRecording.finish` is given for a run in which everything came; any other text says why it ended early."""
 
 _RESERVE_BYTES = 16 * 2**20
 """Left free on the disk when frames are refused: timestamps still come, and the file must be finished."""

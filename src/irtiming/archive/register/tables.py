@@ -57,7 +57,7 @@ def opened(register: str, *, must_exist: bool = False) -> Any:
 
 
 def unusable(register: str, error: Exception) -> ArchiveError:
-    """Error for a register that cannot be used; a password in its URL is not told."""
+    """Error for a register that cannot be used; a password in its URL is not shown."""
     where = register.rsplit("@", 1)[-1]
     reason = str(getattr(error, "orig", None) or error).splitlines()[0]
     return ArchiveError(f"the register {where} cannot be used ({reason}); check its name and that its server answers")

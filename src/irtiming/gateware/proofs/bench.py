@@ -82,7 +82,7 @@ def elaborated(part: Any) -> Module:
     -------
     Its module, to be added to the bench by `opened`.
     """
-    part._MustUse__used = True  # Amaranth warns of parts that nobody elaborates, and does not see this
+    part._MustUse__used = True  # Amaranth warns of parts that are never elaborated, and does not see this
     module: Module = part.elaborate(None)
     return module
 

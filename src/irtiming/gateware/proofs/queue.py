@@ -1,4 +1,4 @@
-"""Proof about the queue: what is written leaves as it came, in order, or its loss is told three times."""
+"""Proof about the queue: what is written leaves as it came, in order, or its loss is reported three times."""
 
 from typing import final
 

@@ -86,7 +86,7 @@ class TimesOfEdges(Bench):
         return rises, falls, lasted == _LONG
 
     def _claim_records(self, events: Any) -> None:
-        """What happens in a cycle while recording is told in the next one, with the number of that cycle since reset."""
+        """What happens in a cycle while recording is reported in the next one, with the number of that cycle since reset."""
         m, stamper = self.m, self._stamper
         cycle = Signal(48)
         m.d.sync += cycle.eq(cycle + 1)

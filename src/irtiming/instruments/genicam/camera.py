@@ -264,7 +264,7 @@ class GenicamCamera:
         self._link.features.execute("AcquisitionStop")
 
     def _lock_settings(self, is_locked: bool) -> None:
-        """Some cameras start only when told so; most have no such feature for this program to set."""
+        """Some cameras start only on command; most have no such feature for this program to set."""
         if self._link.features.has("TLParamsLocked"):
             self._link.features.write("TLParamsLocked", value=str(int(is_locked)))
 

@@ -13,7 +13,7 @@ from irtiming.report.calibration import measurands
 from irtiming.report.calibration.measurands import Measurand
 
 NAMED = ("manufacturer", "model", "serial_number", "firmware")
-"""What identifies a camera, in the order in which it is told."""
+"""What identifies a camera, in the order in which it is listed."""
 
 
 @final
@@ -108,7 +108,7 @@ def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str =
     Raises
     ------
     ArchiveError
-        If laboratory and recordings contradict each other, nobody says when it was measured, or a limit is of nothing measured.
+        If laboratory and recordings contradict each other, the date is not stated, or a limit is of nothing measured.
     """
     items: list[CalibratedItem] = []
     results: list[MeasuredItem] = []

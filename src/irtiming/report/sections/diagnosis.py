@@ -10,7 +10,7 @@ _SHORT = {"exposure_midpoint_delay": "midpoint", "trigger_delay": "trigger delay
 
 
 def section(analysis: Analysis) -> Section | None:
-    """Both tables; None where nobody asked."""
+    """Both tables; None where not asked for."""
     found = analysis.diagnosis
     if found is None:
         return None

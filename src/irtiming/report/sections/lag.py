@@ -154,7 +154,7 @@ def _ellipses(axes: "Axes", covariance: Array) -> None:
 
 
 def noise(analysis: Analysis) -> Table:
-    """How well noise alone lets the camera's parameters be told apart."""
+    """How well noise alone lets the camera's parameters be distinguished."""
     found = camera_noise.noise(analysis)
     rows = [(label(name), uncertainty_text(found.u(name))) for name in found.names]
     rows.append(

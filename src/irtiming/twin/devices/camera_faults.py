@@ -13,7 +13,7 @@ class CameraFaults:
 
     Triggers are counted from 0 since the acquisition began. ``triggers_missed`` make neither a frame nor a gap in the
     block identifiers; of ``frames_lost`` every packet is lost, and resends too; after each of ``frames_spurious`` comes
-    another frame that nobody asked for. A ``frozen`` camera repeats the pixels of its last frame. While it is
+    another frame without a request. A ``frozen`` camera repeats the pixels of its last frame. While it is
     ``unplugged`` it is silent. Per-mille numbers are chances of each packet; `resend_honoured` is whether the camera
     sends again what it is asked for. Without ``has_timestamps`` all are 0.
     """

@@ -92,7 +92,7 @@ class SimulatedChopper:
 
     @property
     def is_enabled(self) -> bool:
-        """Whether the wheel was told to turn."""
+        """Whether the wheel was switched on."""
         return bool(self._values["enable"])
 
     @property

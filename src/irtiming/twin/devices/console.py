@@ -77,7 +77,7 @@ class Console:
 
     def _serve(self) -> None:
         while not self._is_over.is_set():
-            with suppress(OSError):  # nobody called, or the caller is gone
+            with suppress(OSError):  # no caller, or the caller is gone
                 caller, _ = self._socket.accept()
                 with caller:
                     caller.settimeout(1.0)
@@ -98,7 +98,7 @@ def say(sentence: str, *, port: int) -> str:
     Raises
     ------
     InstrumentError
-        If nobody listens there, or the rig does not understand.
+        If there is no listener, or the rig does not understand.
     """
     try:
         with socket.create_connection(("127.0.0.1", port), timeout=5.0) as line:

@@ -268,7 +268,7 @@ class Registers:
         words = {
             Address.VERSION: 0x0001_0002,
             Address.DEVICE_MODE: 1 << 31 | 1,  # big-endian registers, UTF-8
-            Address.MAC_HIGH: 0x0200,  # an address of nobody's
+            Address.MAC_HIGH: 0x0200,  # an address without an owner
             Address.MAC_LOW: ip,
             Address.IP_CAPABILITY: 1 << 0 | 1 << 2,
             Address.IP_CONFIGURATION: 1 << 0 | 1 << 2,

@@ -175,7 +175,7 @@ class Stream:
         try:
             self._socket.sendto(packet, (route.host, route.port))
         except OSError:
-            return  # nobody listens any more, or the packet is too large for the way
+            return  # no one listens any more, or the packet is too large for the way
 
     def _pace(self, route: Route) -> None:
         """Wait as long as the packet takes on the link, or let several such times come together."""

@@ -171,5 +171,5 @@ class UdpPort(_Port):
             self._asker = (sender[0], self._reply_port or sender[1])
         for message in self._exchange(received, cycle).split(b"\r"):
             if message and self._asker is not None:
-                with suppress(OSError):  # nobody has to listen
+                with suppress(OSError):  # no one has to listen
                     self._socket.sendto(message, self._asker)

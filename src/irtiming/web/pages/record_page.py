@@ -111,7 +111,7 @@ def _beside(plans: list[str], rigs: list[str]) -> str:
 
 
 def _command(desk: Desk, name: str) -> str:
-    """The program that a plan runs, to be seen before it does."""
+    """The program that a plan runs, to be read before it does."""
     try:
         text = desk.folder.existing(name).read_text(encoding="utf-8", errors="replace")
     except (IrTimingError, OSError):
