@@ -20,7 +20,7 @@ import numpy as np
 from distortion import beside_the_middle
 
 from irtiming import measurement
-from irtiming.estimate import pixel_sums, sector_fit, timing, wheel_geometry
+from irtiming.estimate import opening_in_image, pixel_numbers, sector_fit, wheel_geometry
 from irtiming.records.rig import CameraOptics, Measured, Rig
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.twin import rig as twin
@@ -59,8 +59,8 @@ def field_taken_for_light() -> Any:
 def edges_through_the_axle() -> Iterator[None]:
     """The mask's straight edges are held to point to the axle."""
     with (
-        patch.object(pixel_sums, "leans_in_image", lambda *_, **__: (np.zeros(2), 1e-9)),
-        patch.object(timing, "_LEAST_U_LEAN_RAD", 1e-9),
+        patch.object(opening_in_image, "edge_misalignments", lambda *_, **__: (np.zeros(2), 1e-9)),
+        patch.object(pixel_numbers, "_LEAST_U_RAD", 1e-9),
     ):
         yield
 
