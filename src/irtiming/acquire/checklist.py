@@ -158,7 +158,7 @@ async def _of_disk(rig: Rig, series: Series, *, journal: Journal) -> AsyncIterat
     try:
         pixels = int(float(await rig.camera.feature("Width"))) * int(float(await rig.camera.feature("Height")))
     except (InstrumentError, ValueError) as error:
-        yield f"{rig.camera.name} does not tell the size of its frames ({error}); check the camera"
+        yield f"{rig.camera.name} does not report the size of its frames ({error}); check the camera"
         return
     runs = series.to_make(journal)
     n_frames = sum(one.run.scheme.samples_per_turn * one.run.repeats for one in runs)

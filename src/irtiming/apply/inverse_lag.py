@@ -72,7 +72,7 @@ class Response:
         if abs(self.recursive_filter) > _MOST_SHARE or abs(self.pixel_memory) >= 0.5:
             raise EstimationError(
                 f"the shares of the frame before are {self.recursive_filter} (filter) and {self.pixel_memory} (memory), must be "
-                f"within ±{_MOST_SHARE} and ±0.5; beyond, frames do not tell the scene"
+                f"within ±{_MOST_SHARE} and ±0.5; beyond, frames do not determine the scene"
             )
 
     @property

@@ -58,7 +58,7 @@ def _lost_timestamps(contents: "Contents") -> Iterator[Finding]:
     after_s = float(lost[0] - triggers[0]) / clock
     yield error_at(
         layout.LOST_AFTER.path,
-        f"tells that timestamps were lost at {counted(lost.size, 'place')}, the first {after_s:.6f} s after the first trigger",
+        f"states that timestamps were lost at {counted(lost.size, 'place')}, the first {after_s:.6f} s after the first trigger",
         code="timestamps-lost",
         cure="record again; check the line to the trigger generator, and what else the computer did",
     )

@@ -30,7 +30,7 @@ def time(
     result: ResultFile,
     stamps: Annotated[
         Path,
-        typer.Argument(help="Recording, any file of frames that tells their times, or a CSV with one line per frame."),
+        typer.Argument(help="Recording, any file of frames that states their times, or a CSV with one line per frame."),
     ],
     out: Annotated[
         Path,
@@ -106,10 +106,10 @@ def frames(
     ] = None,
     stamps: Annotated[
         Path | None,
-        typer.Option(metavar="CSV", help="Trigger times, for a file that does not tell when its frames were."),
+        typer.Option(metavar="CSV", help="Trigger times, for a file that does not state when its frames were taken."),
     ] = None,
     period: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Time between frames, for a file that does not tell it.")
+        str | None, typer.Option(metavar="TIME", help="Time between frames, for a file that does not state it.")
     ] = None,
     instant_row: Annotated[
         float | None,

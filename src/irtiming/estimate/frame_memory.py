@@ -66,7 +66,7 @@ def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Fi
             severity="doubt",
             what=f"frames hold {100 * share:.3g} % of the frame before, rig.toml states frame_memory = {stated.value:g}: "
             f"{abs(share - stated.value) / u:.1f} standard uncertainties apart, and the result is that of the statement",
-            cure="take frame_memory out of rig.toml, then the frames alone tell it; or state its uncertainty",
+            cure="take frame_memory out of rig.toml, then the frames alone determine it; or state its uncertainty",
         ),
     )
 

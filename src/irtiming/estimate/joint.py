@@ -7,7 +7,7 @@ known to some uncertainty,
 
 .. math:: x_f = A_f p, \qquad D(p) = \sum_f D_f(A_f p) + \sum_k (p_k - p_{k0})^2 / u_k^2
 
-An angle acts as a time in proportion to 1 / omega, so several wheel speeds tell it from a delay; at one speed its prior decides,
+An angle acts as a time in proportion to 1 / omega, so several speeds distinguish it from a delay; at one speed its prior decides,
 and its uncertainty goes into that of the delay. A further nuisance parameter is one more shared number.
 
 At the minimum all is linear algebra with the recordings' pieces of information (`inference.information`). The delay of falling or

@@ -111,8 +111,8 @@ def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: Complex
     sizes = np.linalg.eigvalsh(gram[np.ix_(signal_at, signal_at)])
     if not sizes[0] > _WORST * sizes.mean():
         raise EstimationError(
-            f"{name}: its {wheel_angle_rad.size} frames leave parts of the turn out, so that they do not tell the wheel's orders "
-            f"{waves.signal_orders[0]} to {waves.signal_orders[-1]} apart in each pixel; record frames at all wheel angles, or "
+            f"{name}: its {wheel_angle_rad.size} frames leave parts of the turn out, so that they do not separate the wheel's "
+            f"orders {waves.signal_orders[0]} to {waves.signal_orders[-1]} in each pixel; record frames at all wheel angles, or "
             "ask for no maps"
         )
     phase = np.multiply.outer(waves.signal_orders, wheel_angle_rad)

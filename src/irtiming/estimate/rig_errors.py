@@ -260,7 +260,7 @@ def _of_clock(rig: Rig) -> list[Finding]:
 def _of_offset(beams: LightGates, *, several: bool) -> list[Finding]:
     if beams.lateral_offset_m is None:
         beside = (
-            "; several wheel speeds tell it from a delay"
+            "; several wheel speeds distinguish it from a delay"
             if several
             else ", and 0.1 mm is about 2 mrad: 100 us at a wheel speed of 3 Hz"
         )

@@ -250,7 +250,7 @@ def of_result(result: Result, *, choices: Choices) -> TwoConstantsResult | None:
         return None
     if result.effective is None:
         raise EstimationError(
-            "the substrate's temperature was given, but not every recording tells that of its blackbody "
+            "the substrate's temperature was given, but not every recording states that of its blackbody "
             "(entry/instrument/blackbody/temperature); write it, or leave the substrate's out"
         )
     return estimate(

@@ -179,7 +179,7 @@ def _edges(rig: Rig, tracks: list[WheelTrack]) -> tuple[EdgeAngles, float | None
     doubt = Finding(
         code="edges-taken-as-ideal",
         severity="warning",
-        what="cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording tells them",
+        what="cutout edges taken as ideal (0, 90, 180, 270 deg): neither rig.toml nor the recording states them",
     )
     return _IDEAL_EDGES, None, "ideal", (doubt,)
 

@@ -262,6 +262,6 @@ def _described(
             f"{given.unit}; noise_gain: noise of a pixel over that of the frame as it came"
         )
     if camera.two_constants is not None and response.of_value is None:
-        yield "note: the result has two time constants; counts do not tell temperatures, so the one at the wheel's was undone"
+        yield "note: the result has two time constants; counts do not give temperatures, so the one at the wheel's was undone"
     for remark in given.events.remarks:
         yield f"note: {remark}"

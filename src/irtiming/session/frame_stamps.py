@@ -122,7 +122,7 @@ def conditions_of(path: Path) -> Conditions:
     """
     if path.suffix.lower() in _CSV:
         raise ConditionError(
-            "a CSV does not tell how the camera was set; give the result of its setting alone", where=str(path)
+            "a CSV does not state how the camera was set; give the result of its setting alone", where=str(path)
         )
     if path.suffix.lower() == layout.SUFFIX:
         return conditions.of_recording(reader.read(path))
@@ -216,11 +216,11 @@ def _of_recording(recording: Recording, kind: StampKind) -> Raw:
 
 def _of_facts(facts: FrameFacts, wanted: StampsWanted, *, kind: StampKind) -> Raw:
     if kind == "strobe":
-        raise ConditionError("the file tells no strobe edges; give them as CSV", where=str(wanted.source))
+        raise ConditionError("the file has no strobe edges; give them as CSV", where=str(wanted.source))
     times = facts.trigger_times_s if kind == "trigger" else facts.times_s
     if times is None:
         raise ConditionError(
-            f"the file tells no {'triggers' if kind == 'trigger' else 'times'} of its frames; give its stamps as CSV",
+            f"the file has no {'triggers' if kind == 'trigger' else 'times'} of its frames; give its stamps as CSV",
             where=str(wanted.source),
         )
     origin_s = int(times[0])

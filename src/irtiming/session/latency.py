@@ -60,7 +60,7 @@ class GatesOrder:
             )
         if self.photodiode_s is not None and self.application_gate_s is not None:
             raise EstimationError(
-                "{photodiode_s} and {application_gate_s} each tell the same; leave one out",
+                "{photodiode_s} and {application_gate_s} each give the same; leave one out",
                 "photodiode_s",
                 "application_gate_s",
             )

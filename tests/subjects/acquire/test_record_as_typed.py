@@ -85,7 +85,7 @@ def test_a_complaint_ends_it_before_anything_moves(run, with_blackbody):
     del with_blackbody.camera.features["Width"]
     done = run()
     assert isinstance(done.exception, InstrumentError)
-    assert "does not tell the size of its frames" in str(done.exception)
+    assert "does not report the size of its frames" in str(done.exception)
     assert with_blackbody.generator.begun == []
 
 

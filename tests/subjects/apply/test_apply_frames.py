@@ -130,7 +130,7 @@ def test_two_time_constants_need_to_know_what_a_count_stands_for(tmp_path, told,
         with h5py.File(tmp_path / "scene.nxs") as file:
             found.append((said, file["entry/instrument/camera/data"][()].astype(int)))
         (tmp_path / "scene.nxs").unlink()
-    assert "two time constants; counts do not tell temperatures" in found[1][0]
+    assert "two time constants; counts do not give temperatures" in found[1][0]
     assert "time constants of substrate and scene undone" in found[2][0]
     assert np.array_equal(found[0][1], found[1][1])
     assert np.abs(found[0][1] - found[2][1]).max() <= 1
@@ -164,7 +164,7 @@ def test_a_file_that_tells_no_times_is_refused(tmp_path, told, filmed):
     np.save(tmp_path / "film.npy", filmed.frames.astype(np.float32))
     status, _, error = told("apply", "frames", _result(tmp_path), tmp_path / "film.npy", tmp_path / "scene.nxs")
     assert status == 2
-    assert "tells no times of its frames; give its stamps as CSV" in error
+    assert "has no times of its frames; give its stamps as CSV" in error
 
 
 def test_a_scene_is_no_recording(tmp_path, told, recording):

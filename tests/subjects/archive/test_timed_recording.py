@@ -224,9 +224,9 @@ def test_a_recording_that_does_not_fit_its_capture_is_refused_and_leaves_nothing
 def test_what_belongs_to_arrays_is_asked_for_with_arrays_only(hand_made, tmp_path):
     """Oracle: the messages."""
     path, _ = _arrays(tmp_path)
-    with pytest.raises(ArchiveError, match="these frames do not tell their camera; give --camera and --wheel-hz"):
+    with pytest.raises(ArchiveError, match="these frames do not state their camera; give --camera and --wheel-hz"):
         write_timed(path, tmp_path / "timed.nxs", ticks=_ticks())
-    with pytest.raises(ArchiveError, match="a recording tells its camera itself"):
+    with pytest.raises(ArchiveError, match="a recording states its camera itself"):
         write_timed(hand_made(), tmp_path / "timed.nxs", ticks=_ticks(), facts=FACTS)
     (tmp_path / "there.nxs").touch()
     with pytest.raises(ArchiveError, match="exists already; choose another name"):

@@ -77,9 +77,9 @@ def write_timed(
         raise ArchiveError(f"{target}: exists already; choose another name")
     is_recording = source.suffix.lower() != ".npz" and _is_recording(source, facts)
     if not is_recording and facts is None:
-        raise ArchiveError(f"{source}: these frames do not tell their camera; give --camera and --wheel-hz")
+        raise ArchiveError(f"{source}: these frames do not state their camera; give --camera and --wheel-hz")
     if is_recording and facts is not None:
-        raise ArchiveError(f"{source}: a recording tells its camera itself; leave out --camera and what goes with it")
+        raise ArchiveError(f"{source}: a recording states its camera itself; leave out --camera and what goes with it")
     if facts is not None:
         recording = _from_frames(source, _nominal(ticks, facts.trigger_delay_time_set_s, is_delayed), facts)
         findings = _oddities(_contents(recording), called=target)

@@ -129,7 +129,7 @@ class RegisterLink:
         if reply is not None:
             return reply
         noise = self._stream.skipped_bytes - skipped
-        heard = f"; {noise} bytes came that are no message, which tells of noise or of another device" if noise else ""
+        heard = f"; {noise} bytes came that are no message, which suggests noise or another device" if noise else ""
         raise InstrumentSilent(
             f"{self.name} does not answer: {self._patience.tries} times to {operation.name.lower()} {name} got no reply within "
             f"{self._patience.reply_s:g} s{heard}; check that it is a trigger generator, its power and its cable"

@@ -69,7 +69,7 @@ def place(recording: Recording) -> Placed:
         )
     if spare and numbered.source == "none":
         raise ReductionError(
-            f"{recording.name}: camera_input has {counted(spare, 'edge')} more than there are frames, and nothing tells which "
+            f"{recording.name}: camera_input has {counted(spare, 'edge')} more than there are frames, and nothing shows which "
             "frames were lost; record frame_id or frame_timestamp with each frame"
         )
     every = np.interp(np.arange(train.number[-1] + 1), train.number, train.ticks - train.ticks[0])
@@ -121,7 +121,7 @@ def _first_edge(
     last = spare if latency_s is None else int(np.clip(np.floor(latency_s / period_s), 0, spare))
     if paired is not None and paired.ahead > _SURE:
         what = (
-            f"of {spare + 1} ways to pair frames and strobe edges the camera's stamps tell one: they scatter by "
+            f"of {spare + 1} ways to pair frames and strobe edges the camera's stamps single out one: they scatter by "
             f"{readable_time(float(f'{paired.scatter_s:.2g}'))} from its edges, by "
             f"{readable_time(float(f'{paired.second_s:.2g}'))} from those of the second best"
         )
@@ -131,7 +131,7 @@ def _first_edge(
         "the last edge before the frames' arrival is taken"
     )  # fmt: skip
     what = (
-        f"camera_input has {counted(spare, 'edge')} more than frames, and nothing tells which belong to frames: {chosen}, and "
+        f"camera_input has {counted(spare, 'edge')} more than frames, and nothing shows which belong to frames: {chosen}, and "
         f"the delay may be whole frame periods of {1e3 * period_s:.6g} ms off"
     )
     cure = "stamp the strobe from before the camera starts to after it stops, or let it leave out a frame on purpose"

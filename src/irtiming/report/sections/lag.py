@@ -187,8 +187,8 @@ def noise_sentence(analysis: Analysis) -> str:
     worse = float(found.standard_uncertainties.max())
     return t(
         "Noise correlates {first} and {second} by {ratio}: a lag of τ shows each long slope as it was τ ago, "
-        "which a reading later by the same time makes up for; only the rounding of the corners tells one from "
-        "the other. So their {better} is known to {u} from noise, each alone to {worse} or better.",
+        "which a reading later by the same time makes up for; only the rounding of the corners distinguishes "
+        "the two. So their {better} is known to {u} from noise, each alone to {worse} or better.",
         first=words(_PAIR[0]),
         second=words(_PAIR[1]),
         ratio=fixed(ratio, 3),

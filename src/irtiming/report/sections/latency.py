@@ -49,7 +49,7 @@ def differences(found: Sequence[LatencyDifference]) -> Table:
         columns=("lines", "difference/µs", "u/µs", "χ² / freedom"),
         align="lrrr",
         rows=rows,
-        note="Speeds tell differences only: a latency that both gates have in common remains unknown.",
+        note="Speeds determine differences only: a latency that both gates have in common remains unknown.",
     )
 
 

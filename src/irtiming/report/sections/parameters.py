@@ -47,7 +47,11 @@ def parameters(analysis: Analysis) -> Table:
     if split is not None:
         expanded = budget.expanded_text(split.standard_uncertainty_s, split.degrees_of_freedom)
         text = time_text(split.value_s, split.standard_uncertainty_s)
-        apart = "" if result.falling_rising is not None else t("; one wheel speed does not tell a time from an angle")
+        apart = (
+            ""
+            if result.falling_rising is not None
+            else t("; one wheel speed does not distinguish a time from an angle")
+        )
         rows.append((t("falling − rising"), text, *expanded, t("0 expected{apart}", apart=apart)))
         rows += _as_time_and_angle(result)
     rows += [(label(one.name), bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]

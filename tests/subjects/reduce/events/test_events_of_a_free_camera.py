@@ -82,7 +82,7 @@ def test_a_strobe_that_cannot_be_paired_is_refused():
     edges = run.camera_input_ticks
     for change, words in (
         ({"camera_input_ticks": edges[5:]}, "edges of 195 frames, but the camera made 200"),
-        ({"camera_input_ticks": np.append(edges, edges[-1] + 1_600_000), **unknown}, "nothing tells which frames were"),
+        ({"camera_input_ticks": np.append(edges, edges[-1] + 1_600_000), **unknown}, "nothing shows which frames were"),
         ({"camera_input_ticks": edges[:3]}, "holds 3 edges"),
     ):
         with pytest.raises(ReductionError, match=words):
