@@ -241,7 +241,7 @@ def of_result(result: Result) -> CameraTiming:
 
 
 def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:
-    """Refuse numbers that no camera has: nothing is to be made of a file that somebody changed."""
+    """Refuse numbers that no camera has: nothing is to be made of a file that was changed."""
     for name, value, one in zip(names, values, u, strict=True):
         most, unit = (_MOST_SHARE, "") if name in _SHARES else (_LONGEST_S, " s")
         if not (abs(value) <= most and 0 <= one <= most):

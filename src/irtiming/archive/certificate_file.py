@@ -139,7 +139,7 @@ class Equipment(Part):
 
 
 class Person(Part):
-    """Somebody who answers for the certificate; the first who signs is the one who authorises it."""
+    """A person who answers for the certificate; the first who signs is the one who authorises it."""
 
     name: Text
     role: Text | None = None
@@ -153,7 +153,7 @@ class Procedure(Part):
     procedure: Text | None = Field(None, examples=["LAB-07, revision 3"])
     deviations: Text | None = Field(None, description="additions to, deviations from, or exclusions from it")
     sampling: Text | None = None
-    external: Text | None = Field(None, description="results that somebody else provided, and who")
+    external: Text | None = Field(None, description="results that an external provider supplied, and who that is")
     customer_data: Text | None = Field(None, description="what the customer provided that may affect the results")
 
 

@@ -120,7 +120,7 @@ class BudgetLine(Part):
     share_percent: Real | dict[str, Real]
     unit: str
     measured: Uncertain | None = Field(
-        None, description="what somebody measured, where the line follows from one such number"
+        None, description="a measured quantity, where the line follows from one such number"
     )
     sensitivity: Real | dict[str, Real] = Field(None, description="what it adds over that")
 

@@ -129,7 +129,7 @@ def _column(path: Path, names: list[str], column: str | None) -> str:
 
 
 def _scale(path: Path, column: str, unit: str | None) -> Decimal:
-    """Seconds that 1 in a column is: its name and a unit that somebody gave must not contradict each other."""
+    """Seconds that 1 in a column is: its name and a unit that was given must not contradict each other."""
     named = column.rsplit("_", 1)[-1]
     if unit is not None and unit not in UNITS:
         raise ArchiveError(f"{path}: '{unit}' is no unit of stamps; give {', '.join(UNITS)}")

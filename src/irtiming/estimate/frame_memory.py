@@ -128,7 +128,7 @@ def correlation(fit: RowTimingFit) -> tuple[float, float]:
 
 
 def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
-    """Where residuals of successive frames hang together.
+    """Where residuals of successive frames are correlated.
 
     Parameters
     ----------

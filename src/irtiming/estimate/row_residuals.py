@@ -5,7 +5,7 @@ import numpy as np
 from irtiming.physics.covariance import hac_covariance
 from irtiming.records.arrays import Array
 
-_CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may hang together
+_CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may be correlated
 
 
 def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:

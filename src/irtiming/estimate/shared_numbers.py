@@ -71,7 +71,7 @@ class SharedNumber:
     turns_edges
         Whether it is an error of the wheel's angles.
     measured
-        Standard uncertainty and unit of what somebody measured, where this follows from one such number.
+        Standard uncertainty and unit of a measured quantity, where this follows from one such number.
     """
 
     name: str
@@ -153,7 +153,7 @@ def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: flo
 def _stated_numbers(
     own: Sequence[SharedNumber], names: Sequence[str], *, stated: Measured, least_u: float, source: str
 ) -> list[SharedNumber]:
-    """The same, with what somebody states of those of these names; one that counts as exact has the least uncertainty."""
+    """The same, with what is stated of those of these names; one that counts as exact has the least uncertainty."""
     u = stated.standard_uncertainty
     return [
         replace(one, known=stated.value, u=max(u, least_u), source=source, kind="B", measured=(u, one.unit))

@@ -15,7 +15,7 @@ def ljung_box_p_value(residual: Array) -> float:
     Parameters
     ----------
     residual
-        Shape (n,), in the order along which they might hang together.
+        Shape (n,), in the order along which they might be correlated.
 
     Notes
     -----

@@ -110,7 +110,7 @@ def _in_line(times: Array, number: Ticks) -> Ticks:
 
 
 def line(over_s: Array, of_s: Array, *, tick_s: float) -> Line:
-    """Least squares, the uncertainty from the residuals, widened where they hang together.
+    """Least squares, the uncertainty from the residuals, inflated where they are correlated.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def line(over_s: Array, of_s: Array, *, tick_s: float) -> Line:
 
 
 def _inflation(residual: Array) -> float:
-    """Factor of an uncertainty where neighbouring residuals hang together; 1 where they do not."""
+    """Factor of an uncertainty where neighbouring residuals are correlated; 1 where they do not."""
     power = float(residual @ residual)
     if power == 0 or residual.size < 8:
         return 1.0

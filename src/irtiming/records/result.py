@@ -46,7 +46,7 @@ class Contribution:
     """One line of the uncertainty budget: what it is, A or B as in the GUM, and what it adds to each parameter.
 
     ``standard_uncertainty`` is by the parameter's name, in its unit; ``degrees_of_freedom`` say how well it is itself known.
-    ``measured`` are standard uncertainty and unit of what somebody measured, where the line follows from one such number: what
+    ``measured`` are standard uncertainty and unit of a measured quantity, where the line follows from one such number: what
     it adds over that is the sensitivity of the parameter.
     """
 

@@ -10,7 +10,7 @@ Rotation = Literal["clockwise", "counterclockwise"]
 @final
 @dataclass(frozen=True)
 class Measured:
-    """A number that somebody measured, with its standard uncertainty in the same unit.
+    """A measured number, with its standard uncertainty in the same unit.
 
     ``standard_uncertainty`` is 0 where rig.toml states none; the number then counts as exact.
     """

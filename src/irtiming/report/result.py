@@ -201,7 +201,7 @@ def _by_parameter(chosen: Result, names: tuple[str, ...]) -> list[dict[str, Any]
 
 
 def _measured(line: Contribution | budget.Line) -> dict[str, Any] | None:
-    """What somebody measured, where the line follows from one such number."""
+    """A measured quantity, where the line follows from one such number."""
     if line.measured is None:
         return None
     return {"standard_uncertainty": line.measured[0], "unit": line.measured[1]}

@@ -72,7 +72,7 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
             f"{time_text(3 * tau[0], 3 * tau[1])} after a sudden change it shows 95 % of it."
         )
         yield (
-            f"Something that goes to and fro {significant(given.validity.frequency_hz)} times a second is shown 1 % too small; "
+            f"Something that oscillates {significant(given.validity.frequency_hz)} times a second is shown 1 % too small; "
             "faster, it is shown smaller still."
         )
     elif given.integration_s is not None:

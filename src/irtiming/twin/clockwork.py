@@ -54,7 +54,7 @@ class TickStreams:
 def spin(scene: Scene, *, seed: int) -> Motion:
     """Let the wheel turn through a whole run.
 
-    The speed is stepped: wander, pulled back to the reference's phase, plus the ripple that hangs on the
+    The speed is stepped: wander, pulled back to the reference's phase, plus the ripple that depends on the
     angle.
     """
     trigger = scene.trigger
@@ -73,7 +73,7 @@ def spin(scene: Scene, *, seed: int) -> Motion:
     )
     steady = trigger.start_angle_rad + rate * time + lag[-time.size :]
     angle = steady
-    for _ in range(2):  # the ripple hangs on the angle that it changes, by some microradians
+    for _ in range(2):  # the ripple depends on the angle that it changes, by some microradians
         angle = steady + _ripple(scene.wander, angle, rate * step_s)
     return Motion(time_s=time, angle_rad=angle)
 

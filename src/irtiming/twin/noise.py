@@ -1,6 +1,6 @@
 """Random numbers by name, and the detector: fixed pattern, noise, whole numbers, clipping.
 
-Every random number hangs on (seed, purpose, index), so that any frame can be made again by itself.
+Every random number depends on (seed, purpose, index), so that any frame can be made again by itself.
 """
 
 from dataclasses import dataclass, replace

@@ -39,7 +39,7 @@ class CameraTrain(Bench):
             self.assume(implies(was_bound, setting == self.then(setting, setting.name)))
 
     def _expect_edges(self) -> Signal:
-        """Edge k at ``delay + k period`` after the start, by counting on; and how that hangs together with the circuit."""
+        """Edge k at ``delay + k period`` after the start, by counting on; and how that is related to the circuit."""
         m, train = self.m, self._train
         since_start, due = Signal(_TIME_BITS), Signal(_TIME_BITS)
         done = Signal(32)

@@ -123,7 +123,7 @@ def after_step(
 
 
 def bending(model: TwoConstants, first_k: ArrayLike, *, second_k: ArrayLike) -> Array:
-    r"""How unlike an exponential the answer of a pixel is that goes to and fro between two temperatures.
+    r"""How unlike an exponential the answer of a pixel is that alternates between two temperatures.
 
     Parameters
     ----------

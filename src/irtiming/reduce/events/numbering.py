@@ -25,7 +25,7 @@ class Counts:
 def counts(recording: Recording) -> Counts:
     """How many frames the camera made from the first to each, shape (n_frame,), by the best that the recording holds.
 
-    The camera's own count first, then its own clock, then numbers that somebody wrote, then the frames' arrival.
+    The camera's own count first, then its own clock, then numbers written by hand, then the frames' arrival.
 
     Parameters
     ----------

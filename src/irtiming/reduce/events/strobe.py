@@ -157,7 +157,7 @@ def _by_pattern(stamp_s: Array, edge_s: Array, number: Ticks, *, spare: int) -> 
     """What the camera's stamps say: the pairing at which they follow the edges most closely.
 
     A median deviation is not moved by single wrong stamps; the likelihood is that of normal scatter, for half of the frames,
-    since neighbours may hang together.
+    since neighbours may be correlated.
     """
     x = number - number.mean()
     scatter = np.empty(spare + 1)

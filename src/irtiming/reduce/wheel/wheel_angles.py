@@ -18,7 +18,7 @@ from irtiming.reduce.wheel.edge_train import EdgeTrain, number_edges
 from irtiming.reduce.wheel.slot_table import SlotTable, equal_slots, learn_slots
 
 _OF_A_MEDIAN = float(np.sqrt(np.pi / 2))  # its standard deviation over that of a mean
-_NEIGHBOURS = 4  # half turns whose scatter may hang together
+_NEIGHBOURS = 4  # half turns whose scatter may be correlated
 _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 
 
