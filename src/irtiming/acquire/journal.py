@@ -107,8 +107,8 @@ def _is_journal(content: object) -> bool:
     """Whether it has all that is asked of a journal, each of its kind."""
     if not isinstance(content, dict):
         return False
-    runs, told = content.get("runs"), (content.get("uid"), content.get("plan_digest"))
-    if not isinstance(runs, dict) or not isinstance(content.get("events"), list) or not _are_texts(*told):
+    runs, keys = content.get("runs"), (content.get("uid"), content.get("plan_digest"))
+    if not isinstance(runs, dict) or not isinstance(content.get("events"), list) or not _are_texts(*keys):
         return False
     return all(isinstance(run, dict) and _are_texts(run.get("file"), run.get("ending")) for run in runs.values())
 

@@ -75,11 +75,11 @@ def recovered_parts(folder: Path, *, journal: Journal, attendant: Attendant) -> 
         try:
             found.append(set_aside(recover(part), attendant=attendant))
         except ArchiveError as error:
-            told = f"cannot be recovered: {error}"
+            outcome = f"cannot be recovered: {error}"
             if not is_claimed(part):
-                told += f" (kept as {set_aside(part, attendant=attendant).relative_to(folder)})"
+                outcome += f" (kept as {set_aside(part, attendant=attendant).relative_to(folder)})"
         else:
-            told = f"recovered what an interrupted program left: {found[-1].relative_to(folder)}"
-        journal.note(told)
-        attendant.says(told)
+            outcome = f"recovered what an interrupted program left: {found[-1].relative_to(folder)}"
+        journal.note(outcome)
+        attendant.says(outcome)
     return tuple(found)

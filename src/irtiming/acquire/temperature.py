@@ -111,10 +111,10 @@ class TemperatureWatch:
 
     async def ask_at_the_end(self) -> None:
         """Ask until it is clear whether the blackbody still has its temperature."""
-        told = False
-        while self.complaint is None and not told:
+        has_noted = False
+        while self.complaint is None and not has_noted:
             await self._ask()
-            told = self._silent == self._away == 0
+            has_noted = self._silent == self._away == 0
 
     async def _ask(self) -> None:
         """An answer that fails to come is asked for again, and so is one that tells of another temperature."""

@@ -117,8 +117,8 @@ async def wheel_at_speed(
         await _pass(counter, _TURNS_AROUND * run.scheme.turn_period_ticks, generator=generator, poll_s=poll_s)
         heard = await generator.stop()
         slots = heard.control_slot_ticks
-        seen = float(np.median(np.diff(slots))) if slots.size > 1 else np.inf
-        if abs(seen / wanted - 1) <= SPEED_TOLERANCE and heard.application_slot_ticks.size > 1:
+        actual = float(np.median(np.diff(slots))) if slots.size > 1 else np.inf
+        if abs(actual / wanted - 1) <= SPEED_TOLERANCE and heard.application_slot_ticks.size > 1:
             return
         if await counter.now() - begun > _SETTLING_S * generator.clock_frequency_hz:
             raise InstrumentError(_not_at_speed(heard, wanted))
@@ -253,8 +253,8 @@ def _not_at_speed(heard: Timestamps, wanted: int) -> str:
     if heard.application_slot_ticks.size < 2:
         what = f"{heard.application_slot_ticks.size} application slots came while {slots.size} control slots did"
         return f"{what}; check the application light gate and its line"
-    seen = readable_time(float(np.median(np.diff(slots))) / clock)
+    actual = readable_time(float(np.median(np.diff(slots))) / clock)
     return (
-        f"a control slot passes every {seen}, it must be every {readable_time(wanted / clock)}; check that the chopper takes its "
-        "reference from the trigger generator, and has the number of slots that was planned for"
+        f"a control slot passes every {actual}, it must be every {readable_time(wanted / clock)}; check that the chopper takes "
+        "its reference from the trigger generator, and has the number of slots that was planned for"
     )

@@ -202,9 +202,9 @@ def of_result(result: Result) -> CameraTiming:
         If it has no delay that can be applied, or one of its numbers or their correlations is missing.
     """
     own = DELAYS[result.frame_event]
-    told = {own if name == "trigger_delay" else name: name for name in _TAKEN}
-    found = tuple(name for name in told if name in result.parameters)
-    names = tuple(told[name] for name in found)
+    by_own_name = {own if name == "trigger_delay" else name: name for name in _TAKEN}
+    found = tuple(name for name in by_own_name if name in result.parameters)
+    names = tuple(by_own_name[name] for name in found)
     delays = {"trigger_delay", "exposure_midpoint_delay"} & set(names)
     needed = {"time_constant"} if result.camera == "microbolometer" else set()
     if not delays or not needed <= set(names):

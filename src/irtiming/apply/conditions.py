@@ -79,7 +79,7 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
     ConditionError
         If they differ in serial number, model, kind of detector, readout mode, integration time or image size.
     """
-    told = (
+    stated = (
         ("serial number", measured.serial_number, found.serial_number),
         ("model", measured.model, found.model),
         ("image size", _size(measured), _size(found)),
@@ -90,7 +90,7 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
         ("readout mode", measured.readout_mode, found.readout_mode),
     )
     is_photon = measured.camera_type == "photon"
-    for what, ours, theirs in (*kinds, *told):
+    for what, ours, theirs in (*kinds, *stated):
         if what == "integration time" and (not is_photon or _same_window(measured, found)):
             continue
         if ours and theirs and ours != theirs:
@@ -99,7 +99,7 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
                 "as it is set, or give its own result",
                 where=where,
             )
-    unsaid = [what for what, ours, theirs in (*kinds, *told) if not (ours and theirs) and what != "model"]
+    unsaid = [what for what, ours, theirs in (*kinds, *stated) if not (ours and theirs) and what != "model"]
     return _not_compared([what for what in unsaid if what != "integration time" or is_photon])
 
 

@@ -285,7 +285,7 @@ def _common(given: HandOver, event: Number, where: str) -> Iterator[str]:
     """What every file says: event, its number, what stands for a lag, and what uncertainties do not hold."""
     if given.simulated:
         yield "SIMULATED: the result is not of a real camera"
-    yield f"camera: {_plain(given.camera) or 'model not said'}, serial number {_plain(given.serial_number) or 'not said'}"
+    yield f"camera: {_plain(given.camera) or 'model not stated'}, serial number {_plain(given.serial_number) or 'not stated'}"
     kind = "reading minus time constant" if given.validity is not None else "middle of integration"
     if given.frames_back is not None:
         kind += f", less {1e6 * given.frames_back.value_s:.1f} us, u = {_u(given.frames_back)}, for the share of the frame before"

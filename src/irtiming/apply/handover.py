@@ -92,11 +92,11 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
     EstimationError
         If the camera is rolling and its result does not say how many rows it has.
     """
-    told = camera.conditions
-    moments = {one.name: one for one in camera.moments(told.frame_period_s)}
-    if camera.row_delay_s and told.rows is None:
+    conditions = camera.conditions
+    moments = {one.name: one for one in camera.moments(conditions.frame_period_s)}
+    if camera.row_delay_s and conditions.rows is None:
         raise EstimationError("the result does not say how many rows the image has; analyse the recordings anew")
-    middle = 0.0 if told.rows is None or not camera.row_delay_s else (told.rows - 1) / 2
+    middle = 0.0 if conditions.rows is None or not camera.row_delay_s else (conditions.rows - 1) / 2
 
     def after_stamp(moment: Moment, row: float) -> Number:
         at = np.array([row])
@@ -105,7 +105,7 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
 
     tau_s = camera.estimate.value("time_constant") if camera.has_lag else 0.0
     row = Number(value_s=camera.row_delay_s, u_s=camera.estimate.u("row_delay") if camera.row_delay_s else 0.0)
-    n_rows = told.rows or 0
+    n_rows = conditions.rows or 0
     window_s = None
     if "start" in moments:
         both = [float(camera.offset_s(moments[name], np.zeros(1))[0]) for name in ("start", "end")]
@@ -118,13 +118,13 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         integration_s=window_s,
         row_delay=row,
         readout=Number(value_s=n_rows * row.value_s, u_s=n_rows * row.u_s),
-        rows=told.rows,
-        columns=told.columns,
+        rows=conditions.rows,
+        columns=conditions.columns,
         validity=_validity(tau_s) if tau_s else None,
         frames_back=_frames_back(camera),
-        camera=told.model,
-        serial_number=told.serial_number,
-        frame_period_s=told.frame_period_s,
+        camera=conditions.model,
+        serial_number=conditions.serial_number,
+        frame_period_s=conditions.frame_period_s,
         not_in_uncertainty=(*camera.not_in_uncertainty, *_untold(camera)),
         simulated=camera.simulated,
     )

@@ -200,9 +200,9 @@ def responses(one: Step) -> NoiseResponses:
     """How noise that enters before the camera's filter goes on, for steps that are all alike."""
     k = one.filter_share
     taps = np.arange(_TAPS)
-    seen = (1 - k) * np.power(k, taps, dtype=np.float64) if k else (taps == 0).astype(np.float64)
+    direct = (1 - k) * np.power(k, taps, dtype=np.float64) if k else (taps == 0).astype(np.float64)
     scene = np.zeros(_TAPS)
     for n in taps:
         came = (n == 0) - one.decay * (n == 1)
         scene[n] = (came - one.before * (scene[n - 1] if n else 0.0)) / one.now
-    return NoiseResponses(as_it_came=seen, added=scene - seen)
+    return NoiseResponses(as_it_came=direct, added=scene - direct)

@@ -108,11 +108,11 @@ def _invert_by_value(
     open_share, most = np.float32(1) / (np.float32(1) - share), np.float32(numbers.shape[0] - 1)
     for k in range(len(values)):
         value = np.float32(values[k])
-        seen = (value - share * last[k]) * open_share
-        place = ((seen + pixel[k]) * np.float32(0.5) - lowest) * per_value + np.float32(0.5)
+        observed = (value - share * last[k]) * open_share
+        place = ((observed + pixel[k]) * np.float32(0.5) - lowest) * per_value + np.float32(0.5)
         at = int(min(max(place, np.float32(0)), most))
-        scene[k] = (seen - numbers[at, 1] * pixel[k] - numbers[at, 2] * scene[k]) / numbers[at, 3]
-        pixel[k], last[k] = seen, value
+        scene[k] = (observed - numbers[at, 1] * pixel[k] - numbers[at, 2] * scene[k]) / numbers[at, 3]
+        pixel[k], last[k] = observed, value
         change[k] = scene[k] - value
 
 

@@ -81,9 +81,9 @@ def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) 
     first = cameras[0].conditions
     is_window = axis == "integration time"
     conditions = replace(first, integration_time_s=at) if is_window else replace(first, frame_period_s=at)
-    told = tuple(dict.fromkeys(words for one in cameras for words in one.not_in_uncertainty))
+    unsure = tuple(dict.fromkeys(words for one in cameras for words in one.not_in_uncertainty))
     found = replace(
-        cameras[0], conditions=conditions, estimate=estimate, two_constants=None, not_in_uncertainty=told
+        cameras[0], conditions=conditions, estimate=estimate, two_constants=None, not_in_uncertainty=unsure
     )  # fmt: skip
     return found, remarks
 
@@ -104,8 +104,8 @@ def _setting(one: Conditions, axis: Axis) -> float:
 
 def _require_same(first: CameraTiming, other: CameraTiming) -> None:
     """The same camera and the same numbers; the integration time may differ."""
-    told = replace(other.conditions, integration_time_s=first.conditions.integration_time_s)
-    require(first.conditions, told, where="series")
+    alike = replace(other.conditions, integration_time_s=first.conditions.integration_time_s)
+    require(first.conditions, alike, where="series")
     if other.event != first.event or other.estimate.names != first.estimate.names:
         raise ConditionError(
             f"a result has {', '.join(other.estimate.names)} counted from the {other.event}, another "
@@ -162,8 +162,8 @@ def _correlations(camera: CameraTiming) -> Array:
 def _said(
     cameras: Sequence[CameraTiming], x: Array, at: float, *, axis: Axis, ratios: dict[str, float]
 ) -> Sequence[str]:
-    told = ", ".join(_time(float(one)) for one in np.sort(x))
-    lines = [f"interpolated to the {axis} of {_time(at)} by straight lines through {len(cameras)} results, at {told}"]
+    places = ", ".join(_time(float(one)) for one in np.sort(x))
+    lines = [f"interpolated to the {axis} of {_time(at)} by straight lines through {len(cameras)} results, at {places}"]
     if x.size < 3:
         lines.append("whether a straight line holds was not tested: that takes three results")
     wide = ", ".join(f"{name} {ratio:.2g}" for name, ratio in ratios.items() if ratio > 1)

@@ -85,10 +85,10 @@ def measure(order: CampaignOrder, *, progress: Progress = lambda name, done, tot
     rig_sha256 = read_rig(order.rig).sha256 or sha256_of(order.rig)
     state, broken = State(order.folder), list[Broken]()
     with workers(scheduler=order.scheduler, n_workers=order.n_workers) as pool:
-        seen = _looked_at(pool, order, broken, progress)
-        wheel = _wheel(order, seen, rig_sha256=rig_sha256)
+        read = _looked_at(pool, order, broken, progress)
+        wheel = _wheel(order, read, rig_sha256=rig_sha256)
         wheel_sha256 = "" if wheel is None else sha256_of(wheel)
-        units = {key_of(unit, rig_sha256=rig_sha256, wheel_sha256=wheel_sha256): unit for unit in together(seen)}
+        units = {key_of(unit, rig_sha256=rig_sha256, wheel_sha256=wheel_sha256): unit for unit in together(read)}
         _do_missing(pool, _Work(units=units, wheel=wheel), order=order, state=state, progress=progress, broken=broken)
     found = list(_results(units, state, broken))
     if not found:
@@ -124,17 +124,17 @@ def _looked_at(pool: Workers, order: CampaignOrder, broken: list[Broken], progre
     return list(kept.values())
 
 
-def together(seen: Sequence[Seen]) -> list[tuple[Seen, ...]]:
+def together(read: Sequence[Seen]) -> list[tuple[Seen, ...]]:
     """Recordings of one camera at one setting, of one operator and run."""
     groups: dict[tuple[object, ...], list[list[Seen]]] = {}
-    for one in seen:
+    for one in read:
         same_camera = groups.setdefault((one.camera, one.listed.operator, one.listed.run), [])
         mine = next((group for group in same_camera if group[0].goes_with(one)), None)
         same_camera.append([one]) if mine is None else mine.append(one)
     return [tuple(group) for each in groups.values() for group in each]
 
 
-def _wheel(order: CampaignOrder, seen: Sequence[Seen], *, rig_sha256: str) -> Path | None:
+def _wheel(order: CampaignOrder, read: Sequence[Seen], *, rig_sha256: str) -> Path | None:
     """The wheel's calibration, made once: later recordings do not change it, a changed rig.toml does."""
     if order.wheel_calibration is not None:
         read_wheel_calibration(order.wheel_calibration)
@@ -142,7 +142,7 @@ def _wheel(order: CampaignOrder, seen: Sequence[Seen], *, rig_sha256: str) -> Pa
     path = order.folder / f"{rig_sha256[:12]}-{WHEEL}"
     if path.exists():
         return path
-    by_speed = sorted(seen, key=lambda one: (one.wheel_hz, one.sha256))
+    by_speed = sorted(read, key=lambda one: (one.wheel_hz, one.sha256))
     chosen = by_speed[:: max(1, -(-len(by_speed) // _MOST_FOR_WHEEL))]
     rig = read_rig(order.rig)
     sound = [one.listed.path for one in chosen if _tells_of_the_wheel(one.listed.path, rig)]

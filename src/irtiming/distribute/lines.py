@@ -74,33 +74,33 @@ def _line(group: Sequence[SettingPoint], limits: LimitsFile) -> CampaignLine:
     )  # fmt: skip
 
 
-def mean(told: Sequence[PointParameter]) -> JudgedValue:
+def mean(values: Sequence[PointParameter]) -> JudgedValue:
     """Results of one camera at one setting as one value; none is counted more than it says for itself.
 
     Parameters
     ----------
-    told
+    values
         At least one.
     """
-    if len(told) == 1:
-        one = told[0]
+    if len(values) == 1:
+        one = values[0]
         return JudgedValue(
             value=one.value, standard_uncertainty=one.standard_uncertainty, expanded_uncertainty=one.expanded_uncertainty,
             unit=one.unit,
         )  # fmt: skip
-    u = np.array([one.standard_uncertainty for one in told])
-    covariance = common_inputs.covariance(u, [one.common for one in told])
+    u = np.array([one.standard_uncertainty for one in values])
+    covariance = common_inputs.covariance(u, [one.common for one in values])
     own = np.array([max(one.standard_uncertainty**2 - sum(c**2 for c in one.common.values()), 1e-12 * one.standard_uncertainty**2)
-                    for one in told])  # fmt: skip
-    found = weighted_line.level(np.array([one.value for one in told]), covariance=covariance)
+                    for one in values])  # fmt: skip
+    found = weighted_line.level(np.array([one.value for one in values]), covariance=covariance)
     birge = found.birge if found.probability < _DOUBTFUL else 1.0
     spread = (birge**2 - 1) / float(np.sum(1 / own))  # the own parts alone grow
     variance = float(found.covariance[0, 0]) + max(0.0, spread)
-    freedom = min(one.degrees_of_freedom for one in told) if birge == 1.0 else float(found.degrees_of_freedom)
+    freedom = min(one.degrees_of_freedom for one in values) if birge == 1.0 else float(found.degrees_of_freedom)
     whole = float(np.sqrt(variance))
     return JudgedValue(
         value=float(found.coefficients[0]), standard_uncertainty=whole,
-        expanded_uncertainty=budget.coverage_factor(max(1.0, freedom)) * whole, unit=told[0].unit, birge=birge,
+        expanded_uncertainty=budget.coverage_factor(max(1.0, freedom)) * whole, unit=values[0].unit, birge=birge,
     )  # fmt: skip
 
 

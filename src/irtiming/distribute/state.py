@@ -48,9 +48,9 @@ class State:
         except ArchiveError:
             return None
 
-    def keep(self, key: str, told: Mapping[str, Any]) -> None:
+    def keep(self, key: str, result: Mapping[str, Any]) -> None:
         """Write the result of a unit."""
-        write_result(told, self.path_of(key))
+        write_result(result, self.path_of(key))
 
     def refusal(self, key: str) -> str | None:
         """Why a unit was refused before, which would be so again; None where it was not."""

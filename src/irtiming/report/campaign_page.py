@@ -23,7 +23,7 @@ def page(campaign: Campaign, *, created: datetime | None = None) -> str:
     created
         Date to print; now, where none is given.
     """
-    told = (
+    made = (
         sections.judged(campaign),
         sections.control(campaign),
         sections.pareto(campaign),
@@ -35,7 +35,7 @@ def page(campaign: Campaign, *, created: datetime | None = None) -> str:
             heading=t("Timing of many cameras"),
             verdict=verdict(campaign),
             warnings=tuple(Warned(text=one) for one in doubts(campaign)),
-            sections=tuple(section for section in told if section is not None),
+            sections=tuple(section for section in made if section is not None),
         ),
         created=created,
     )
@@ -81,10 +81,10 @@ def _gauge(study: GaugeStudy) -> str:
 
 def doubts(campaign: Campaign) -> list[str]:
     """What could not be analysed, in short; what is out of control."""
-    told = [f"{', '.join(one.files)}: {one.what.removeprefix(f'{one.files[0]}: ')}" for one in campaign.broken[:20]]
+    broken = [f"{', '.join(one.files)}: {one.what.removeprefix(f'{one.files[0]}: ')}" for one in campaign.broken[:20]]
     if len(campaign.broken) > 20:
-        told.append(t("and {n} more, in campaign.json", n=len(campaign.broken) - 20))
-    return [*told, *sections.out_of_control(campaign)]
+        broken.append(t("and {n} more, in campaign.json", n=len(campaign.broken) - 20))
+    return [*broken, *sections.out_of_control(campaign)]
 
 
 def study_as_json(one: GaugeStudy) -> dict[str, Any]:

@@ -60,14 +60,14 @@ def of_recording(recording: ReducedRecording) -> dict[str, Any]:
     }
 
 
-def settings(told: CameraSettings) -> dict[str, Any]:
+def settings(given: CameraSettings) -> dict[str, Any]:
     """What the camera was set to; None where its recording does not say."""
     return {
-        "gain_setting": told.gain_setting or None,
-        "internal_delay_set": told.internal_delay_set_s,
-        "sensor_temperature": told.sensor_temperature_k,
-        "region_first_row": told.region_first_row,
-        "region_first_column": told.region_first_column,
+        "gain_setting": given.gain_setting or None,
+        "internal_delay_set": given.internal_delay_set_s,
+        "sensor_temperature": given.sensor_temperature_k,
+        "region_first_row": given.region_first_row,
+        "region_first_column": given.region_first_column,
     }
 
 

@@ -52,12 +52,12 @@ def analyse(order: AnalysisOrder, *, progress: Progress | None = None) -> Analys
     _require_places(order)
     rig = read_rig(order.rig)
     wheel = None if order.wheel_calibration is None else read_wheel_calibration(order.wheel_calibration)
-    told = bool(order.result or order.report)
-    extras: tuple[Extra, ...] = (*(ALL_EXTRAS if told else ()), *(("maps",) if order.maps else ()))
+    is_reported = bool(order.result or order.report)
+    extras: tuple[Extra, ...] = (*(ALL_EXTRAS if is_reported else ()), *(("maps",) if order.maps else ()))
     found = analyse_recordings(
         _read(order), rig, choices=order.choices, progress=progress, wheel_calibration=wheel, extras=extras
     )
-    if told:
+    if is_reported:
         write(found, result=order.result, report=order.report, language=order.language)
     if order.maps is not None:
         write_maps_of(found, order.maps)
@@ -91,9 +91,9 @@ def write(
     if report is None:  # figures take half of the time, and are drawn for a report alone
         data = plain_result.result(found)
     else:
-        told = certificate.report(found, written_in=language)
-        data = told.result
-        write_atomically(told.page, report)
+        written = certificate.report(found, written_in=language)
+        data = written.result
+        write_atomically(written.page, report)
     if result is not None:
         write_result(data, result)
     return data

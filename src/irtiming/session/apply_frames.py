@@ -97,10 +97,10 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
         )
     result = read_result(order.result)
     with about(order.result):
-        camera, told = camera_at_setting(result, order.series, source=order.source)
+        camera, remarks = camera_at_setting(result, order.series, source=order.source)
     given = _given(order, camera, generator_of(result))
-    told += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
-    given = replace(given, events=replace(given.events, remarks=(*told, *given.events.remarks)))
+    remarks += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
+    given = replace(given, events=replace(given.events, remarks=(*remarks, *given.events.remarks)))
     of_value = _lag_of_value(order, camera, given.unit)
     readout = Readout(
         response=replace(camera.response, of_value=of_value),

@@ -41,9 +41,12 @@ class TimeOrder:
 
 def generator_of(result: Result) -> Generator:
     """What rig.toml stated of the trigger generator with which the result was measured."""
-    told = {one.name: one for one in result.rig.values if isinstance(one.value, float | int)}
+    by_name = {one.name: one for one in result.rig.values if isinstance(one.value, float | int)}
     is_strobe = result.frame_event == "strobe"
-    clock, late = told.get("clock.relative_error"), told.get(f"latency.{'camera_input' if is_strobe else 'trigger'}")
+    clock, late = (
+        by_name.get("clock.relative_error"),
+        by_name.get(f"latency.{'camera_input' if is_strobe else 'trigger'}"),
+    )
     sign = -1.0 if is_strobe else 1.0
     return Generator(
         relative_error=0.0 if clock is None else float(clock.value),
@@ -101,13 +104,13 @@ def apply_time(order: TimeOrder) -> FrameTimes:
         )
     result = read_result(order.result)
     with about(order.result):
-        camera, told = camera_at_setting(result, order.series, source=order.stamps.source)
+        camera, remarks = camera_at_setting(result, order.series, source=order.stamps.source)
     with about(order.stamps.source):
         stamped = frame_stamps.read(order.stamps, camera, generator=generator_of(result))
     if stamped.found is None:
-        told += conditions.require(camera.conditions, Conditions(), where=str(order.stamps.source))
-    told += conditions.doubted_unit(camera.conditions, stamped.events.frame_period_s)
-    stamped = replace(stamped, events=replace(stamped.events, remarks=(*told, *stamped.events.remarks)))
+        remarks += conditions.require(camera.conditions, Conditions(), where=str(order.stamps.source))
+    remarks += conditions.doubted_unit(camera.conditions, stamped.events.frame_period_s)
+    stamped = replace(stamped, events=replace(stamped.events, remarks=(*remarks, *stamped.events.remarks)))
     rows = None if order.rows is None else np.array(order.rows, dtype=np.float64)
     with about(order.result):
         times = frame_times.apply(camera, stamped.events, rows_px=rows)
@@ -139,16 +142,16 @@ def _to_write(times: FrameTimes, stamped: Stamped, order: TimeOrder) -> TimesToW
 def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
     """Lines that say what the numbers are: events, signs, uncertainties, and what they do not hold."""
     camera = times.camera
-    told = camera.conditions
+    setting = camera.conditions
     yield f"{program_version()}: times of the frames of {order.stamps.source.name} by {order.result.name}"
-    which = f"{told.model or 'model not said'}, serial number {told.serial_number or 'not said'}"
-    yield f"camera: {told.camera_type}, {told.readout_mode}, {which}"
+    which = f"{setting.model or 'model not stated'}, serial number {setting.serial_number or 'not stated'}"
+    yield f"camera: {setting.camera_type}, {setting.readout_mode}, {which}"
     yield f"scale: {times.events.scale}"
     yield f"reference event: {NOUNS[camera.event]}; a time is that event plus a delay, positive after it"
     yield "frame: number of the frame as its file has it; its index from 0 where the file has none"
     for one in times.moments:
         yield f"{one.name}: {MEANINGS[one.name]}"
-    if told.readout_mode == "snapshot":
+    if setting.readout_mode == "snapshot":
         yield "row: all rows are read at once; row 0 stands for all"
     yield "u: standard uncertainty (k = 1) of a time; r: correlation coefficient of the times of one row in two frames"
     for remark in times.events.remarks:

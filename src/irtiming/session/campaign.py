@@ -104,9 +104,9 @@ def _written(campaign: Campaign, order: Order) -> Iterator[Path]:
         page = campaign_page.page(campaign)
     write_atomically(page, order.out / PAGE)
     yield order.out / PAGE
-    told = summary(campaign, rows)
+    content = summary(campaign, rows)
     for path in (order.out / SUMMARY, *([] if order.json is None else [order.json])):
-        write_json(told, path)
+        write_json(content, path)
         yield path
 
 

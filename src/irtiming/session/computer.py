@@ -219,13 +219,13 @@ def _interfaces(folder: Path) -> Iterator[Check]:
         found = True
         mtu, rate = int(_said(interface / "mtu") or 0), _said(interface / "speed")
         is_fast = rate.isdigit() and int(rate) >= _GIGABIT
-        told = f"packets of {mtu} bytes" + (f", {rate} Mbit/s" if rate.isdigit() else "")
+        words = f"packets of {mtu} bytes" + (f", {rate} Mbit/s" if rate.isdigit() else "")
         cure = ""
         if rate.isdigit() and not is_fast:
             cure = "a GigE camera needs 1000 Mbit/s; see to cable and switch"
         elif mtu < _JUMBO_BYTES:
             cure = f"for a GigE camera: sudo ip link set {interface.name} mtu {_JUMBO_BYTES}, and the same in switch and camera"
-        yield Check(part=f"network {interface.name}", status="warning" if cure else "ok", found=told, cure=cure)
+        yield Check(part=f"network {interface.name}", status="warning" if cure else "ok", found=words, cure=cure)
     if not found and sys.platform == "linux":
         yield Check(
             part="network", status="warning", found="no Ethernet interface", cure="plug in the camera, if it has GigE"

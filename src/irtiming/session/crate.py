@@ -100,11 +100,12 @@ def write(
 
 def _refuse_foreign_slots(one: MeasuredItem) -> None:
     """Slots that other recordings determined are not in the crate."""
-    told = (one.result.wheel or {}).get("slots_from")
-    if isinstance(told, list) and len(told) > len(one.result.inputs):
+    slots_from = (one.result.wheel or {}).get("slots_from")
+    if isinstance(slots_from, list) and len(slots_from) > len(one.result.inputs):
         raise ArchiveError(
-            f"{one.file.name} took slots of the wheel from {len(told)} recordings, its own {len(one.result.inputs)} among them, "
-            "and the crate would lack the others; analyse without --wheel-calibration for a crate"
+            f"{one.file.name} took slots of the wheel from {len(slots_from)} recordings, its own "
+            f"{len(one.result.inputs)} among them, and the crate would lack the others; "
+            "analyse without --wheel-calibration for a crate"
         )
 
 

@@ -184,10 +184,10 @@ def _of_strobe(recording: Recording, generator: Generator | None) -> Stamped:
         clock_frequency_hz=recording.clock_frequency_hz,
         generator=generator,
     )
-    told = tuple(one.what for one in placed.findings[len(recording.findings) :])
+    remarks = tuple(one.what for one in placed.findings[len(recording.findings) :])
     kept = np.arange(placed.frame_number.size)
     stamped = Stamped(events=found, frames=kept, numbers=recording.frame_number, found=None)
-    return _with(stamped, told, conditions.of_recording(recording), recording)
+    return _with(stamped, remarks, conditions.of_recording(recording), recording)
 
 
 def _of_recording(recording: Recording, kind: StampKind) -> Raw:

@@ -49,12 +49,12 @@ def add(results: Sequence[Path], register: str) -> int:
     found = []
     for path in results:
         result = read_result(path)
-        told = point(result, label=str(path))
-        if not told.camera.serial_number:
+        made = point(result, label=str(path))
+        if not made.camera.serial_number:
             raise EstimationError(
                 "names no serial number, by which the register knows a camera; record it", where=str(path)
             )
-        found.append(Entry(point=told, sha256=sha256_of(path), rig_sha256=result.rig.sha256))
+        found.append(Entry(point=made, sha256=sha256_of(path), rig_sha256=result.rig.sha256))
     return entries.add(register, found)
 
 

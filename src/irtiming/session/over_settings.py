@@ -102,5 +102,5 @@ def alike(files: Sequence[Path]) -> list[tuple[Path, ...]]:
     ArchiveError
         If one cannot be read.
     """
-    seen = [look(Listed(path=path, is_one_of_many=False)) for path in files]
-    return [tuple(one.listed.path for one in group) for group in together(seen)]
+    read = [look(Listed(path=path, is_one_of_many=False)) for path in files]
+    return [tuple(one.listed.path for one in group) for group in together(read)]

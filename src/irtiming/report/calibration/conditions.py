@@ -79,16 +79,18 @@ def of(sheet: Sheet, one: MeasuredItem) -> list[tuple[str, str]]:
 
 def environment(sheet: Sheet) -> str:
     """Air around the rig, as stated."""
-    place, told = sheet.form.place, []
+    place, texts = sheet.form.place, []
     if place.temperature is not None:
         u = f" ± {place.temperature_u_k:g}" if place.temperature_u_k else ""
         air = localised(f"{place.temperature - ZERO_CELSIUS_K:.4g}{u}", sheet.language)
-        told.append(with_unit(f"({air})" if u else air, "°C"))
+        texts.append(with_unit(f"({air})" if u else air, "°C"))
     if place.humidity_percent is not None:
         u = f" ± {place.humidity_u_percent:g}" if place.humidity_u_percent else ""
         share = localised(f"{place.humidity_percent:g}{u}", sheet.language)
-        told.append(f"{with_unit(f'({share})' if u else share, '%')} {translated('relative humidity', sheet.language)}")
-    return ", ".join([*told, *([place.other] if place.other else [])])
+        texts.append(
+            f"{with_unit(f'({share})' if u else share, '%')} {translated('relative humidity', sheet.language)}"
+        )
+    return ", ".join([*texts, *([place.other] if place.other else [])])
 
 
 def _each(values: Iterable[Any], written: Callable[[Any], str]) -> str:

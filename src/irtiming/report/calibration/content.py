@@ -117,8 +117,8 @@ def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str =
         item = _item(file, form, several=several, called=called)
         if item not in items:
             items.append(item)
-        told = tuple(measurands.of(file.content, form))
-        results.append(MeasuredItem(item=items.index(item), file=file, measurands=told))
+        measured = tuple(measurands.of(file.content, form))
+        results.append(MeasuredItem(item=items.index(item), file=file, measurands=measured))
     _check_limits(results, form, called=called)
     first, last = _days(files, form, called=called)
     return Sheet(

@@ -132,9 +132,11 @@ class _Writer:
     def _item(self, parent: Xml.Element, item: CalibratedItem) -> None:
         missing = self._t("not in the recordings")
         self._words(parent, "name", item.form.description or self._t("thermal infrared camera"))
-        told = (("Condition when received", item.form.condition), ("Adjustment or repair", item.form.adjusted))
-        if any(text for _, text in told):
-            self._words(parent, "description", "; ".join(f"{self._t(label)}: {text}" for label, text in told if text))
+        remarks = (("Condition when received", item.form.condition), ("Adjustment or repair", item.form.adjusted))
+        if any(text for _, text in remarks):
+            self._words(
+                parent, "description", "; ".join(f"{self._t(label)}: {text}" for label, text in remarks if text)
+            )
         if item.words["firmware"]:
             firmware = _child(_child(parent, "installedSoftwares"), "software")
             self._words(firmware, "name", self._t("firmware"))
@@ -231,8 +233,8 @@ class _Writer:
         for one in self._form.equipment:
             found = _child(listed, "measuringEquipment")
             self._words(found, "name", one.name)
-            if told := self._calibration(one.certificate, one.calibrated_by, one.calibrated, one.due):
-                self._words(found, "description", told)
+            if calibration := self._calibration(one.certificate, one.calibrated_by, one.calibrated, one.due):
+                self._words(found, "description", calibration)
             if one.manufacturer:
                 self._words(_child(found, "manufacturer"), "name", one.manufacturer)
             if one.model:
@@ -319,11 +321,11 @@ class _Writer:
 
     def _correlation(self, results: Xml.Element, one: MeasuredItem) -> None:
         names, matrix = one.result.correlation.names, one.result.correlation.matrix
-        told = {row.name for row in one.measurands}
+        reported = {row.name for row in one.measurands}
         pairs = [
             (f"{names[i]}, {names[j]}", r)
             for i in range(len(names)) for j in range(i)
-            if names[i] in told and names[j] in told and (r := matrix[i][j]) is not None
+            if names[i] in reported and names[j] in reported and (r := matrix[i][j]) is not None
         ]  # fmt: skip
         if not pairs:
             return

@@ -75,19 +75,19 @@ def _sensitivity(line: BudgetLine, language: Language) -> str:
 
 def bounds(result: Result, language: Language) -> str:
     """What is known of parameters that are not determined."""
-    told = []
+    texts = []
     for name, one in result.bounds.items():
         words = translated(name.replace("_", " "), language)
         ends = ["…" if end is None else small(end, one.unit, language=language) for end in (one.lower, one.upper)]
-        told.append(f"{words} [{'; '.join(ends)}]")
-    return ", ".join(told)
+        texts.append(f"{words} [{'; '.join(ends)}]")
+    return ", ".join(texts)
 
 
 def correlation(one: MeasuredItem, language: Language) -> dict[str, Any] | None:
     """Coefficients between the times; None where there is only one."""
-    told = [row.name for row in one.measurands if row.nominal_s is None]
+    absolute = [row.name for row in one.measurands if row.nominal_s is None]
     names, matrix = one.result.correlation.names, one.result.correlation.matrix
-    kept = [k for k, name in enumerate(names) if name in told]
+    kept = [k for k, name in enumerate(names) if name in absolute]
     if len(kept) < 2:
         return None
     words = [translated(names[k].replace("_", " "), language) for k in kept]

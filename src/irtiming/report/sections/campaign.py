@@ -28,8 +28,8 @@ def judged(campaign: Campaign) -> Section | None:
     if not rows and not missing:
         return None
     rows.sort(key=lambda row: (WORST_FIRST.index(row[2].judgement), row[2].probability or 0.0, row[0].camera.name))
-    told = [_judged_row(*row) for row in rows[:_MOST_LINES]]
-    told += [(line.camera.name, _setting(line), "–", "–", t("not measured"), "–") for line in missing]
+    lines = [_judged_row(*row) for row in rows[:_MOST_LINES]]
+    lines += [(line.camera.name, _setting(line), "–", "–", t("not measured"), "–") for line in missing]
     return Section(
         title=t("Against the limits"),
         blocks=(
@@ -42,7 +42,7 @@ def judged(campaign: Campaign) -> Section | None:
                 ),
                 columns=heads("camera", "setting", "value ± U", "limits", "verdict", "probability"),
                 align="llrrlr",
-                rows=tuple(told),
+                rows=tuple(lines),
                 note=t(
                     "Decision rule: {rule}. Probability: that the measurand lies within the limits, from value and u.",
                     rule=t(campaign.rule),
@@ -230,6 +230,6 @@ def _varies(campaign: Campaign, name: SettingName) -> bool:
 
 def _setting(line: CampaignLine) -> str:
     """Integration time and internal delay, as far as they are known."""
-    told = [setting_text(name, line.settings[name]) for name in ("integration_time", "internal_delay_set", "gain_setting")
+    texts = [setting_text(name, line.settings[name]) for name in ("integration_time", "internal_delay_set", "gain_setting")
             if name in line.settings]  # fmt: skip
-    return ", ".join(told) or "–"
+    return ", ".join(texts) or "–"

@@ -61,13 +61,13 @@ def charts(results: Sequence[SettingPoint]) -> Iterator[Chart]:
     """
     points = _most_alike(results)
     for name in LEADING:
-        told = [one for one in points if name in one.parameters]
-        if len(told) < FEWEST_POINTS:
+        measured = [one for one in points if name in one.parameters]
+        if len(measured) < FEWEST_POINTS:
             continue
-        found = [one.parameters[name] for one in told]
+        found = [one.parameters[name] for one in measured]
         values = np.array([one.value for one in found])
         yield Chart(
-            parameter=name, unit=found[0].unit, labels=tuple(one.camera.serial_number for one in told), values=values,
+            parameter=name, unit=found[0].unit, labels=tuple(one.camera.serial_number for one in measured), values=values,
             u=np.array([one.standard_uncertainty for one in found]), centre=float(values.mean()),
             sigma=float(np.mean(np.abs(np.diff(values)))) / _OF_MOVING_RANGE,
         )  # fmt: skip
@@ -77,9 +77,9 @@ def _most_alike(points: Sequence[SettingPoint]) -> list[SettingPoint]:
     """Results of the kind of camera and the setting that most have, in order of time."""
 
     def kind(one: SettingPoint) -> str:
-        key, told = one.camera, one.settings
+        key, setting = one.camera, one.settings
         settings = [(name, f"{value:.3g}" if isinstance(value, float) else value)
-                    for name, value in sorted(told.items()) if name != "sensor_temperature"]  # fmt: skip
+                    for name, value in sorted(setting.items()) if name != "sensor_temperature"]  # fmt: skip
         return f"{key.manufacturer} {key.model} {key.camera_type} {key.readout_mode} {key.event} {settings}"
 
     most, _ = Counter(kind(one) for one in points).most_common(1)[0]

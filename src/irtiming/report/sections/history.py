@@ -60,5 +60,5 @@ def results(points: Sequence[SettingPoint]) -> Table:
 
 
 def _settings(one: SettingPoint) -> str:
-    told = (setting_text(name, one.settings[name]) for name in SETTINGS if name in one.settings and name != "rows")
-    return ", ".join(told) or "–"
+    texts = (setting_text(name, one.settings[name]) for name in SETTINGS if name in one.settings and name != "rows")
+    return ", ".join(texts) or "–"

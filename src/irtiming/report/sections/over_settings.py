@@ -96,12 +96,12 @@ def meaning(one: OverSetting) -> str:
     if not one.simple_slopes:
         return t("none of 0, ±1/2, ±1")
     kind = "start" if one.parameter in DELAYS else "middle" if one.parameter == "exposure_midpoint_delay" else ""
-    told = []
+    texts = []
     for slope in one.simple_slopes:
         text = {-1.0: "−1", -0.5: "−1/2", 0.0: "0", 0.5: "1/2", 1.0: "1"}[slope]
         meant = t(_MEANT.get((kind, slope), "")) if one.setting == "integration_time" else ""
-        told.append(f"{text}: {meant}" if meant else text)
-    return "; ".join(told)
+        texts.append(f"{text}: {meant}" if meant else text)
+    return "; ".join(texts)
 
 
 def step_text(one: OverSetting) -> str:
