@@ -168,10 +168,10 @@ def _events(contents: Contents) -> Iterator[Finding]:
     for fields in layout.EXCHANGES:
         sizes = [None if contents.get(field) is None else len(contents[field]) for field in fields]
         if len(set(sizes)) > 1:
-            told = ", ".join(f"{field.name} {size or 0}" for field, size in zip(fields, sizes, strict=True))
+            counts = ", ".join(f"{field.name} {size or 0}" for field, size in zip(fields, sizes, strict=True))
             yield error_at(
                 fields[1].path,
-                f"has not as many entries as its two times ({told})",
+                f"has not as many entries as its two times ({counts})",
                 code="exchanges-incomplete",
                 cure="write before, reading and after of each exchange",
             )

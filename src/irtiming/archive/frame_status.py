@@ -40,10 +40,10 @@ def leave_out(contents: "Contents") -> tuple["Contents", "Ticks | None", list[Fi
     kept = np.flatnonzero(status == WHOLE)
     if kept.size == status.size:
         return contents, None, findings
-    told = [f"{n} {word}" for value, word in _WORDS.items() if (n := int(np.count_nonzero(status == value)))]
+    counts = [f"{n} {word}" for value, word in _WORDS.items() if (n := int(np.count_nonzero(status == value)))]
     if unknown := int(np.count_nonzero(status > UNTIMED)):
-        told.append(f"{unknown} of unknown status")
-    what = f"states that of {status.size} frames {', '.join(told)}"
+        counts.append(f"{unknown} of unknown status")
+    what = f"lists among {status.size} frames {', '.join(counts)}"
     if kept.size == 0:
         cure = "check the camera and its link, and record again"
         return contents, None, [*findings, error_at(layout.FRAME_STATUS.path, what, code="no-whole-frame", cure=cure)]

@@ -80,8 +80,8 @@ def reason_of(error: BaseException) -> str:
     """The innermost reason in an h5py message: what the system says, else the text in its last bracket."""
     says = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     text = " ".join(says.split()).strip("'\"")
-    if told := re.search(r"error message = '([^']+)'", text):
-        return told[1]
+    if found := re.search(r"error message = '([^']+)'", text):
+        return found[1]
     inner = re.search(r"\((.+)\)$", text)
     return inner[1] if inner else text or type(error).__name__
 

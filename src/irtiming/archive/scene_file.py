@@ -162,24 +162,24 @@ class SceneWriter:
             )  # fmt: skip
             self._kept[path] = np.zeros((_TOGETHER, *shape), dtype)
         file[layout.FRAMES.path].attrs["units"] = head.unit
-        told = file[SCENE]
-        told.attrs["NX_class"] = "NXprocess"
-        told.attrs["tile_px"] = head.tile_px
-        told["program"] = program_version()
-        told["description"] = "\n".join(head.description)
+        scene = file[SCENE]
+        scene.attrs["NX_class"] = "NXprocess"
+        scene.attrs["tile_px"] = head.tile_px
+        scene["program"] = program_version()
+        scene["description"] = "\n".join(head.description)
 
     def _finish(self) -> None:
         assert self._file is not None
         if self._length > self._written:
             self._write()
-        told = self._file[SCENE]
-        told["frame_number"] = np.array(self._told["frame_number"], dtype=np.int64)
-        told["time"] = np.array(self._told["time"], dtype=np.float64)
-        told["time"].attrs["units"] = "s"
-        told["time_errors"] = self._head.time_errors_s
-        told["time_errors"].attrs["units"] = "s"
+        scene = self._file[SCENE]
+        scene["frame_number"] = np.array(self._told["frame_number"], dtype=np.int64)
+        scene["time"] = np.array(self._told["time"], dtype=np.float64)
+        scene["time"].attrs["units"] = "s"
+        scene["time_errors"] = self._head.time_errors_s
+        scene["time_errors"].attrs["units"] = "s"
         plot = group(self._file, layout.PLOT)
-        plot["data"], plot["time"] = self._file[layout.FRAMES.path], told["time"]
+        plot["data"], plot["time"] = self._file[layout.FRAMES.path], scene["time"]
         plot.attrs["signal"], plot.attrs["axes"] = "data", ["time", ".", "."]
         self._file.attrs["default"] = "entry"
         self._file[layout.ENTRY].attrs["default"] = "data"

@@ -168,36 +168,36 @@ def _of_frames(
         frames = whole if field is layout.FRAMES and whole else FileFrames(path, field.path, shape=shape)
         bit_depth = contents[layout.BIT_DEPTH] or 16
         try:
-            seen = survey(frames, bit_depth=bit_depth, progress=progress if field is layout.FRAMES else None)
+            surveyed = survey(frames, bit_depth=bit_depth, progress=progress if field is layout.FRAMES else None)
         except ArchiveError as error:
             cause = error.__cause__
             wrong = Finding(code="stack-unreadable", severity="error", where=field.path, what=str(error))
             yield cause.finding if isinstance(cause, Complaint) else wrong
             continue
-        yield from _of_survey(seen, field, bit_depth=bit_depth)
-        if field is layout.FRAMES and not seen.dead_frames.size:
-            yield from check_signal(contents, seen.tiles_dn, rig=rig)
+        yield from _of_survey(surveyed, field, bit_depth=bit_depth)
+        if field is layout.FRAMES and not surveyed.dead_frames.size:
+            yield from check_signal(contents, surveyed.tiles_dn, rig=rig)
     yield from _of_reference(path, contents)
 
 
-def _of_survey(seen: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[Finding]:
+def _of_survey(surveyed: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[Finding]:
     highest = 2**bit_depth - 1
     where = field.path
-    if (largest := int(seen.highest_dn.max())) > highest:
+    if (largest := int(surveyed.highest_dn.max())) > highest:
         what = f"reaches {largest}, which does not fit into bit_depth_readout = {bit_depth} bits"
         yield error_at(where, what, code="bit-depth-exceeded", cure="correct bit_depth_readout")
-    if seen.dead_frames.size:
-        first = int(seen.dead_frames[0])
+    if surveyed.dead_frames.size:
+        first = int(surveyed.dead_frames[0])
         what = (
-            f"has {counted(seen.dead_frames.size, 'dead frame')}, the first is frame {first}: "
-            f"all pixels are {int(seen.lowest_dn[first])}"
+            f"has {counted(surveyed.dead_frames.size, 'dead frame')}, the first is frame {first}: "
+            f"all pixels are {int(surveyed.lowest_dn[first])}"
         )
         yield error_at(where, what, code="frames-dead", cure="check camera and link, record again")
-    living = np.setdiff1d(seen.repeated_frames, seen.dead_frames)
+    living = np.setdiff1d(surveyed.repeated_frames, surveyed.dead_frames)
     if living.size:
         what = f"has {counted(living.size, 'frame')} equal to the one before, the first is frame {living[0]}"
         yield error_at(where, what, code="frames-repeated", cure="the camera missed triggers; record again")
-    for share, name in ((seen.saturated_share, f"saturated ({highest})"), (seen.zero_share, "clipped at 0")):
+    for share, name in ((surveyed.saturated_share, f"saturated ({highest})"), (surveyed.zero_share, "clipped at 0")):
         if share > _SOME_CLIPPED:
             yield Finding(
                 code="values-clipped",

@@ -91,8 +91,8 @@ def analyse(
     from irtiming.session.analysis import analyse as analyse_files
 
     order = filled(AnalysisOrder, given, recordings=tuple(recording), choices=choices, result=json)
-    with shown("frames") as told:
-        analysis = analyse_files(order, progress=told)
+    with shown("frames") as progress:
+        analysis = analyse_files(order, progress=progress)
     print_result(analysis, Console())
 
 

@@ -139,8 +139,8 @@ def frames(
         period_s=None if period is None else seconds(period), keeps_fractions=fractions,
         kelvin_at_zero=kelvin_at_zero, kelvin_per_count=kelvin_per_count, series=tuple(series or ()),
     )  # fmt: skip
-    with shown("frames") as told:
-        found = apply_frames(order, progress=lambda done, total: told(source.name, done, total))
+    with shown("frames") as progress:
+        found = apply_frames(order, progress=lambda done, total: progress(source.name, done, total))
     say(f"{out}: {found.n_written} of {found.n_frames} frames, mean gain {found.mean_gain:.3f}, noise times "
         f"{found.mean_noise_gain:.3f}, for pixel noise of {found.noise:.4g}")  # fmt: skip
     for line in found.description[1:]:

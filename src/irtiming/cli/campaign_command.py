@@ -58,6 +58,6 @@ def campaign(
     from irtiming.cli.progress import shown
     from irtiming.session.campaign import Order, run
 
-    with shown("") as told:
-        done = run(filled(Order, given), progress=told)
+    with shown("") as progress:
+        done = run(filled(Order, given), progress=progress)
     show(done, Console())

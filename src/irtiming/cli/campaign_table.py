@@ -21,10 +21,10 @@ def show(done: Done, screen: Console) -> None:
         say(text, screen)
     for text in campaign_page.doubts(done.campaign):
         warn(text, screen)
-    told = [sections.repeatability(done.campaign)]
+    made = [sections.repeatability(done.campaign)]
     if len(done.campaign.lines) <= _MOST:
-        told.append(sections.cameras(done.campaign))
-    for section in told:
+        made.append(sections.cameras(done.campaign))
+    for section in made:
         for block in () if section is None else section.blocks:
             if isinstance(block, Table):
                 print_table(block, screen)

@@ -21,9 +21,9 @@ def show_made(sheet: Sheet, written: Sequence[Path]) -> None:
     number = sheet.form.certificate.number
     for one in sheet.results:
         for row in one.headline:
-            told = measurand(row, "en")
+            shown = measurand(row, "en")
             verdict = f": {VERDICTS[row.conformity.outcome]}" if row.conformity else ""
-            say(f"{told['name']} = {told['value']}, U = {told['expanded']} (k = {told['k']}){verdict}", screen)
+            say(f"{shown['name']} = {shown['value']}, U = {shown['expanded']} (k = {shown['k']}){verdict}", screen)
     if sheet.is_simulated:
         say("SIMULATED: no camera made the frames, and the certificate says so", screen)
     missing = [name.replace("_", " ") for item in sheet.items for name, word in item.words.items() if word is None]

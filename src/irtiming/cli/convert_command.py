@@ -32,6 +32,6 @@ def convert(
     from irtiming.session.frame_files import convert as convert_frames
 
     require_place(out, besides=files_read(file), is_text=False, is_new=True)
-    with shown("frames") as told:
-        lost = convert_frames(file, out, progress=partial(told, escape(file.name)))
+    with shown("frames") as progress:
+        lost = convert_frames(file, out, progress=partial(progress, escape(file.name)))
     say(f"{out}: written" + (f"; this format has no place for {', '.join(lost)}" if lost else ""))

@@ -70,8 +70,8 @@ def _demonstrated(order: "DemoOrder") -> "Mapping[str, Any]":
         f"x 1000 frames of {order.columns} x {order.rows} pixels",
         console,
     )
-    with shown("frames") as told:
-        done = demonstrate(order, progress=told)
+    with shown("frames") as progress:
+        done = demonstrate(order, progress=progress)
     print_demonstration(done.analysis, done.truth_s, console=console)
     say(f"report: {done.report.resolve()}", console)
     return done.result

@@ -99,8 +99,8 @@ def record(
     from irtiming.session import timestamps as session
 
     order = filled(session.TimestampOrder, given, wiring=filled(WiringWishes, given))
-    with shown("triggers") as told:
-        found = asyncio.run(session.record(order, progress=partial(told, port)))
+    with shown("triggers") as progress:
+        found = asyncio.run(session.record(order, progress=partial(progress, port)))
     say(
         f"{out}: {found.camera_trigger_ticks.size} triggers, {found.control_slot_ticks.size} control slots, "
         f"{found.application_edge_ticks.size} application edges; nothing was lost"

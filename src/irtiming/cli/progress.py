@@ -38,23 +38,23 @@ def shown(unit: str, console: Console | None = None) -> Iterator[Told]:
     with Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=console) as progress:
         tasks: dict[str, int] = {}
 
-        def told(name: str, done: int, total: int, /) -> None:
+        def step(name: str, done: int, total: int, /) -> None:
             raise_dropped()
             if name not in tasks:
                 tasks[name] = int(progress.add_task(escape(name), total=total))
             progress.update(progress.tasks[tasks[name]].id, completed=done, total=total)
 
-        yield told
+        yield step
 
 
 def _plain_lines(unit: str, console: Console) -> Told:
     """One line when a piece of work starts to report and one when it is done."""
     begun: set[str] = set()
 
-    def told(name: str, done: int, total: int, /) -> None:
+    def step(name: str, done: int, total: int, /) -> None:
         raise_dropped()
         if done >= total or name not in begun:
             begun.add(name)
             console.print(f"{name}: {done} of {total} {unit}", highlight=False, soft_wrap=True, markup=False)
 
-    return told
+    return step

@@ -36,7 +36,7 @@ def recover(
     from irtiming.archive.verify import verify
     from irtiming.cli.progress import shown
 
-    with shown("frames") as told:
-        finished = recover_file(part, out, keep=keep, trust=trust, progress=partial(told, escape(part.name)))
+    with shown("frames") as progress:
+        finished = recover_file(part, out, keep=keep, trust=trust, progress=partial(progress, escape(part.name)))
     for finding in verify(finished):
         say(f"{finished}: {finding.severity}: {finding.sentence()}")

@@ -39,13 +39,13 @@ def print_result(analysis: Analysis, console: Console) -> None:
 
 def _worded(table: Table, event: FrameEvent) -> Table:
     """The same with the event's own words."""
-    told = partial(event_words.text, event=event)
+    worded = partial(event_words.text, event=event)
     return replace(
         table,
-        title=told(table.title),
-        columns=tuple(map(told, table.columns)),
-        rows=tuple(tuple(map(told, row)) for row in table.rows),
-        note=told(table.note),
+        title=worded(table.title),
+        columns=tuple(map(worded, table.columns)),
+        rows=tuple(tuple(map(worded, row)) for row in table.rows),
+        note=worded(table.note),
     )
 
 

@@ -43,6 +43,6 @@ def series(
     from irtiming.session.over_settings import SeriesOrder, compare
 
     order = filled(SeriesOrder, given, sources=tuple(source), series=json)
-    with shown("frames") as told:
-        found = compare(order, progress=told)
+    with shown("frames") as progress:
+        found = compare(order, progress=progress)
     show(found, Console())

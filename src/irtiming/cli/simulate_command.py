@@ -249,8 +249,8 @@ def simulate(
         roll_rad=math.radians(roll_deg),
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
     )
-    with shown("frames") as told:
-        made = make_recordings(order, progress=told)
+    with shown("frames") as progress:
+        made = make_recordings(order, progress=progress)
     say(f"{counted(len(made.recordings), 'recording')}, rig.toml and truth.json in {out_dir}")
     if json is not None:
         write_json({"camera": camera, "seed": seed, **vars(made)}, json)

@@ -39,8 +39,8 @@ def verify(
     stated = None if rig is None else read_rig(rig)
     results: dict[Path, list[Finding]] = {}
     for path in files:
-        with shown("frames") as told:
-            results[path] = verify_file(path, progress=partial(told, escape(path.name)), rig=stated)
+        with shown("frames") as progress:
+            results[path] = verify_file(path, progress=partial(progress, escape(path.name)), rig=stated)
         _show(path, results[path], screen=screen)
     failed = [path for path, findings in results.items() if _has_error(findings)]
     if json is not None:

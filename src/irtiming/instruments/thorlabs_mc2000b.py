@@ -267,8 +267,12 @@ class MC2000BChopper:
         }
         wrong = {name: value for name, value in wanted.items() if getattr(state, name) != value}
         if wrong and state.is_enabled:
-            told = ", ".join(f"{name} is {getattr(state, name)} and must be {value}" for name, value in wrong.items())
-            raise InstrumentRefused(f"the wheel of {self.name} turns, but {told}; stop it first, nothing was changed")
+            complaint = ", ".join(
+                f"{name} is {getattr(state, name)} and must be {value}" for name, value in wrong.items()
+            )
+            raise InstrumentRefused(
+                f"the wheel of {self.name} turns, but {complaint}; stop it first, nothing was changed"
+            )
         numbers = {"reference": references(blade), "output": outputs(blade)}
         for name, value in wrong.items():
             self._set(name, numbers[name].index(str(value)) if name in numbers else value)

@@ -133,18 +133,18 @@ class Guard:
     async def _bounded(self, scope: Scope, receive: Receive, send: Send) -> None:
         """The server behind, which never sees more bytes than there may be."""
         most = self._rules.upload_bytes if "/upload/" in scope["path"] else MOST_BYTES
-        told = _the_one(scope["headers"], b"content-length")
-        if told is not None and (not told.isdecimal() or len(told) > 18 or int(told) > most):
-            await _refuse(scope, send, f"a request of {told:.20} bytes; it may have {most}", status=413)
+        announced = _the_one(scope["headers"], b"content-length")
+        if announced is not None and (not announced.isdecimal() or len(announced) > 18 or int(announced) > most):
+            await _refuse(scope, send, f"a request of {announced:.20} bytes; it may have {most}", status=413)
             return
-        seen, has_begun, has_left = 0, False, False
+        received, has_begun, has_left = 0, False, False
 
         async def counted() -> Message:
-            nonlocal seen, has_left
+            nonlocal received, has_left
             message = await receive()
             has_left = has_left or message["type"] == "http.disconnect"
-            seen += len(message.get("body", b""))
-            if seen > most:
+            received += len(message.get("body", b""))
+            if received > most:
                 raise _TooLarge
             return message
 
@@ -160,7 +160,7 @@ class Guard:
         except Exception:
             if has_left:  # what is behind complains of a browser that goes before it has its answer
                 return
-            if seen <= most or has_begun:
+            if received <= most or has_begun:
                 raise
             await _refuse(scope, send, f"a request of more than {most} bytes", status=413)
 

@@ -93,10 +93,12 @@ def _speed_html(found: dict[str, Any]) -> str:
 
 def estimates_html(job: Job | None) -> str:
     """The latest estimate in words, and how its uncertainties shrank."""
-    told = [] if job is None else [*job.facts.get("estimates", []), *filter(None, [job.facts.get("last_estimate")])]
-    if not told:
+    estimates = (
+        [] if job is None else [*job.facts.get("estimates", []), *filter(None, [job.facts.get("last_estimate")])]
+    )
+    if not estimates:
         return '<p class="note">With the rig\'s numbers, the first estimate comes after about 120 frames.</p>'
-    latest = told[-1]
+    latest = estimates[-1]
     if latest["doubt"]:
         return show.finding_html("info", latest["doubt"], title="not sure yet:")
     names = [name for name in _SHOWN if name in latest["values"]]
@@ -105,12 +107,12 @@ def estimates_html(job: Job | None) -> str:
         for name in names
     )
     note = f'<p class="note">standard uncertainty, k = 1; from {latest["frames"]} frames</p>'
-    return f'<div class="verdict">{lines}{note}</div>{_shrinking_svg(told, names)}'
+    return f'<div class="verdict">{lines}{note}</div>{_shrinking_svg(estimates, names)}'
 
 
-def _shrinking_svg(told: list[dict[str, Any]], names: list[str]) -> str:
+def _shrinking_svg(estimates: list[dict[str, Any]], names: list[str]) -> str:
     """Standard uncertainties over the frames, both on logarithmic scales."""
-    points = {name: [(one["frames"], one["uncertainties"].get(name)) for one in told] for name in names}
+    points = {name: [(one["frames"], one["uncertainties"].get(name)) for one in estimates] for name in names}
     known = {name: [(log10(x), log10(y)) for x, y in some if x and y] for name, some in points.items()}
     curves = {name: some for name, some in known.items() if len(some) > 1}
     if not curves:
@@ -124,7 +126,7 @@ def _shrinking_svg(told: list[dict[str, Any]], names: list[str]) -> str:
         parts.append(f'<polyline points="{line}" fill="none" stroke="currentColor" stroke-dasharray="{dash}"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="currentColor"/>' for x, y in at]
         parts.append(_text(at[-1][0] + 8, at[-1][1] + 4, f"u {name.replace('_', ' ')}"))
-    parts.append(_text(60, _HEIGHT - 4, f"{told[0]['frames']} to {told[-1]['frames']} frames"))
+    parts.append(_text(60, _HEIGHT - 4, f"{estimates[0]['frames']} to {estimates[-1]['frames']} frames"))
     size = f'viewBox="0 0 {_WIDTH} {_HEIGHT}" style="color:var(--blue);width:100%;max-width:{_WIDTH}px"'
     return f'<svg {size} role="img" aria-label="how the uncertainty shrank">{"".join(parts)}</svg>'
 

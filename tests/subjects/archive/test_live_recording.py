@@ -97,7 +97,7 @@ def test_frames_that_are_not_whole_stay_in_the_file_and_are_left_out_when_read(p
     blocks = np.concatenate([block.copy() for _, block in recording.frames.blocks()])
     np.testing.assert_array_equal(blocks, [pixels(k) for k in (0, 1, 2, 4, 6, 7, 8)])
     np.testing.assert_array_equal(recording.frames.pick([6, 3]), [pixels(8), pixels(4)])
-    told = "tells that of 10 frames 1 damaged, 1 blank, 1 without a timestamp of their trigger; they are left out"
+    told = "lists among 10 frames 1 damaged, 1 blank, 1 without a timestamp of their trigger; they are left out"
     assert [told in finding.sentence() for finding in recording.findings] == [True]
     with h5py.File(path) as file:
         camera = file["entry/instrument/camera"]

@@ -75,34 +75,34 @@ def camera_frames(source: Path, facts: CameraFacts, *, triggers_s: Array | None 
     if source.suffix.lower() == ".npz":
         return _of_arrays(source, facts)
     found = open_frames(source)
-    told = found.facts
-    stamps, numbers = _stamps(told), _numbers(told)
+    own = found.facts
+    stamps, numbers = _stamps(own), _numbers(own)
     if triggers_s is not None:
-        require_same_triggers(source, told, numbers=numbers, triggers_s=triggers_s)
+        require_same_triggers(source, own, numbers=numbers, triggers_s=triggers_s)
     return CameraFrames(
         frames=counts_of(found, called=str(source)),
         frame_number=numbers,
-        bit_depth=facts.bit_depth or _bits(told),
-        integration_time_s=_integration_time(source, facts, told),
-        camera=told.camera,
-        start_time=told.start_time,
-        frame_id=None if told.frame_id is None else told.frame_id - told.frame_id[0],
+        bit_depth=facts.bit_depth or _bits(own),
+        integration_time_s=_integration_time(source, facts, own),
+        camera=own.camera,
+        start_time=own.start_time,
+        frame_id=None if own.frame_id is None else own.frame_id - own.frame_id[0],
         frame_timestamp_ticks=stamps,
-        timestamp_frequency_hz=None if stamps is None else _frequency_hz(told),
+        timestamp_frequency_hz=None if stamps is None else _frequency_hz(own),
     )
 
 
-def _numbers(told: FrameFacts) -> Ticks:
+def _numbers(facts: FrameFacts) -> Ticks:
     """Index of each frame's trigger: a gap in what the camera counted is a frame that was lost on the way."""
-    if told.frame_id is not None and np.all(np.diff(told.frame_id) > 0):
-        return np.asarray(told.frame_id - told.frame_id[0], np.int64)
-    return np.arange(told.frames, dtype=np.int64)
+    if facts.frame_id is not None and np.all(np.diff(facts.frame_id) > 0):
+        return np.asarray(facts.frame_id - facts.frame_id[0], np.int64)
+    return np.arange(facts.frames, dtype=np.int64)
 
 
-def _bits(told: FrameFacts) -> int:
-    if told.bit_depth is not None and told.bit_depth <= _DEFAULT_BITS:
-        return told.bit_depth
-    return 8 if told.dtype == "uint8" else _DEFAULT_BITS
+def _bits(facts: FrameFacts) -> int:
+    if facts.bit_depth is not None and facts.bit_depth <= _DEFAULT_BITS:
+        return facts.bit_depth
+    return 8 if facts.dtype == "uint8" else _DEFAULT_BITS
 
 
 def _integration_time(source: Path, facts: CameraFacts, told: FrameFacts) -> float | None:
@@ -118,15 +118,15 @@ def _integration_time(source: Path, facts: CameraFacts, told: FrameFacts) -> flo
     return told_s
 
 
-def _frequency_hz(told: FrameFacts) -> float:
-    return float(round(1.0 / (told.time_step_s or _FINEST_STEP_S)))
+def _frequency_hz(facts: FrameFacts) -> float:
+    return float(round(1.0 / (facts.time_step_s or _FINEST_STEP_S)))
 
 
-def _stamps(told: FrameFacts) -> Ticks | None:
+def _stamps(facts: FrameFacts) -> Ticks | None:
     """The camera's own timestamps, ticks (n_frame,), where they are fine enough to be of use and rise."""
-    if told.times_s is None or told.time_scale not in _CLOCKS or (told.time_step_s or 1.0) > _FINEST_STEP_S:
+    if facts.times_s is None or facts.time_scale not in _CLOCKS or (facts.time_step_s or 1.0) > _FINEST_STEP_S:
         return None
-    ticks = np.rint((told.times_s - np.floor(told.times_s[0]) + 1.0) * _frequency_hz(told)).astype(np.int64)
+    ticks = np.rint((facts.times_s - np.floor(facts.times_s[0]) + 1.0) * _frequency_hz(facts)).astype(np.int64)
     return ticks if np.all(np.diff(ticks) > 0) else None
 
 

@@ -23,12 +23,12 @@ _NEAR_WHOLE = 0.2
 """Of a trigger's interval: how near to whole ones a step must be, else a clock was set meanwhile."""
 
 
-def require_same_triggers(source: Path, told: FrameFacts, *, numbers: Ticks, triggers_s: Array) -> None:
+def require_same_triggers(source: Path, facts: FrameFacts, *, numbers: Ticks, triggers_s: Array) -> None:
     """Refuse frames that other triggers made; frames whose file tells no times of their own pass.
 
     Parameters
     ----------
-    source, told
+    source, facts
         The file, and what it tells of its frames.
     numbers
         Index of each frame's trigger, shape (n_frame,).
@@ -40,14 +40,14 @@ def require_same_triggers(source: Path, told: FrameFacts, *, numbers: Ticks, tri
     ArchiveError
         If the frames' own times run at another rate than their triggers, or whole triggers were left out between two frames.
     """
-    if told.times_s is None or told.time_scale in ("", "first frame") or numbers.size < _LEAST_FRAMES:
+    if facts.times_s is None or facts.time_scale in ("", "first frame") or numbers.size < _LEAST_FRAMES:
         return
     if numbers[-1] >= triggers_s.size:
         return  # refused for their number
     made_s = triggers_s[numbers]
-    times_s, made_s = told.times_s - told.times_s[0], made_s - made_s[0]
+    times_s, made_s = facts.times_s - facts.times_s[0], made_s - made_s[0]
     usual_s, interval_s = (float(np.median(np.diff(each))) for each in (times_s, made_s))
-    step_s = told.time_step_s or 0.0
+    step_s = facts.time_step_s or 0.0
     is_like = abs(usual_s - interval_s) <= _LIKE * interval_s + step_s and interval_s > 4 * step_s
     if is_like and (at := _left_out(times_s - made_s, interval_s)) is not None:
         raise ArchiveError(

@@ -67,10 +67,10 @@ def write_frames(source: FrameSource, out: Path, *, progress: Progress | None = 
 
 def _facts_beside(facts: FrameFacts, beside: Path) -> str:
     """Text of the file beside one that has no place for facts; empty where nothing is known."""
-    told = as_told(facts)
-    if told and beside.exists():
+    stated = as_told(facts)
+    if stated and beside.exists():
         raise ArchiveError("exists already, and is where the facts would go; choose another name", where=str(beside))
-    return json.dumps(told, indent=1) + "\n" if told else ""
+    return json.dumps(stated, indent=1) + "\n" if stated else ""
 
 
 def _counted(source: FrameSource, progress: Progress | None) -> Iterator[FrameValues]:

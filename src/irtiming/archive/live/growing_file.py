@@ -148,14 +148,14 @@ def _values(head: RecordingHead) -> dict[Field, Any]:
 def _told_by_instruments(head: RecordingHead) -> dict[str, Any]:
     """What the instruments said of themselves and has no place of its own, flat, with the instrument before the name."""
     states = {"camera": head.setup, "chopper": head.chopper, "blackbody": head.blackbody}
-    told = {
+    fields = {
         f"{instrument}_{name}": value
         for instrument, state in states.items()
         if state is not None
         for name, value in asdict(state).items()
         if value is not None and name != "settings"
     }
-    return told | {
+    return fields | {
         "run_control_slots": head.run.scheme.control_slots,
         "run_repeats": head.run.repeats,
         "run_triggers": head.run.scheme.samples_per_turn * head.run.repeats,

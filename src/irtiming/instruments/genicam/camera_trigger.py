@@ -181,15 +181,15 @@ def _setup(
 def _settings(features: FeatureAccess) -> CameraSettings:
     """What the camera's timing may depend on besides, as far as it has features for it (SFNC 2.7)."""
     gains = [features.read(name) for name in _GAINS if features.has(name)]
-    told = {name: features.number(name) for name in ("TriggerDelay", "DeviceTemperature", "OffsetY", "OffsetX")
+    values = {name: features.number(name) for name in ("TriggerDelay", "DeviceTemperature", "OffsetY", "OffsetX")
             if features.has(name)}  # fmt: skip
-    delay_us, celsius = told.get("TriggerDelay"), told.get("DeviceTemperature")
+    delay_us, celsius = values.get("TriggerDelay"), values.get("DeviceTemperature")
     return CameraSettings(
         gain_setting=gains[0] if gains else "",
         internal_delay_set_s=None if delay_us is None else delay_us * 1e-6,
         sensor_temperature_k=None if celsius is None else celsius + _ZERO_CELSIUS_K,
-        region_first_row=int(told["OffsetY"]) if "OffsetY" in told else None,
-        region_first_column=int(told["OffsetX"]) if "OffsetX" in told else None,
+        region_first_row=int(values["OffsetY"]) if "OffsetY" in values else None,
+        region_first_column=int(values["OffsetX"]) if "OffsetX" in values else None,
     )
 
 

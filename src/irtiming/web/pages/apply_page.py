@@ -105,15 +105,15 @@ def _compared(desk: Desk) -> None:
         if not found.is_good:
             show.put(pictures, show.finding_html("error", found.text))
             return
-        told = found.answer
-        slider.props(f"max={told['n_frames'] - 1}")
-        slider.set_value(told["index"])
+        view = found.answer
+        slider.props(f"max={view['n_frames'] - 1}")
+        slider.set_value(view["index"])
         both = "".join(
-            f'<figure><div class="live"><img alt="{title}" src="data:image/jpeg;base64,{base64.b64encode(told[name]).decode()}">'
+            f'<figure><div class="live"><img alt="{title}" src="data:image/jpeg;base64,{base64.b64encode(view[name]).decode()}">'
             f"</div><figcaption>{title}</figcaption></figure>"
             for name, title in (("before", "before: as it came"), ("after", "after: the scene at one instant"))
         )
-        note = f'<p class="note">frame {told["frame"]}; black is {told["lowest"]:.5g}, white {told["highest"]:.5g} in both</p>'
+        note = f'<p class="note">frame {view["frame"]}; black is {view["lowest"]:.5g}, white {view["highest"]:.5g} in both</p>'
         show.put(pictures, f'<div class="columns">{both}</div>{note}')
 
     async def refresh() -> None:

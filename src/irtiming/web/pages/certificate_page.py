@@ -93,11 +93,11 @@ async def _fill_in(desk: Desk, form: _Form) -> None:
     found = await desk.ask("certificates:form_of", earlier[0])
     if not found.is_good:
         return
-    told = found.answer | {"person": found.answer["person"][0]}
+    answer = found.answer | {"person": found.answer["person"][0]}
     for name, field in form.fields.items():
         section, _, key = name.partition(".")
-        if name not in ("certificate.number", "certificate.issued") and told[section].get(key):
-            field.set_value(str(told[section][key]))
+        if name not in ("certificate.number", "certificate.issued") and answer[section].get(key):
+            field.set_value(str(answer[section][key]))
     form.more.set_value(rest_of(earlier[0].read_text(encoding="utf-8")))
 
 

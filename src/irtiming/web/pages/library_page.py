@@ -87,13 +87,13 @@ def _one(desk: Desk, name: str) -> None:
         caption.set_text(f"frame {to}; black to white is the frame's own range")
 
     async def look() -> None:
-        told = await desk.ask("files:about", path)
-        if not told.is_good:
-            show.put(facts, show.finding_html("error", told.text))
+        reply = await desk.ask("files:about", path)
+        if not reply.is_good:
+            show.put(facts, show.finding_html("error", reply.text))
             slider.set_visibility(False)
             return
-        show.put(facts, show.facts_html(told.answer))
-        n_frames = int(told.answer["frames"])
+        show.put(facts, show.facts_html(reply.answer))
+        n_frames = int(reply.answer["frames"])
         slider.props(f"max={n_frames - 1}")
         slider.set_visibility(n_frames > 1)
         slider.set_value(n_frames // 2)

@@ -134,11 +134,11 @@ def _computer(desk: Desk) -> None:
         if not answer.is_good:
             show.put(found, show.finding_html("error", answer.text))
             return
-        told = [
+        findings = [
             {"severity": one["status"], "what": f"{one['part']}: {one['found']}", "cure": one["cure"]}
             for one in answer.answer
         ]
-        show.put(found, show.findings_html(told))
+        show.put(found, show.findings_html(findings))
 
     with ui.element("div").classes("actions"):
         ui.button("Check this computer", on_click=check).props("outline color=primary")

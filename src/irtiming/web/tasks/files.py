@@ -25,25 +25,25 @@ def warm_up(line: Line, order: None) -> None:
 def picture(line: Line, order: ViewOrder) -> dict[str, Any]:
     """A frame as JPEG, and which it is."""
     found = view(order)
-    told = {"index": found.index, "n_frames": found.n_frames, "lowest": found.lowest, "highest": found.highest}
-    return told | {"content": jpeg(found)}
+    facts = {"index": found.index, "n_frames": found.n_frames, "lowest": found.lowest, "highest": found.highest}
+    return facts | {"content": jpeg(found)}
 
 
 def about(line: Line, path: Path) -> dict[str, str]:
     """What ``irtiming info`` says of a file, as text by name."""
     found = frame_files.look_into(path)
-    told = {name.replace("_", " "): str(found[name]) for name in _PLAIN if found[name] not in (None, "")}
+    facts = {name.replace("_", " "): str(found[name]) for name in _PLAIN if found[name] not in (None, "")}
     if numbers := frame_files.numbers_in_words(found["frame_id"]):
-        told["frame numbers"] = numbers
+        facts["frame numbers"] = numbers
     for name in ("integration_time", "frame_period"):
         if found[name] is not None:
-            told[name.replace("_", " ")] = readable_time(found[name]["value"])
+            facts[name.replace("_", " ")] = readable_time(found[name]["value"])
     for name in ("frame_times", "trigger_times"):
         if (times := found[name]) is not None:
             scale = f" ({times['scale']})" if times.get("scale") else ""
-            told[name.replace("_", " ")] = f"from {times['first']:.6f} s to {times['last']:.6f} s{scale}"
+            facts[name.replace("_", " ")] = f"from {times['first']:.6f} s to {times['last']:.6f} s{scale}"
     more = {**(found["camera"] or {}), **found["more"]}
-    return told | {name.replace("_", " "): str(value)[:300] for name, value in more.items() if value not in (None, "")}
+    return facts | {name.replace("_", " "): str(value)[:300] for name, value in more.items() if value not in (None, "")}
 
 
 def check(line: Line, order: CheckOrder) -> list[dict[str, Any]]:
