@@ -359,7 +359,7 @@ def test_silence_is_told_and_bounded(memory_line):
 def test_noise_is_told(memory_line):
     """Oracle: every byte from the device replaced by another one."""
     line = memory_line(ModelDevice(), to_computer=lambda data: bytes(byte ^ 0x11 for byte in data))
-    with pytest.raises(InstrumentSilent, match="bytes came that are no message, which tells of noise"):
+    with pytest.raises(InstrumentSilent, match="bytes came that are no message, which suggests noise"):
         _with_generator(line, lambda generator: generator.counter_ticks())
 
 
