@@ -282,7 +282,7 @@ _WRITERS: Mapping[Program, Callable[[HandOver], str]] = {
 
 
 def _common(given: HandOver, event: Number, where: str) -> Iterator[str]:
-    """What every file says: event, its number, what stands for a lag, and what uncertainties do not hold."""
+    """What every file says: event, its number, what stands for a lag, and what uncertainties do not include."""
     if given.simulated:
         yield "SIMULATED: the result is not of a real camera"
     yield f"camera: {_plain(given.camera) or 'model not stated'}, serial number {_plain(given.serial_number) or 'not stated'}"

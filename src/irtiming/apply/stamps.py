@@ -38,7 +38,7 @@ class EventTimes:
     scale
         In words, what the times are seconds of.
     remarks
-        What the uncertainties do not hold.
+        What the uncertainties do not include.
     """
 
     time_s: Array

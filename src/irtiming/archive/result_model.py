@@ -308,7 +308,7 @@ class Result(Core):
     frame_event: FrameEvent = Field("trigger", description="what the delays count from")
     item: Item = Item()
     simulated: bool = Field(False, description="whether a recording says of itself that no camera made it")
-    headline: str = Field("", description="the result in one sentence, with what its uncertainties do not hold")
+    headline: str = Field("", description="the result in one sentence, with what its uncertainties do not include")
     findings: list[ResultFinding] = Field([])
     joint_fit: Evidence | None = None
     likelihood: Evidence | None = None

@@ -49,7 +49,7 @@ class RigErrors:
     findings
         What rig.toml leaves out, or states without an uncertainty.
     not_held
-        What the uncertainty of an absolute delay therefore does not hold, in words.
+        What the uncertainty of an absolute delay therefore does not include, in words.
     """
 
     shared: tuple[SharedNumber, ...] = ()
@@ -194,7 +194,7 @@ def _of_latency(given: Latency | None, missing: Sequence[str]) -> list[Finding]:
                 code="latency-not-stated",
                 severity="doubt",
                 what=f"rig.toml states no latency of {_listed(missing)}: by what edges are late the delay is too long, and its "
-                "uncertainty does not hold that",
+                "uncertainty does not include that",
                 cure="measure it and state it in [latency]",
             )
         )

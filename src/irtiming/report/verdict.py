@@ -87,7 +87,7 @@ def _sentence(
 
 
 def trusted(result: Result) -> str:
-    """What the uncertainties do not hold, in words."""
+    """What the uncertainties do not include, in words."""
     return "; ".join(t(one) for one in result.not_in_uncertainty)
 
 

@@ -140,7 +140,7 @@ def _to_write(times: FrameTimes, stamped: Stamped, order: TimeOrder) -> TimesToW
 
 
 def head(times: FrameTimes, order: TimeOrder) -> Iterator[str]:
-    """Lines that say what the numbers are: events, signs, uncertainties, and what they do not hold."""
+    """Lines that say what the numbers are: events, signs, uncertainties, and what they do not include."""
     camera = times.camera
     setting = camera.conditions
     yield f"{program_version()}: times of the frames of {order.stamps.source.name} by {order.result.name}"
