@@ -19,14 +19,15 @@ from typing import Any, final
 import numpy as np
 from scipy import ndimage
 
-from irtiming.estimate import contrast_look, lens_and_tilt, lens_knowledge, sector_image, sector_limits
+from irtiming.estimate import contrast_look, lens_and_tilt, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
-from irtiming.estimate.lens_and_tilt import SLIGHT, ImageWord
-from irtiming.estimate.lens_knowledge import N_KNOWN, LensKnowledge
+from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
 from irtiming.estimate.sector_image import EXCHANGES, NUMBERS, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Misfit, Slopes, searched
-from irtiming.inference import clustered
+from irtiming.inference import clustered, lens_knowledge
+from irtiming.inference.lens_knowledge import N_KNOWN, LensKnowledge
+from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics import blurred_sector
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing

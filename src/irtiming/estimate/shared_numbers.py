@@ -10,8 +10,8 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate.lens_and_tilt import SLIGHT
 from irtiming.inference.information import NOISE, EvaluationType
+from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
 from irtiming.physics.latency import EXACT_S, TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory

@@ -12,7 +12,7 @@ from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.plan.beside_angles import Beside, clock_u, of_rig
 from irtiming.records.camera_description import Camera
 from irtiming.records.prediction import AngleErrors
-from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig
+from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig
 from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
 
 USUAL_RIG = Rig(
@@ -40,8 +40,8 @@ class AssumedRig:
     """Wheel, gates and opening, the sizes of their errors, and in words what rig.toml did not say.
 
     ``beside`` is what latencies and clock add to parameters, ``u_clock`` the standard uncertainty of the clock's relative error,
-    ``u_window_s`` that of the integration time, ``u_frame_memory`` that of the share of the frame before; None where unknown
-    it.
+    ``u_window_s`` that of the integration time, ``u_frame_memory`` that of the share of the frame before; None where unknown.
+    ``optics`` is what rig.toml says of the camera's lens.
     """
 
     model: WheelModel
@@ -51,6 +51,7 @@ class AssumedRig:
     u_clock: float = 0.0
     u_window_s: float | None = None
     u_frame_memory: float | None = None
+    optics: CameraOptics = field(default_factory=CameraOptics)
 
 
 def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
@@ -77,9 +78,7 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         edge_rad = USUAL_EDGE_RAD
         remarks.append(f"No cutout_edges_u_rad known: {1e3 * edge_rad:g} mrad are assumed for each cutout edge.")
     if owner.mask_opening.centre_angle_rad.standard_uncertainty == 0:
-        remarks.append(
-            "rig.toml states no centre_angle_u_deg: phi_M counts as exact, and every prediction is too good."
-        )
+        remarks.append("rig.toml states no centre_angle_u_deg: phi_M counts as exact, every prediction is too good.")
     per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
     common = [
         ("mask centre angle phi_M", owner.mask_opening.centre_angle_rad.standard_uncertainty),
@@ -102,7 +101,7 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
     )
     if owner.latency is None:
         remarks.append(
-            "No [latency] known: what light gates and trigger path are late is not in these predictions of a delay."
+            "No [latency] known: how late light gates and trigger path are is not in these predictions of a delay."
         )
     return AssumedRig(
         model=model,
@@ -112,4 +111,5 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         u_clock=clock_u(owner),
         u_window_s=owner.camera.integration_time_u_s,
         u_frame_memory=None if owner.camera.frame_memory is None else owner.camera.frame_memory.standard_uncertainty,
+        optics=owner.camera,
     )

@@ -12,6 +12,7 @@ import numpy as np
 
 from irtiming.errors import PlanError
 from irtiming.inference.information import Information
+from irtiming.inference.lens_knowledge import knowledge
 from irtiming.physics.camera import camera
 from irtiming.physics.latency import window_tail
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -171,11 +172,11 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
         for fit, noise in zip(fits, noises, strict=True)
     ]
     model = analysis.geometry.model
+    known = knowledge(analysis.rig.camera, image=(sector.shape.image_rows, sector.shape.image_columns))
+    lens = rolling_information.lens_information(runs, image, model=model, known=known)
     of_runs = [
-        rolling_information.one_run(
-            run, model=model, angles=angles, image=rolling_information.image_errors(run, image, model=model)
-        )
-        for run in runs
+        rolling_information.one_run(run, model=model, angles=angles, image=errors)
+        for run, errors in zip(runs, rolling_information.image_errors(runs, image, model=model, lens=lens), strict=True)
     ]
     names = rolling_information.timing_names(runs[0])
     weights = {name: {name: 1.0} for name in names if name != camera_model.memory.PARAMETER}

@@ -8,6 +8,7 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import PlanError
+from irtiming.inference.lens_knowledge import knowledge
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.wheel import TURN
 from irtiming.plan import information, photon_information, rolling_information
@@ -20,6 +21,7 @@ from irtiming.records.prediction import PredictedUncertainty
 from irtiming.records.trigger_plan import TriggerScheme
 
 RELATIVE = "relative_delay"
+_USUAL_HZ, _USUAL_FRAMES = 3.0, 1000  # of a run whose image tells which lenses are left: they hardly depend on it
 _PHASES = 4  # places between two samples where a run may begin; what it tells is their mean
 _OWN = {
     "photon": ("trigger_delay", "exposure_midpoint_delay", "integration_time"),
@@ -141,25 +143,30 @@ def _pixel_sums(setting: Setting, camera: PhotonCamera) -> Callable[[TriggerSche
 
 def _row_sums(setting: Setting) -> Callable[[TriggerScheme], RunInformation]:
     camera = setting.camera
-    sector = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
+    opening = rolling_information.sector_of(camera, setting.rig.model.opening_angle_rad)
+    known = knowledge(setting.rig.optics, image=(opening.image_rows, opening.image_columns))
+    sector, model = rolling_information.through(opening, known), setting.rig.model
     n_harmonics = physics_camera.camera(camera.camera_type, camera.readout_mode).n_harmonics
     rows = rolling_information.rows_of(sector, n_harmonics=n_harmonics)
     image = rolling_information.sector_image(sector)
+    usual = rolling_information.RollingRun(
+        camera=camera,
+        rows=rows,
+        angular_frequency_rad_per_s=TURN * _USUAL_HZ,
+        n_frames=_USUAL_FRAMES,
+        step_rad=TURN / _USUAL_FRAMES,
+        knows_response=camera.camera_type == "photon" and setting.structure is photon_information.KNOWN_WINDOW,
+    )
+    lens = rolling_information.lens_information([usual], image, model=model, known=known)
 
     def one_run(scheme: TriggerScheme) -> RunInformation:
-        run = rolling_information.RollingRun(
-            camera=camera,
-            rows=rows,
+        run = replace(
+            usual,
             angular_frequency_rad_per_s=TURN * setting.clock_frequency_hz / scheme.turn_period_ticks,
             n_frames=scheme.samples_per_turn,
             step_rad=TURN * scheme.camera_period_ticks / scheme.turn_period_ticks,
-            knows_response=camera.camera_type == "photon" and setting.structure is photon_information.KNOWN_WINDOW,
         )
-        return rolling_information.one_run(
-            run,
-            model=setting.rig.model,
-            angles=setting.rig.angles,
-            image=rolling_information.image_errors(run, image, model=setting.rig.model),
-        )
+        (errors,) = rolling_information.image_errors([run], image, model=model, lens=lens)
+        return rolling_information.one_run(run, model=model, angles=setting.rig.angles, image=errors)
 
     return one_run

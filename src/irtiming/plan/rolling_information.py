@@ -5,19 +5,25 @@ the response's parameter and t_row is a sum over rows and harmonics; gain and of
 d_i = t_delay + (e + e_i) / omega; of a photon camera they are those of the window's middle, half the window later.
 
 The place and shape of the opening come from the image of the second harmonic, where each pixel's phase is twice its polar angle:
-noise and the pixels' gains set how well. Its errors are common to all runs of a set, and move those numbers by one linear step.
+noise, the pixels' gains and what is known of lens and tilt set how well. Its errors are common to all runs of a set, and move
+those numbers by one linear step. Lens and tilt displace the image by a warp (`physics.warp`); all of them that image and prior
+knowledge allow (`inference.weighed_lens`) count as if their warps were normal.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 
+from irtiming.inference import weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
+from irtiming.inference.lens_knowledge import LensKnowledge
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import TURN
 from irtiming.plan.information import EDGES, RunInformation, run_information
 from irtiming.records.arrays import Array, ComplexArray, Ticks
@@ -32,15 +38,21 @@ _HARMONICS = 64
 _LEAST_LIGHT_PX2 = 3.0
 _ROWS = 50  # at least, that are looked at
 _BORDER_PX = 5.0  # that the reduction adds to both ends of a row, roughly
-_SHAPE = (
+_OPENING = (
     "axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
     "bisector_rad", "opening_angle_rad", "blur_px",
 )  # fmt: skip
-_ANGLES = ("bisector_rad", "opening_angle_rad")
-_STEP_RAD, _STEP_PX = 1e-4, 3e-3
+_SHAPE = (*_OPENING, *WARP_NUMBERS)
+_STEPS = (
+    dict.fromkeys(_OPENING, 3e-3)
+    | {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4}
+    | dict.fromkeys(WARP_NUMBERS, 0.02)
+)
+_LEAST = 1e-6  # of a variance: what counts as none
 _PAPER = SectorShape(
     axle_row_px=249.1, axle_column_px=319.5, offset_row_px=0.0, offset_column_px=0.0, inner_radius_px=46.3,
-    outer_radius_px=229.7, bisector_rad=-TURN / 4, opening_angle_rad=TURN * 75 / 360, blur_px=0.7,
+    outer_radius_px=229.7, bisector_rad=-TURN / 4, opening_angle_rad=TURN * 75 / 360, blur_px=0.7, image_rows=480,
+    image_columns=640,
 )  # fmt: skip
 _PAPER_PIXELS = 33_100.0
 _Roi: TypeAlias = tuple[int, int, int, int]
@@ -49,14 +61,25 @@ _Roi: TypeAlias = tuple[int, int, int, int]
 def sector_of(camera: Camera, opening_angle_rad: float) -> SectorShape:
     """The paper's opening, larger or smaller, until it has this camera's number of pixels; blur stays."""
     scale = (camera.opening_pixels / _PAPER_PIXELS) ** 0.5
-    grown = {name: getattr(_PAPER, name) * scale for name in _SHAPE if name.endswith("_px") and name != "blur_px"}
-    return replace(_PAPER, **grown, opening_angle_rad=opening_angle_rad)
+    grown: dict[str, Any] = {
+        name: getattr(_PAPER, name) * scale for name in _OPENING if name.endswith("_px") and name != "blur_px"
+    }
+    return replace(
+        _PAPER, **grown, image_rows=round(_PAPER.image_rows * scale), image_columns=round(_PAPER.image_columns * scale),
+        opening_angle_rad=opening_angle_rad,
+    )  # fmt: skip
+
+
+def through(sector: SectorShape, known: LensKnowledge) -> SectorShape:
+    """The same behind the lens that is expected, its centre in the middle of the image: of a plan's image the size is unknown."""
+    start: dict[str, Any] = known.start | {"lens_row_px": 0.0, "lens_column_px": 0.0}
+    return replace(sector, **start, lens_terms=known.terms)
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
-    """Rows in the light: image rows (n,), harmonics (n, M + 1) of their light, px^2, and changes (9, n, M + 1).
+    """Rows in the light: image rows (n,), harmonics (n, M + 1) of their light, px^2, and changes (18, n, M + 1).
 
     Of a high opening not every row is looked at; each then stands for ``weight`` rows.
     """
@@ -82,7 +105,7 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     rows = rows[(rows >= roi[0]) & (rows < roi[1])]
     changes = []
     for name in _SHAPE:
-        step = _STEP_RAD if name in _ANGLES else _STEP_PX
+        step = _STEPS[name]
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
         gained = (_pixels(ahead, roi) - _pixels(behind, roi))[rows - roi[0]]
         moved = _light(ahead, rows, n_harmonics=n_harmonics) - _light(behind, rows, n_harmonics=n_harmonics)
@@ -136,10 +159,10 @@ class RollingRun:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ImageErrors:
-    """Covariances (9, 9) of the sector's numbers: what the noise of one run and what the pixels' gains make of them."""
+    """Covariances (18, 18) of the sector's numbers: from the noise of one run, and from gains and lens, which stays."""
 
     noise: Array
-    gains: Array
+    stays: Array
 
 
 def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: ImageErrors) -> RunInformation:
@@ -155,7 +178,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
         Sizes of the angle errors.
     image
         How well a run's image shows the sector. Its noise averages over the runs, so the sector's numbers are parameters; what
-        the pixels' gains do to them is an error that stays.
+        gains and lens do to them is an error that stays.
     """
     normal, effect = normal_and_effect(run, model)
     local = _local_names(run)
@@ -174,10 +197,10 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
     for k, (_, u) in enumerate(angles.common):
         design[:4, n_own + n_shape + k] = u * per_rad
     design[:4, first_edge : first_edge + 4] = angles.edge_rad * per_rad * np.eye(4)
-    design[:, first_edge + 4 :] = effect @ _root(image.gains)
+    design[:, first_edge + 4 :] = effect @ _root(image.stays)
     matrix = design.T @ normal @ design
     shape = slice(n_own, n_own + n_shape)
-    matrix[shape, shape] += np.linalg.pinv(image.noise, rcond=1e-13, hermitian=True)
+    matrix[shape, shape] += weighed_lens.inverse(image.noise + _LEAST * np.diag(np.diag(image.noise + image.stays)))
     sources = (*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape)
     return run_information((*timing_names(run), *_SHAPE), sources, matrix=matrix)
 
@@ -206,7 +229,7 @@ def _timing_design(run: RollingRun) -> Array:
 
 
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
-    """Information (k, k) on the numbers of a row sum, s^-2, and their change (k, 9) per unit of the sector's numbers."""
+    """Information (k, k) on the numbers of a row sum, s^-2, and their change (k, 18) per unit of the sector's numbers."""
     rows, timing = _row_sums(run, model)
     whole, slopes = row_sum.linearised(rows, timing)
     light, n = run.rows.harmonics, len(rows.names)
@@ -264,10 +287,12 @@ def _real(harmonics: ComplexArray) -> Array:
 class SectorImage:
     """Image of the second harmonic about each pixel's own phase, at contrast 1, and its derivatives.
 
-    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (18, n), complex: to the sector's nine numbers and to
-    what else is unknown: row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it.
+    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (27, n), complex: to nine numbers of the opening, to
+    what else is unknown (row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it), and to
+    the nine of a warp.
     """
 
+    sector: SectorShape
     light: Array
     columns: ComplexArray
 
@@ -275,39 +300,108 @@ class SectorImage:
 def sector_image(sector: SectorShape) -> SectorImage:
     """The image of an opening, with the same derivatives whatever the wheel's speed."""
     roi = _around(sector)
-    columns: list[ComplexArray] = []
-    for name in _SHAPE:
-        step = _STEP_RAD if name in _ANGLES else _STEP_PX
+
+    def slope(name: str) -> ComplexArray:
+        step = _STEPS[name]
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        columns.append((_second_harmonic(ahead, roi) - _second_harmonic(behind, roi)) / (2 * step))
+        return np.asarray((_second_harmonic(ahead, roi) - _second_harmonic(behind, roi)) / (2 * step), complex)
+
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
-    wave, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
+    image, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
     down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
     fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
-    columns += [down * wave * 1j, wave * 1j, wave, phase - wave, *(field * phase for field in fields)]
+    columns = [*map(slope, _OPENING), down * image * 1j, image * 1j, image, phase - image]
+    columns += [*(field * phase for field in fields), *map(slope, WARP_NUMBERS)]
     return SectorImage(
-        light=np.clip(np.abs(wave), 0, 1).ravel(), columns=(np.array(columns) * phase.conj()).reshape(18, -1)
+        sector=sector,
+        light=np.clip(np.abs(image), 0, 1).ravel(),
+        columns=(np.array(columns) * phase.conj()).reshape(len(columns), -1),
     )
 
 
-def image_errors(run: RollingRun, image: SectorImage, *, model: WheelModel) -> ImageErrors:
-    """How well the image tells the sector, from least squares over all pixels.
+def lens_information(
+    runs: Sequence[RollingRun], image: SectorImage, *, model: WheelModel, known: LensKnowledge
+) -> Array:
+    """What lens and tilt, as they are known, say of the warp's numbers beside the image, px^-2, shape (9, 9).
+
+    Parameters
+    ----------
+    runs
+        All of one camera: how much their images say together tells which lenses are left.
+    image
+        Of the opening.
+    model
+        Wheel and gates.
+    known
+        Of the lens beforehand.
+    """
+    normal, _ = _normal_and_noise(image, runs[0].camera, noise=_noise_of(runs, model).pooled)
+    n_warp = len(WARP_NUMBERS)
+    beside = weighed_lens.with_own_following(normal, n_own=len(normal) - n_warp).beside
+    lens = weighed_lens.weighed(np.zeros(n_warp), beside, shape=image.sector, known=known)
+    scale = np.sqrt(np.diag(beside))
+    values, vectors = np.linalg.eigh((np.linalg.inv(lens.covariance) - beside) / np.outer(scale, scale))
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T * np.outer(scale, scale))
+
+
+def image_errors(
+    runs: Sequence[RollingRun], image: SectorImage, *, model: WheelModel, lens: Array
+) -> list[ImageErrors]:
+    """How well the images of runs tell the sector, from least squares over all pixels of all of them; for each run.
 
     Along a pixel's phase noise and the scatter of gains count, across it noise alone.
+
+    Parameters
+    ----------
+    runs
+        All of one camera.
+    image
+        Of the opening.
+    model
+        Wheel and gates.
+    lens
+        What is known of the warp's numbers, px^-2, shape (9, 9).
     """
+    noise, n_warp = _noise_of(runs, model), len(WARP_NUMBERS)
+    normal, of_noise = _normal_and_noise(image, runs[0].camera, noise=noise.pooled)
+    prior = np.zeros_like(normal)
+    prior[-n_warp:, -n_warp:] = lens
+    inverse = weighed_lens.inverse(normal + prior)
+    own = np.r_[: len(_OPENING), len(normal) - n_warp : len(normal)]
+    by_noise, stays = ((inverse @ part @ inverse)[np.ix_(own, own)] for part in (of_noise, normal - of_noise + prior))
+    return [ImageErrors(noise=by_noise * (one / noise.pooled) ** 2, stays=stays) for one in noise.of_runs]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Noise:
+    """Standard deviation of a pixel in the images of runs at contrast 1, and in their best mean."""
+
+    of_runs: list[float]
+
+    @property
+    def pooled(self) -> float:
+        return float(np.sum(np.power(self.of_runs, -2.0)) ** -0.5)
+
+
+def _noise_of(runs: Sequence[RollingRun], model: WheelModel) -> _Noise:
     point = wheel_harmonics.open_harmonics(model, 2).sum(axis=0)[2]
-    response = _kind(run.camera).response
-    point *= response.transfer(run.angular_frequency_rad_per_s, _response_s(run.camera), n_harmonics=2)[2]
-    noise = run.camera.noise_to_contrast * np.sqrt(2 / run.n_frames) / abs(point)
-    scatter = run.camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
-    columns = image.columns if run.camera.readout_mode == "rolling" else np.delete(image.columns, len(_SHAPE), axis=0)
-    scale = np.linalg.norm(columns, axis=1)
-    even = columns / scale[:, None]
-    weighted = even.real / (noise**2 + scatter**2)
-    inverse = np.linalg.pinv(weighted @ even.real.T + even.imag @ even.imag.T / noise**2, hermitian=True)
-    per_gain = inverse @ weighted * scatter
-    by_gain, outer, n = per_gain @ per_gain.T, np.outer(scale, scale), len(_SHAPE)
-    return ImageErrors(noise=((inverse - by_gain) / outer)[:n, :n], gains=(by_gain / outer)[:n, :n])
+    found = []
+    for run in runs:
+        response = _kind(run.camera).response.transfer(
+            run.angular_frequency_rad_per_s, _response_s(run.camera), n_harmonics=2
+        )
+        found.append(float(run.camera.noise_to_contrast * np.sqrt(2 / run.n_frames) / abs(point * response[2])))
+    return _Noise(of_runs=found)
+
+
+def _normal_and_noise(image: SectorImage, camera: Camera, *, noise: float) -> tuple[Array, Array]:
+    """Normal matrix of all numbers of the image, (n, n), and the part of it that the noise has."""
+    scatter = camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
+    columns = image.columns if camera.readout_mode == "rolling" else np.delete(image.columns, len(_OPENING), axis=0)
+    along = columns.real / np.hypot(noise, scatter)
+    share = noise / np.hypot(noise, scatter)
+    across = columns.imag @ columns.imag.T / noise**2
+    return along @ along.T + across, (along * share) @ (along * share).T + across
 
 
 def _around(sector: SectorShape) -> _Roi:
@@ -336,7 +430,7 @@ def _second_harmonic(sector: SectorShape, roi: _Roi) -> ComplexArray:
 
 
 def _root(matrix: Array) -> Array:
-    """Columns whose products with themselves add up to the matrix, shape (n, n)."""
+    """Columns whose products with themselves add up to the matrix, shape (n, n): near ones for a matrix that is near."""
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T)

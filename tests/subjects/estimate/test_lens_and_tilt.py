@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.estimate import lens_and_tilt, lens_knowledge
+from irtiming.estimate import lens_and_tilt
 from irtiming.estimate.lens_and_tilt import ImageWord
+from irtiming.inference import lens_knowledge, weighed_lens
 from irtiming.physics import blurred_sector
 from irtiming.physics.projection import projection_of
 from irtiming.physics.warp import WARP_NUMBERS
@@ -30,7 +31,7 @@ def _word(rng, *, warp, own):
 
 def test_truth_lies_as_far_off_as_it_says():
     """Oracle: lenses and tilts drawn from the prior, their displacements fitted by brute force; pulls of all twelve numbers."""
-    cameras, pulls = lens_and_tilt._Cameras(SHAPE, known=KNOWN), []
+    cameras, pulls = weighed_lens._Cameras(SHAPE, known=KNOWN), []
     for seed in range(12):
         rng = np.random.default_rng(seed)
         warp = cameras.warp(0.8 * rng.standard_normal((1, cameras.n_free)))[0] + 0.03 * rng.standard_normal(9)
@@ -43,11 +44,11 @@ def test_truth_lies_as_far_off_as_it_says():
 
 def test_a_displacement_is_that_of_the_projection():
     """Oracle: places through two projections; all that nine numbers, a shift, a turn and a scale leave is a few hundredths."""
-    cameras = lens_and_tilt._Cameras(SHAPE, known=KNOWN)
+    cameras = weighed_lens._Cameras(SHAPE, known=KNOWN)
     units = np.zeros((1, cameras.n_free))
     units[0, :6] = [-0.8, 0.3, 1.0, -0.7, 0.9, -0.6]
     numbers = {name: float(one[0]) for name, one in cameras._numbers(units).items()}
-    other = replace(SHAPE, **{name: numbers[name] for name in lens_and_tilt.SLIGHT})
+    other = replace(SHAPE, **{name: numbers[name] for name in weighed_lens.SLIGHT})
     warped = replace(SHAPE, **dict(zip(WARP_NUMBERS, cameras.warp(units)[0].tolist(), strict=True)))
     down, right, _ = blurred_sector.places(SHAPE, n_radial=5, n_around=7)
     off = np.subtract(projection_of(other).seen(down, right), projection_of(warped).seen(down, right))

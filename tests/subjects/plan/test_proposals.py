@@ -93,7 +93,7 @@ def test_a_small_microbolometer_is_planned_for_row_delay_and_time_constant():
     the echo of the frame before moves and the lag's tail does not; one speed alone takes several runs.
     """
     setting = _setting(Microbolometer(opening_pixels=2000.0))
-    row_delay, both = _target("row_delay", 0.05e-6), (*_target("row_delay", 0.05e-6), *_target("time_constant", 3e-6))
+    row_delay, both = _target("row_delay", 0.1e-6), (*_target("row_delay", 0.1e-6), *_target("time_constant", 3e-6))
     found = propose(setting, _wishes(3, 10), targets=row_delay).best[0]
     assert found.runs_of_each == (1,)
     assert CLOCK_HZ / found.plan.schemes[0].turn_period_ticks == pytest.approx(10, rel=0.01)

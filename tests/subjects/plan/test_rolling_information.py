@@ -7,6 +7,7 @@ import pytest
 
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics.response import first_order_lag
+from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
 from irtiming.plan.rolling_information import IMAGE, RollingRun
@@ -23,6 +24,7 @@ OTHERS = (
     Microbolometer(opening_pixels=600.0, row_delay_s=None),
     PhotonCamera(opening_pixels=600.0, integration_time_s=4e-3, row_delay_s=20e-6),
 )
+CALIBRATED = np.eye(len(WARP_NUMBERS)) * 1e12  # px^-2: a lens without errors
 ANGLES = AngleErrors(common=(("mask", 5e-4),), edge_rad=1e-4)
 
 
@@ -64,6 +66,11 @@ def _row(run, y, numbers, shape=None):
     return (1 - share) * now + share * before
 
 
+def _errors(run, image, *, lens=CALIBRATED):
+    """Errors of the image of one run."""
+    return rolling_information.image_errors([run], image, model=MODEL, lens=lens)[0]
+
+
 @pytest.mark.parametrize("camera", [CAMERA, *OTHERS], ids=lambda c: f"{c.readout_mode} {c.camera_type}")
 def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     """Oracle: central differences of each row's 1000 samples; gain and offset of the row taken out by least squares."""
@@ -72,7 +79,7 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     at = np.array([0.0, 0, 0, 0, response_s, 0.0, 0.0, camera.row_delay_s or 0.0])
     steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-5, 1e-9])
     k = 8 if rolls else 7
-    normal, pull = np.zeros((k, k)), np.zeros((k, 9))
+    normal, pull = np.zeros((k, k)), np.zeros((k, 18))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
@@ -104,7 +111,7 @@ def test_a_run_tells_what_its_camera_has(run, image, camera, knows, names):
     """Oracle: by hand; a window that is known adds nothing to its start, and costs its middle nothing."""
     other = replace(run, camera=camera, knows_response=knows)
     assert rolling_information.timing_names(other) == names
-    errors = rolling_information.image_errors(other, image, model=MODEL)
+    errors = _errors(other, image)
     told = rolling_information.one_run(other, model=MODEL, angles=ANGLES, image=errors)
     assert told.names[: len(names)] == names
     weights = {"trigger_delay": {"trigger_delay": 1.0}}
@@ -145,32 +152,32 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
 
 def test_the_images_errors_are_those_of_least_squares(run, image):
     """Oracle: 300 images with noise and gains drawn at random, each fitted; variances known to a twelfth (k = 1)."""
-    found = rolling_information.image_errors(run, image, model=MODEL)
+    found = _errors(run, image)
     point = wheel_harmonics.open_harmonics(MODEL, 2).sum(axis=0)[2]
     point *= first_order_lag.transfer(TURN * 5, CAMERA.time_constant_s, n_harmonics=2)[2]
     noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
     scatter = CAMERA.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
-    along, n = np.hypot(noise, scatter), image.light.size
-    design = np.concatenate([image.columns.real / along, image.columns.imag / noise], axis=1).T
+    along, n, columns = np.hypot(noise, scatter), image.light.size, image.columns[:18]
+    design = np.concatenate([columns.real / along, columns.imag / noise], axis=1).T
     scale = np.linalg.norm(design, axis=0)
     random = np.random.default_rng(3)
     drawn = random.normal(size=(300, 2 * n))
     fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:9] / scale[:9, None]
     expected = np.sqrt(np.mean(fitted**2, axis=1))
-    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.gains)), expected, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:9], expected, rtol=0.15)
 
 
 def test_equal_pixels_leave_noise_alone(run, image):
     """Oracle: without scatter of gains there is no such error, and noise goes with the root of the frames."""
     even = replace(run, camera=replace(CAMERA, gain_scatter=0.0))
-    found = rolling_information.image_errors(even, image, model=MODEL)
-    longer = rolling_information.image_errors(replace(even, n_frames=4000), image, model=MODEL)
-    assert np.abs(found.gains).max() < 1e-12
-    np.testing.assert_allclose(np.diag(found.noise), 4 * np.diag(longer.noise), rtol=1e-6)
+    found = _errors(even, image)
+    longer = _errors(replace(even, n_frames=4000), image)
+    assert np.abs(found.stays[:9, :9]).max() < 1e-9
+    np.testing.assert_allclose(np.diag(found.noise)[:9], 4 * np.diag(longer.noise)[:9], rtol=1e-6)
 
 
 def _predicted(run, image, *, n_runs=1, angles=ANGLES):
-    errors = rolling_information.image_errors(run, image, model=MODEL)
+    errors = _errors(run, image)
     told = rolling_information.one_run(run, model=MODEL, angles=angles, image=errors).times(n_runs)
     found = information.uncertainties(told, {name: {name: 1.0} for name in NAMES})
     return {each.name: each for each in found}
