@@ -111,10 +111,7 @@ def _search(
 ) -> OptimizeResult:
     scale = np.array([_SCALES[name] for name in free])
     low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-    gain = _GAINS[min(n_before, len(_GAINS) - 1)]
-    course = _Course(
-        misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes(), gain=gain
-    )
+    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
     return least_squares(
         course.residuals,
         np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale),
@@ -122,7 +119,7 @@ def _search(
         x_scale=scale,
         bounds=(low, high),
         max_nfev=_MOST_EVALUATIONS,
-        ftol=gain,
+        ftol=_GAINS[min(n_before, len(_GAINS) - 1)],
     )
 
 
@@ -139,7 +136,6 @@ class _Course:
     step: Array
     high: Array
     kept: Slopes
-    gain: float
     before: tuple[Array, Array] | None = None
 
     def residuals(self, at: Array) -> Array:
@@ -175,8 +171,6 @@ class _Course:
             return slopes
         step, change = self.at - self.before[0], self.here - self.before[1]
         missed = change - slopes @ step
-        if missed @ missed <= self.gain * (self.here @ self.here):  # the step was too small to tell slopes by
-            return slopes
         if not np.linalg.norm(missed) <= _MISSED * np.linalg.norm(change):
             return None
         weighted = step / self.step**2
