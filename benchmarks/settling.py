@@ -1,7 +1,7 @@
 """Whether every valid set of recordings ends in a result: random laboratories of all four cameras, one to six wheel speeds.
 
 Cameras, readouts, numbers of speeds, speeds and image sizes are drawn; most images are small, some have 512 rows and 640
-columns. All defects of a laboratory are there at once. A refusal counts as an end that must not be, and its words are printed.
+columns. All defects of a laboratory are there at once. A refusal counts as an end that must not be.
 What became of each rig goes into a file of JSON lines as soon as it is known; a run that was interrupted goes on there.
 
     .venv/bin/python benchmarks/settling.py --rigs 1000 --out settling.jsonl
@@ -18,7 +18,7 @@ import numpy as np
 
 from irtiming.records.recording import CameraType, ReadoutMode
 from irtiming.twin.random_laboratory import Wanted
-from laboratory_coverage import known_lines, one_rig
+from laboratory_coverage import known_lines, one_rig, table
 
 SLOWEST_HZ, FASTEST_HZ = 2.0, 12.0
 ROWS, COLUMNS = (120, 512), (160, 640)
@@ -50,7 +50,7 @@ def ended(seed: int) -> dict[str, object]:
 
 
 def summary(lines: Sequence[dict[str, object]]) -> str:
-    """Ends by kind of camera, the words of refusals, and pulls over all."""
+    """Ends by kind of camera; pulls over all, and the words of the first refusals."""
     rows = ["| camera | readout | rigs | speeds | refused | s per rig |", "| --- | --- | ---: | ---: | ---: | ---: |"]
     for camera, readout in KINDS:
         mine = [line for line in lines if (line["camera"], line["readout"]) == (camera, readout)]
@@ -60,14 +60,7 @@ def summary(lines: Sequence[dict[str, object]]) -> str:
             seconds = np.mean([line["seconds"] for line in mine])  # type: ignore[arg-type]
             rows.append(f"| {camera} | {readout} | {len(mine)} | {speeds:.1f} | {refused} | {seconds:.1f} |")
     rows.append("")
-    rows += [f"seed {line['seed']}: {line['refused']}" for line in lines if "refused" in line]
-    for name in sorted({name for line in lines for name in line.get("parameters", {})}):  # type: ignore[attr-defined]
-        found = [line["parameters"][name] for line in lines if name in line.get("parameters", {})]  # type: ignore[index,operator]
-        pulls = np.array([one["error_s"] / one["u_s"] for one in found])
-        rows.append(
-            f"{name}: {pulls.size} values, rms pull {np.sqrt(np.mean(pulls**2)):.2f}, "
-            f"{np.mean(np.abs(pulls) < 1):.0%} within 1 u, {np.mean(np.abs(pulls) < 2):.0%} within 2 u"
-        )
+    rows.append(table(list(lines)))
     return "\n".join(rows)
 
 

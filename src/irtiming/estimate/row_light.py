@@ -5,10 +5,10 @@ from dataclasses import dataclass, fields, replace
 from typing import final
 
 import numpy as np
-from numba import njit
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
+from irtiming.physics.light import pixel_waves
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
@@ -185,22 +185,5 @@ def _of_pixels(
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     blur_px = blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows]
     smear = blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=1)
-    out = np.zeros((row_px.size, n_harmonics + 1), complex)
-    for light, angle in lights:
-        _add_by_row(light[rows], np.exp(-1j * angle[rows]), smear, out)
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _add_by_row(light: Array, turn: ComplexArray, smear: Array, out: ComplexArray) -> None:
-    """Waves exp(-i m phi) of each row's pixels, added to ``out`` (n_row, M + 1); order m is smeared by the first's to m^2."""
-    for row in range(light.shape[0]):
-        for column in range(light.shape[1]):
-            if light[row, column] == 0.0:
-                continue
-            wave, once = complex(light[row, column]), smear[row, column]
-            step = turn[row, column] * once
-            for order in range(out.shape[1]):
-                out[row, order] += wave
-                wave *= step
-                step *= once * once
+    waves = (pixel_waves.by_row(one[rows], angle[rows], smear=smear, n_harmonics=n_harmonics) for one, angle in lights)
+    return np.asarray(sum(waves))

@@ -49,7 +49,7 @@ _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at m
 _ODD = 10  # times the standard deviation
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie beside the middle that a Gaussian gives
-_OF_BLUR = ("blur_px", "blur_ellipticity", "glare", "glare_px")
+_OF_BLUR = ("blur_px", "blur_ellipticity", "glare", "glare_px")  # stay those of a Gaussian; `_reshaped` has the rest
 _WARP_STEP_PX = 0.02  # over which what a warp does is taken
 _U_SHARED = 0.1  # prior: of the share that is exchanged, beside a Gaussian blur
 
@@ -122,8 +122,7 @@ def settled(
     numbers = best.numbers | {
         name: best.numbers[name] + float(move)
         for name, move in zip(names, last.moved[at], strict=True)
-        if name
-        not in _OF_BLUR  # which is the one that goes with a Gaussian; another shape of it is in the covariance alone
+        if name not in _OF_BLUR
     }
     told = _told(images, numbers, names=names, covariance=last.covariance[np.ix_(at, at)], chi_square=best.chi_square)
     return replace(told, n_rounds=start.n_rounds + 1, camera=last.camera)

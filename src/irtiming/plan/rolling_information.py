@@ -21,7 +21,7 @@ from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.inference.lens_knowledge import LensKnowledge
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
-from irtiming.physics.light import row_sum
+from irtiming.physics.light import pixel_waves, row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import TURN
@@ -125,10 +125,7 @@ def _pixels(sector: SectorShape, roi: _Roi) -> Array:
 def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi, n_harmonics: int) -> ComplexArray:
     """Harmonics of rows whose pixels have so much light, (n_row, columns of the region), each about its own angle."""
     angle, radius = (place[rows - roi[0]] for place in blurred_sector.pixel_places(sector, roi=roi))
-    return np.stack(
-        [np.sum(light * np.exp(-1j * m * angle) * _smear(radius, sector, m), axis=1) for m in range(n_harmonics + 1)],
-        axis=1,
-    )
+    return pixel_waves.by_row(light, angle, smear=_smear(radius, sector, 1), n_harmonics=n_harmonics)
 
 
 def _smear(radius_px: Array, sector: SectorShape, order: int) -> Array:
