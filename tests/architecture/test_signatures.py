@@ -27,7 +27,7 @@ OFFENDERS = {
     "reduce/published/plateaus.py:inside(plateau)",
     "twin/node_picture.py:_add_nodes_past_wheel(table)",
     "twin/node_picture.py:_add_nodes_past_wheel(wheel)",
-    "twin/nodes.py:_trace_pixel(place)",
+    "twin/kernels.py:trace_pixel(place)",
     "twin/pixels.py:_add_open_rays(gain)",
     "twin/pixels.py:_add_open_rays(spans)",
     "twin/pixels.py:_add_open_rays(table)",

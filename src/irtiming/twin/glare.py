@@ -10,7 +10,7 @@ from scipy.fft import irfft2, next_fast_len, rfft2
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.twin.noise import Values
 from irtiming.twin.optics import GlareShape, Optics
-from irtiming.twin.rays import Offsets
+from irtiming.twin.spread import Offsets
 
 _FARTHEST = {"gaussian": 4.5, "exponential": 7.0}
 """Where the tables end, in standard deviations along an axis."""

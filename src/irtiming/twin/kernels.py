@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from irtiming.twin.spread import Offsets
+
 _NEWTON_STEPS = 6
 _SMALLEST_STEP = 1e-9
 _SMALL = 0.13  # of the ratio of an angle's sides
@@ -145,3 +147,58 @@ def scatter(row: int, column: int, ray: int) -> tuple[float, float]:
     mixed ^= mixed >> np.uint64(31)
     low, high = mixed & np.uint64(0xFFFFFFFF), mixed >> np.uint64(32)
     return np.float64(low) / 4294967296.0 - 0.5, np.float64(high) / 4294967296.0 - 0.5
+
+
+@njit(cache=True, nogil=True)
+def variant(row: int, column: int, variants: int) -> int:
+    """Which copy of the spread a pixel takes, as if by chance."""
+    return int((scatter(row, column, 0)[0] + 0.5) * variants) % variants
+
+
+@njit(cache=True, nogil=True)
+def _kind_of_place(row: float, column: float, view: View) -> int:
+    """What a cutout shows at a place of the image: 0 the opening, 1 the plate; 2 where there is no cutout."""
+    x, y = to_rig(row, column, view)
+    if not in_ring(x, y, view):
+        return 2
+    return 0 if in_opening(x, y, view) else 1
+
+
+@njit(cache=True, nogil=True)
+def kind_of_pixel(row: int, column: int, view: View, reach: float) -> int:
+    """What a cutout shows to a pixel: 0 the opening, 1 the plate or its border, 2 nothing, 3 the opening's edge."""
+    first = _kind_of_place(float(row), float(column), view)
+    same = True
+    for ring in range(1, 4):
+        for step in range(16):
+            angle = step * math.pi / 8
+            away = reach * ring / 3
+            kind = _kind_of_place(row + away * math.sin(angle), column + away * math.cos(angle), view)
+            if (kind == 0) != (first == 0):
+                return 3
+            same = same and kind == first
+    return first if same else 1
+
+
+@njit(cache=True, nogil=True)
+def trace_pixel(rays: Offsets, place: tuple[int, int, float], view: View, spread: Offsets) -> tuple[int, int]:
+    """Angles of a pixel's rays minus that of its centre, those to the opening and those to the plate; how many.
+
+    ``place`` is the pixel's row and column and the angle of its centre, ``spread`` (n_ray, 2) the places of its rays from there;
+    ``rays`` (2, n_ray or more) is written.
+    """
+    row, column, centre = place
+    direction = (math.cos(centre), math.sin(centre))
+    opening, plate = 0, 0
+    for ray in range(spread.shape[0]):
+        x, y = to_rig(row + spread[ray, 0], column + spread[ray, 1], view)
+        if not in_ring(x, y, view):
+            continue
+        angle = turned(view.mirror * x, y, direction)
+        if in_opening(x, y, view):
+            rays[0, opening] = angle
+            opening += 1
+        else:
+            rays[1, plate] = angle
+            plate += 1
+    return opening, plate

@@ -14,11 +14,12 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Array
-from irtiming.twin.nodes import Counts, Nodes, trace_nodes
+from irtiming.twin.nodes import Nodes, trace_nodes
 from irtiming.twin.noise import Values
 from irtiming.twin.pixels import Weights, solid_wheel
-from irtiming.twin.rays import Indices, Offsets
+from irtiming.twin.rays import Counts, Indices
 from irtiming.twin.scene import Scene
+from irtiming.twin.spread import Offsets
 
 Level: TypeAlias = npt.NDArray[np.float64]
 

@@ -12,8 +12,9 @@ from irtiming.records.arrays import Array
 from irtiming.twin.glare import Veil, veil_of
 from irtiming.twin.kernels import wrapped
 from irtiming.twin.noise import Values
-from irtiming.twin.rays import Indices, Offsets, RayTable, trace
+from irtiming.twin.rays import Counts, Indices, RayTable, trace
 from irtiming.twin.scene import Scene
+from irtiming.twin.spread import Offsets
 
 Weights: TypeAlias = npt.NDArray[np.float32]
 """DN that a pixel gains when all its rays get past the wheel; shape (n_live,)."""
@@ -57,7 +58,7 @@ def picture(scene: Scene) -> Picture:
     edge = scene.wheel.cutout_edges_rad
     turn = 2 * math.pi
     opened = [(edge[3] - turn, edge[0]), (edge[1], edge[2]), (edge[3], edge[0] + turn)]
-    span = _spans(table.offset_rad, table.n_opening, table.n_plate)
+    span = _spans(table.offset_rad, table.n_opening, table.first_ray)
     return Picture(
         table=table,
         closed_dn=closed,
@@ -98,8 +99,8 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
     out[...] = shot.closed_dn
     table = shot.table
     angles = np.asarray(wheel_angles_rad, dtype=np.float64)
-    rays = (table.pixel, table.reference_rad, table.n_opening, table.n_plate, table.offset_rad)
-    spans, share = (shot.span_rad, shot.group_span_rad), 1.0 / (table.rays_per_pixel * angles.size)
+    rays = (table.pixel, table.reference_rad, table.n_opening, table.first_ray, table.offset_rad)
+    spans, share = (shot.span_rad, shot.group_span_rad), (1.0 / (table.n_ray * angles.size)).astype(np.float32)
     opened = (shot.opening_dn, shot.plate_dn, share)
     _add_open_rays(out.reshape(-1), (angles + shot.gate_rad, shot.open_rad), rays, spans, opened)
     if shot.blade_dn != 0:
@@ -114,16 +115,16 @@ def expose(shot: Picture, wheel_angles_rad: Array, *, out: Values) -> None:
 def _add_open_rays(
     flat: Weights,
     wheel: tuple[Array, Array],
-    table: tuple[Indices, Array, Indices, Indices, Offsets],
+    table: tuple[Indices, Array, Indices, Counts, Offsets],
     spans: tuple[Offsets, Array],
-    gain: tuple[Weights, Weights, float],
+    gain: tuple[Weights, Weights, Weights],
 ) -> None:
     """Add to each live pixel what its rays past the wheel bring, averaged over the instants.
 
     Most groups of pixels see no edge: they gain all that is behind a cutout, or nothing.
     """
     angles, opened = wheel
-    pixel, reference, n_opening, n_plate, offset = table
+    pixel, reference, n_opening, first_ray, offset = table
     opening_dn, plate_dn, share = gain
     middle, swing = 0.5 * (angles[0] + angles[-1]), 0.5 * (angles[-1] - angles[0])
     span, group_span = spans
@@ -134,7 +135,8 @@ def _add_open_rays(
         if seen == _CLOSED:
             continue
         for live in range(begin, end):
-            first, second = n_opening[live], n_opening[live] + n_plate[live]
+            first, end = first_ray[live], first_ray[live + 1]
+            second = first + n_opening[live]
             alone = seen
             if seen == _TOUCHED:
                 mean = _in_turn(middle - reference[live])
@@ -142,11 +144,11 @@ def _add_open_rays(
             if alone == _CLOSED:
                 continue
             if alone == _OPEN:
-                past_opening, past_plate = angles.size * first, angles.size * n_plate[live]
+                past_opening, past_plate = angles.size * (second - first), angles.size * (end - second)
             else:
-                past_opening = _count_open(offset[live, :first], opened, angles, reference[live])
-                past_plate = _count_open(offset[live, first:second], opened, angles, reference[live])
-            flat[pixel[live]] += share * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
+                past_opening = _count_open(offset[first:second], opened, angles, reference[live])
+                past_plate = _count_open(offset[second:end], opened, angles, reference[live])
+            flat[pixel[live]] += share[live] * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
 
 
 @njit(cache=True, nogil=True)
@@ -178,23 +180,19 @@ def _group_spans(reference: Array, span: Offsets) -> Array:
 
 
 @njit(cache=True, nogil=True)
-def _spans(offset: Offsets, n_opening: Indices, n_plate: Indices) -> Offsets:
+def _spans(offset: Offsets, n_opening: Indices, first_ray: Counts) -> Offsets:
     """Smallest and largest offset of each pixel's rays: beside each other, so that most frames need no others."""
-    spans = np.empty((offset.shape[0], 2), np.float32)
-    for live in range(offset.shape[0]):
-        spans[live, 0], spans[live, 1] = _span(offset[live], n_opening[live], n_opening[live] + n_plate[live])
+    spans = np.empty((n_opening.size, 2), np.float32)
+    for live in range(n_opening.size):
+        first, end = first_ray[live], first_ray[live + 1]
+        second = first + n_opening[live]
+        low, high = math.inf, -math.inf
+        if second > first:
+            low, high = offset[first], offset[second - 1]
+        if end > second:
+            low, high = min(low, offset[second]), max(high, offset[end - 1])
+        spans[live, 0], spans[live, 1] = low, high
     return spans
-
-
-@njit(cache=True, nogil=True)
-def _span(offset: Offsets, first: int, second: int) -> tuple[float, float]:
-    """Smallest and largest offset of a pixel's rays."""
-    low, high = math.inf, -math.inf
-    if first > 0:
-        low, high = offset[0], offset[first - 1]
-    if second > first:
-        low, high = min(low, offset[first]), max(high, offset[second - 1])
-    return low, high
 
 
 @njit(cache=True, nogil=True)
@@ -241,7 +239,7 @@ def _count_passed(offset: Offsets, angles: Array, ahead: float) -> int:
         return 0
     if min(angles[0], angles[-1]) + ahead >= offset[-1]:
         return offset.size * angles.size
-    count, at = 0, 0
+    count, at = 0, np.searchsorted(offset, np.float32(angles[0] + ahead))
     for angle in angles:  # from one instant to the next an edge passes few rays
         while at < offset.size and offset[at] <= angle + ahead:
             at += 1

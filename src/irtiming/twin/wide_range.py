@@ -18,11 +18,12 @@ from numba import njit
 
 from irtiming.errors import PlanError
 from irtiming.records.arrays import Array
-from irtiming.twin.nodes import Counts, Nodes, trace_nodes
+from irtiming.twin.nodes import Nodes, trace_nodes
 from irtiming.twin.noise import Values
 from irtiming.twin.pixels import Weights, solid_wheel
-from irtiming.twin.rays import Indices, Offsets
+from irtiming.twin.rays import Counts, Indices
 from irtiming.twin.scene import BolometerTiming, RadiativeExchange, Scene
+from irtiming.twin.spread import Offsets
 
 _PLANCK, _LIGHT, _BOLTZMANN = 6.62607015e-34, 299792458.0, 1.380649e-23  # SI
 _WAVELENGTHS = 2001

@@ -18,8 +18,9 @@ from irtiming.twin.kernels import to_rig
 from irtiming.twin.noise import Values
 from irtiming.twin.optics import Optics
 from irtiming.twin.processed_frames import ProcessedFrames
-from irtiming.twin.rays import ray_pattern, view_of
+from irtiming.twin.rays import view_of
 from irtiming.twin.scene import CameraTiming, ChopperWheel, MaskPlate, Scene, microbolometer_scene, paper_scene
+from irtiming.twin.spread import pixel_spread
 from irtiming.twin.sway import swayed
 from irtiming.twin.upkeep import SelfCorrection, ShutterEvent, Sway
 from irtiming.twin.window import centre_s, instants_s, weights
@@ -127,13 +128,10 @@ def test_what_is_below_a_tilted_axis_recedes() -> None:
 
 @pytest.mark.parametrize("blurs", [(0.55, 0.95), (1.0, 0.5)])
 def test_elliptical_blur_has_its_variances(blurs: tuple[float, float]) -> None:
-    """Oracle: variances of a uniform sub-pixel and a Gaussian add up along each axis; no covariance."""
-    rays = ray_pattern(32, blurs[0], blur_columns_px=blurs[1])
-    place = np.stack(
-        [rays.row_step + (rays.sub_row + 0.5) / 32, rays.column_step + (rays.sub_column + 0.5) / 32], axis=1
-    )
-    assert place.var(axis=0) == pytest.approx([1 / 12 + blur**2 for blur in blurs], rel=1e-2)
-    assert np.cov(place.T)[0, 1] == pytest.approx(0, abs=1e-3)
+    """Oracle: variances of a uniform square and a Gaussian add up along each axis; no covariance."""
+    place = pixel_spread(1024, blurs, variants=2).astype(float)
+    assert place.var(axis=1) == pytest.approx(np.tile([1 / 12 + blur**2 for blur in blurs], (2, 1)), rel=1e-5)
+    assert [np.cov(one.T)[0, 1] for one in place] == pytest.approx([0, 0], abs=1e-6)
 
 
 @pytest.mark.parametrize("shape", ["gaussian", "exponential"])

@@ -12,8 +12,9 @@ from scipy.special import ndtr
 from irtiming.twin.clockwork import Motion
 from irtiming.twin.lag import Fading, response
 from irtiming.twin.node_picture import NodePicture, node_picture, read_rows
-from irtiming.twin.nodes import pixel_spread, trace_nodes
+from irtiming.twin.nodes import trace_nodes
 from irtiming.twin.scene import ChopperWheel, Scene, microbolometer_scene
+from irtiming.twin.spread import pixel_spread
 from irtiming.twin.views import RowsView
 
 _TAU_S, _RATE = 4.819e-3, 6 * math.pi

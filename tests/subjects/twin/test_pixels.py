@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from irtiming.twin.pixels import Picture, expose, picture
-from irtiming.twin.rays import ray_pattern, trace
+from irtiming.twin.rays import trace
 from irtiming.twin.scene import ChopperWheel, Scene
+from irtiming.twin.spread import pixel_spread
 
 
 def _frame(shot: Picture, *angles: float) -> np.ndarray:
@@ -61,47 +63,50 @@ def test_area_of_the_opening(small_scene: Scene) -> None:
 
 
 def test_blur_moves_light_and_keeps_its_sum(small_scene: Scene) -> None:
-    """Oracle: conservation; the very same rays are lit, so the sums are equal but for rounding of float32."""
+    """Oracle: conservation: light that leaves one pixel is in another."""
     sharp = picture(replace(small_scene, optics=replace(small_scene.optics, blur_px=0.0)))
     soft = picture(replace(small_scene, optics=replace(small_scene.optics, blur_px=1.5)))
     for theta in (0.3, 1.3, 2.9, 4.0):
-        assert _light(soft, theta) == pytest.approx(_light(sharp, theta), rel=2e-6, abs=1e-3)
+        assert _light(soft, theta) == pytest.approx(_light(sharp, theta), rel=5e-4, abs=0.2)
         assert np.abs(_frame(soft, theta) - _frame(sharp, theta)).max() > 500
 
 
-@pytest.mark.parametrize(("along", "blur_px"), [(32, 0.5), (32, 1.1), (16, 1.1), (10, 0.8), (7, 0.8), (2, 1.0)])
-def test_blur_shifts_and_tilts_nothing(along: int, blur_px: float) -> None:
-    """Oracle: an even Gaussian: no mean, no covariance of rows and columns, and as wide along the ones as along the others."""
-    rays = ray_pattern(along, blur_px)
-    row = rays.row_step + (rays.sub_row + 0.5) / along - 0.5
-    column = rays.column_step + (rays.sub_column + 0.5) / along - 0.5
-    assert (row.mean(), column.mean(), np.mean(row * column)) == pytest.approx((0, 0, 0), abs=1e-12)
-    assert row.var() == pytest.approx(column.var(), rel=1e-12)
+@pytest.mark.parametrize("blurs_px", [(0.7, 0.7), (0.7, 0.5), (0.0, 0.0)])
+@pytest.mark.parametrize(("n", "error"), [(110, 0.04), (1024, 0.01), (7000, 2.5e-3)])
+def test_an_edge_anywhere_in_a_pixel_covers_what_it_should(n: int, error: float, blurs_px: tuple[float, float]) -> None:
+    """Oracle: the integral of a square pixel convolved with a Gaussian, over the light side of an edge in any direction.
 
-
-@pytest.mark.parametrize(("along", "blur_px"), [(32, 0.5), (32, 0.8), (32, 1.4), (16, 1.1), (10, 0.8)])
-def test_blur_has_the_stated_width(along: int, blur_px: float) -> None:
-    """Oracle: variance of a unit square plus that of the Gaussian."""
-    rays = ray_pattern(along, blur_px)
-    row = rays.row_step + (rays.sub_row + 0.5) / along - 0.5
-    assert row.var() == pytest.approx(1 / 12 + blur_px**2, rel=0.03)
+    Along an axis the integral is one of normal distributions; at 45 degrees it is taken by brute force over 400 x 400 places.
+    """
+    place = pixel_spread(n, blurs_px, variants=4).astype(float)
+    fine = (np.arange(400) + 0.5) / 400 - 0.5
+    for turn in (0.0, math.pi / 4, math.pi / 2, 3 * math.pi / 4):
+        down, right = math.sin(turn), math.cos(turn)
+        across = np.sort((down * fine[:, None] + right * fine).ravel())
+        blur_px = math.hypot(down * blurs_px[0], right * blurs_px[1])
+        for depth in np.linspace(-1.5, 1.5, 13) + 0.013:
+            inside = across[::7]
+            expected = np.mean(ndtr((depth - inside) / blur_px)) if blur_px > 0 else np.mean(inside < depth)
+            covered = np.mean(place @ [down, right] < depth, axis=1)
+            assert covered == pytest.approx(expected, abs=error)
 
 
 def test_fast_count_equals_a_count_ray_by_ray(small_scene: Scene) -> None:
     """Oracle: every ray of every pixel asked by itself whether it lies in a cutout."""
     shot = picture(replace(small_scene, radiance=replace(small_scene.radiance, mask_k=297.0)))
     table = shot.table
-    ray = np.arange(table.offset_rad.shape[1])
-    gain = np.where(ray < table.n_opening[:, None], shot.opening_dn[:, None], shot.plate_dn[:, None])
-    gain = np.where(ray < (table.n_opening + table.n_plate)[:, None], gain, 0.0)
-    phi = table.reference_rad[:, None] + table.offset_rad.astype(float)
+    kept = np.diff(table.first_ray)
+    pixel = np.repeat(np.arange(kept.size), kept)
+    is_opening = np.arange(pixel.size) - table.first_ray[pixel] < table.n_opening[pixel]
+    gain = np.where(is_opening, shot.opening_dn[pixel], shot.plate_dn[pixel]) / table.n_ray[pixel]
+    phi = table.reference_rad[pixel] + table.offset_rad.astype(float)
     a0, a1, a2, a3 = small_scene.wheel.cutout_edges_rad
     for angles in ([0.2, 0.204], [1.7, 1.9, 2.1], [6.28, 6.281], [-40.0, -39.9999], [0.0, 0.8, 1.6, 2.4]):
         expected = shot.closed_dn.astype(float).copy().ravel()
         for theta in angles:
             seen = np.mod(shot.gate_rad + theta - phi, 2 * math.pi)
             is_open = ((seen >= a1) & (seen < a2)) | (seen >= a3) | (seen < a0)
-            expected[table.pixel] += (gain * is_open).sum(axis=1) / table.rays_per_pixel / len(angles)
+            expected[table.pixel] += np.bincount(pixel, gain * is_open) / len(angles)
         assert _frame(shot, *angles).ravel() == pytest.approx(expected, abs=0.01)
 
 
