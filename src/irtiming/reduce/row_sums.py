@@ -78,10 +78,11 @@ def reduce(
     sighting = in_contrast.find(recording, angles.angle_rad, correct=correct, choices=choices, before=before)
     found, n_frames = sighting.opening, recording.frames.shape[0]
     rows = row_sums.RowSums(found, correct, n_frames=n_frames)
-    quiet = QuietLevel(sighting.quiet, correct, n_frames=n_frames)
     limits = Limits(2**recording.bit_depth - 1, n_frames=n_frames)
     repeats = Repeats(sighting.noise_dn, n_frames=n_frames)
     watch, expected = _watch(angles, sighting), _expected_dn(angles, sighting)
+    fewest = shutter.fewest_pixels(watch.tolerance_dn, noise_dn=sighting.noise_dn)
+    quiet = QuietLevel(sighting.quiet, correct, n_frames=n_frames, fewest=fewest)
     judge = ShutterJudge(watch, expected, rows=rows, quiet=quiet, limits=limits, repeats=repeats)
     projection = contrast_image.projection(angles.angle_rad, found, trigger_ticks=angles.trigger_ticks)
     waves = pixel_waves.of(angles, found) if maps else None

@@ -13,6 +13,7 @@ from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.reduced import ShutterEvent
 
 _SCATTERS, _LEAST_PART, _MOST_PART = 8.0, 0.08, 0.3  # of the scatter; of the contrast
+_SURE = 7.0  # standard deviations of noise: by chance never
 _SETTLING_S = 0.12  # kept away from each event, for the lag
 _LEAST_MARGIN = 3  # frames
 _NEAR = 2  # frames: two bad ones this near are an event, a lone one is not
@@ -25,11 +26,13 @@ class FrameLevels:
     """What is known of each frame of a stretch, shape (n,).
 
     ``beside_dn`` is the opening's level less the expected one, nan where the wheel angle is unknown; ``quiet_dn`` the level
-    of the quiet pixels; ``repeated`` is true for a frame equal to the one before, ``dead`` for one with most pixels at a limit.
+    of the quiet pixels, ``band_dn`` (n, n_band) that of bands of rows of them; ``repeated`` is true for a frame equal to the one
+    before, ``dead`` for one with most pixels at a limit.
     """
 
     beside_dn: Array
     quiet_dn: Array
+    band_dn: Array
     repeated: Mask
     dead: Mask
 
@@ -38,6 +41,7 @@ class FrameLevels:
         return FrameLevels(
             beside_dn=self.beside_dn[part],
             quiet_dn=self.quiet_dn[part],
+            band_dn=self.band_dn[part],
             repeated=self.repeated[part],
             dead=self.dead[part],
         )
@@ -66,8 +70,9 @@ class Watch:
         """
         suspicious = levels.repeated | levels.dead
         suspicious |= np.abs(np.nan_to_num(levels.beside_dn)) > self.tolerance_dn
-        usual = ndimage.median_filter(levels.quiet_dn, 2 * _HALF_WINDOW + 1, mode="nearest")
-        suspicious |= np.abs(levels.quiet_dn - usual) > self.tolerance_dn
+        quiet = np.column_stack([levels.quiet_dn, levels.band_dn])
+        usual = ndimage.median_filter(quiet, (2 * _HALF_WINDOW + 1, 1), mode="nearest")
+        suspicious |= np.any(np.abs(quiet - usual) > self.tolerance_dn, axis=1)
         around = ndimage.convolve1d(suspicious.astype(float), np.ones(2 * _NEAR + 1), mode="constant")
         around[:_NEAR] += float(at_start) * ~levels.dead[:_NEAR]
         around[-_NEAR:] += float(at_end) * ~levels.dead[-_NEAR:]
@@ -85,6 +90,17 @@ def tolerance_dn(*, contrast_dn: float, scatter_dn: float) -> float:
         By how much the opening's level swings, and how far good frames stray from the expected level.
     """
     return float(np.clip(_SCATTERS * scatter_dn, _LEAST_PART * contrast_dn, _MOST_PART * contrast_dn))
+
+
+def fewest_pixels(tolerance_dn: float, *, noise_dn: float) -> int:
+    """How many pixels there must be for the noise of their mean not to exceed the tolerance by chance.
+
+    Parameters
+    ----------
+    tolerance_dn, noise_dn
+        How far the mean may stray, and standard deviation of one pixel from frame to frame, DN.
+    """
+    return max(1, int(np.ceil((_SURE * noise_dn / tolerance_dn) ** 2)))
 
 
 def watch(tolerance_dn: float, *, longest_level_s: float, frame_period_s: float) -> Watch:

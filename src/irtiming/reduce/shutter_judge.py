@@ -37,6 +37,7 @@ class ShutterJudge:
         self.levels = FrameLevels(
             beside_dn=np.full(expected_dn.size, np.nan),
             quiet_dn=quiet.level_dn,
+            band_dn=quiet.band_dn,
             repeated=repeats.is_repeated,
             dead=limits.is_dead,
         )

@@ -223,6 +223,16 @@ def test_half_a_frame_that_is_missing_is_dropped(reduced, clean_frames):
     assert found.frame_index.size == 999
 
 
+@pytest.mark.parametrize(("first_row", "end_row"), [(3, 9), (40, 46), (57, 63)])
+def test_rows_of_a_frame_read_behind_a_shutter_drop_it(reduced, clean_frames, first_row, end_row):
+    """Oracle: by hand; six rows of one frame show a closed shutter, warm as it is, for as short was it closed."""
+    frames = clean_frames.copy()
+    frames[200, first_row:end_row] = 9000
+    found = reduced(frames)
+    assert 200 not in found.frame_index
+    assert _sentences(found) == ("on paper: 1 single frame dropped: not what the wheel angle demands",)
+
+
 def test_lost_frames_skip_their_triggers(reduced, clean_frames, clean):
     """Oracle: the same recording without 30 of its frames; sums of the others stay, but for the drift."""
     kept = np.delete(np.arange(1000), np.random.default_rng(2).choice(np.arange(1, 999), 30, replace=False))

@@ -4,18 +4,24 @@ import numpy as np
 import pytest
 
 from irtiming.records.reduced import ShutterEvent
-from irtiming.reduce.shutter import FrameLevels, Watch, events, tolerance_dn, watch
+from irtiming.reduce.shutter import FrameLevels, Watch, events, fewest_pixels, tolerance_dn, watch
 
 
-def _levels(n=60, *, beside=(), quiet=(), repeated=(), dead=()):
+def _levels(n=60, *, beside=(), quiet=(), band=(), repeated=(), dead=()):
     """Good frames, but where told: index to value, or indices."""
     levels = FrameLevels(
-        beside_dn=np.zeros(n), quiet_dn=np.full(n, 100.0), repeated=np.zeros(n, bool), dead=np.zeros(n, bool)
+        beside_dn=np.zeros(n),
+        quiet_dn=np.full(n, 100.0),
+        band_dn=np.full((n, 4), 100.0),
+        repeated=np.zeros(n, bool),
+        dead=np.zeros(n, bool),
     )
     for index, value in dict(beside).items():
         levels.beside_dn[index] = value
     for index, value in dict(quiet).items():
         levels.quiet_dn[index] = value
+    for index, value in dict(band).items():
+        levels.band_dn[index, 2] = value
     levels.repeated[list(repeated)] = True
     levels.dead[list(dead)] = True
     return levels
@@ -36,10 +42,12 @@ def test_good_frames_are_good():
     assert _judged(levels, at_start=True, at_end=True) == [[], [], []]
 
 
-@pytest.mark.parametrize("kind", ["beside", "quiet", "repeated", "dead"])
+@pytest.mark.parametrize("kind", ["beside", "quiet", "band", "repeated", "dead"])
 def test_each_sign_of_a_bad_frame_counts(kind):
     """Oracle: by hand; one frame alone is suspicious and no event, two side by side are, and three frames around them go."""
-    marked = (lambda *where: dict.fromkeys(where, 50.0)) if kind in ("beside", "quiet") else (lambda *where: where)
+    marked = (
+        (lambda *where: dict.fromkeys(where, 50.0)) if kind in ("beside", "quiet", "band") else (lambda *where: where)
+    )
     assert _judged(_levels(**{kind: marked(30)})) == [[30], [], []]
     assert _judged(_levels(**{kind: marked(30, 31)})) == [[30, 31], [30, 31], list(range(27, 35))]
     assert _judged(_levels(**{kind: marked(30, 32)})) == [[30, 32], [30, 32], list(range(27, 36))]
@@ -75,6 +83,12 @@ def test_tolerance_and_margin():
     assert watch(8.0, **plain) == Watch(tolerance_dn=8.0, margin=4)
     assert watch(8.0, **(plain | {"frame_period_s": 0.11})).margin == 3
     assert watch(8.0, **(plain | {"longest_level_s": 0.5})).margin == 16
+
+
+def test_a_mean_needs_pixels_enough():
+    """Oracle: by hand: 7 x 20 DN over the root of 49 pixels is 20 DN; noise that is small beside the tolerance asks for one."""
+    assert fewest_pixels(20.0, noise_dn=20.0) == 49
+    assert fewest_pixels(376.0, noise_dn=20.0) == 1
 
 
 def test_events_are_told_apart_and_named():

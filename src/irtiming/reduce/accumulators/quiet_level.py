@@ -9,10 +9,15 @@ from irtiming.reduce.accumulators.weighted_rows import WeightedRows
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
 
+_N_BANDS = 16
+
 
 @final
 class QuietLevel:
     """Mean of the quiet pixels of each frame: ``level_dn`` (n_frame,), corrected DN; 0 where there are none.
+
+    ``band_dn`` (n_frame, n_band) are the means of bands of rows, 0 where too few are quiet: a shutter that is closed while a
+    part of the rows is read, or rows that got lost, show there, and hardly in the mean of the frame.
 
     Parameters
     ----------
@@ -20,18 +25,26 @@ class QuietLevel:
         Pixels, and the correction; both of the whole image, shape (row, column).
     n_frames
         Of the recording.
+    fewest
+        Pixels of a band that count, lest noise does.
     """
 
-    def __init__(self, quiet: Mask, correct: Correction, *, n_frames: int) -> None:
+    def __init__(self, quiet: Mask, correct: Correction, *, n_frames: int, fewest: int = 1) -> None:
         self._n_quiet = int(quiet.sum())
         used = np.flatnonzero(quiet.any(axis=1))
         self._rows = slice(None, None, max(1, int(np.gcd.reduce(used))))
         thin = (self._rows, slice(None))
         self._sums = WeightedRows(quiet[thin].astype(float), correct.at(thin))
-        self.level_dn = np.zeros(n_frames)
+        counts = quiet[thin].sum(axis=1)
+        rows = np.linspace(0, counts.size, min(_N_BANDS, max(counts.size, 1)) + 1).astype(int)[:-1]
+        in_band = np.add.reduceat(counts, rows) if counts.size else np.zeros(1, int)
+        self._bands, self._in_band = rows, np.where(in_band >= fewest, in_band, np.inf)
+        self.level_dn, self.band_dn = np.zeros(n_frames), np.zeros((n_frames, rows.size))
 
     def add(self, block: Block) -> None:
         """Average over some frames' quiet pixels."""
         if self._n_quiet:
             some = np.ascontiguousarray(block.whole[:, self._rows])
-            self.level_dn[block.now] = self._sums.of(some).sum(axis=1) / self._n_quiet
+            sums = self._sums.of(some)
+            self.level_dn[block.now] = sums.sum(axis=1) / self._n_quiet
+            self.band_dn[block.now] = np.add.reduceat(sums, self._bands, axis=1) / self._in_band

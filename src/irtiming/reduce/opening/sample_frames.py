@@ -17,6 +17,9 @@ _FEWEST = 24
 _ALIVE_SHARE = 0.5
 _COARSE = 3  # every third pixel tells whether a frame is blank
 _RIM_PX = 2  # of the image: the opening does not reach it
+_N_BANDS = 16  # of rows
+_ODD = 8.0  # standard deviations of a band's level
+_LEAST_ODD = 0.5  # of the standard deviation of a frame's values
 
 
 @final
@@ -37,6 +40,21 @@ class SampleFrames:
     def level(self, area: Mask) -> Array:
         """Mean level of the pixels in the area over the common level, shape (frame,), DN."""
         return mean_within(self.values, area) - self.common_dn
+
+    @property
+    def is_whole(self) -> Mask:
+        """Frames of which no band of rows shows something else beside the opening, shape (frame,).
+
+        A shutter may be closed while a part of the rows is read, and rows get lost.
+        """
+        rows = np.arange(self.values.shape[1])
+        beside = np.concatenate([self.values[:, :, :_RIM_PX], self.values[:, :, -_RIM_PX:]], axis=2).mean(axis=2)
+        starts = np.unique(np.linspace(0, rows.size, _N_BANDS + 1).astype(int)[:-1])
+        level = np.add.reduceat(beside, starts, axis=1) / np.diff([*starts, rows.size]) - self.common_dn[:, None]
+        off = np.abs(level - np.median(level, axis=0))
+        usual = 1.4826 * np.median(off, axis=0)
+        least = _LEAST_ODD * float(np.median(self.values.std(axis=(1, 2))))
+        return np.asarray(np.all(off <= np.maximum(_ODD * usual, least), axis=1))
 
 
 def indices(shape: tuple[int, int, int]) -> list[int]:
