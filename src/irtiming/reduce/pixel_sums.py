@@ -32,6 +32,7 @@ from irtiming.reduce.wheel.frame_angles import FrameAngles
 from irtiming.units import counted
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
+_LONE_SHARE = 0.02
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
 _NEAR, _MARGIN, _SCATTERS = 2, 2, 8.0  # frames: of one event, kept away from it; of the sums' usual scatter
 _FEWEST_SETTLED, _MOST_SETTLED = 5, 60
@@ -73,8 +74,9 @@ def reduce(
         good: list[OfGoodFrames] = [projection, waves] if waves else [projection]
         every = (counts, sums, limits, repeats)
         stretches = frame_pass.run(recording, found.roi, every=every, judge=judge, good=good, progress=progress)
-        if not judge.is_shut.any():
-            judge.is_shut = _shut(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn)
+        if not judge.is_shut.any() and not judge.is_odd.any():
+            far = _far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn)
+            judge.is_shut, judge.is_odd = _shut(far), _lone(far)
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
@@ -111,12 +113,12 @@ def _box(found: Opening) -> tuple[slice, slice]:
 class _Alive:
     """Frames with a wheel angle and live pixels that are not the frame before are good; one look at each frame tells.
 
-    Not those of a closed shutter (``is_shut``): all sums tell which.
+    Not those of a closed shutter (``is_shut``), nor single ones that show something else (``is_odd``): all sums tell which.
     """
 
     def __init__(self, is_known: Mask, limits: Limits, repeats: Repeats) -> None:
         self.is_known, self.limits, self.repeats = is_known, limits, repeats
-        self.is_shut: Mask = np.zeros(is_known.size, bool)
+        self.is_shut, self.is_odd = np.zeros((2, is_known.size), bool)
 
     @property
     def reach(self) -> int:
@@ -126,7 +128,7 @@ class _Alive:
     @property
     def good(self) -> Mask:
         """Shape (n_frame,), of the frames that have been read."""
-        return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated & ~self.is_shut
+        return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated & ~self.is_shut & ~self.is_odd
 
     def add(self, block: Block) -> None:
         """Everything is known from others."""
@@ -136,15 +138,29 @@ class _Alive:
         return self.good[first:end], np.zeros(min(end, n_read) - first, bool)
 
 
-def _shut(sighting: Sighting, angle: Array, total: Array) -> Mask:
-    """Several frames near each other that do not show what the wheel demands, and those beside them, shape (n_frame,)."""
+def _far(sighting: Sighting, angle: Array, total: Array) -> Mask:
+    """Frames that do not show what the wheel demands, shape (n_frame,)."""
     if sighting.steady is None:
         return np.zeros(angle.size, bool)
     strays = np.abs(np.nan_to_num(sighting.steady.strays(total, angle)))
     usual = 1.4826 * float(np.median(strays))
-    far = strays > max(steady_levels.ODD, _SCATTERS * usual)
-    near = ndimage.convolve1d(far.astype(int), np.ones(2 * _NEAR + 1, int), mode="constant") > 1
-    return np.asarray(ndimage.binary_dilation(ndimage.binary_closing(far & near, iterations=_NEAR), iterations=_MARGIN))
+    return np.asarray(strays > max(steady_levels.ODD, _SCATTERS * usual))
+
+
+def _has_others_near(far: Mask) -> Mask:
+    return np.asarray(far & (ndimage.convolve1d(far.astype(int), np.ones(2 * _NEAR + 1, int), mode="constant") > 1))
+
+
+def _shut(far: Mask) -> Mask:
+    """Several of such frames near each other, and those beside them, shape (n_frame,)."""
+    near = _has_others_near(far)
+    return np.asarray(ndimage.binary_dilation(ndimage.binary_closing(near, iterations=_NEAR), iterations=_MARGIN))
+
+
+def _lone(far: Mask) -> Mask:
+    """Such frames with no others near, shape (n_frame,); none where there are many, for then it is not they that are odd."""
+    lone = far & ~_has_others_near(far)
+    return lone if lone.mean() <= _LONE_SHARE else np.zeros_like(far)
 
 
 def _shutter_events(judge: "_Alive") -> tuple[ShutterEvent, ...]:
@@ -189,6 +205,9 @@ def _kept(recording: Recording, judge: _Alive) -> tuple[Mask, tuple[Finding, ...
     again = judge.repeats.is_repeated & ~dead
     dropped = [*remarks.without_angle(recording, outside)]
     dropped.extend(remarks.shutter_closed(recording, event) for event in _shutter_events(judge))
+    if judge.is_odd.any():
+        what = f"{counted(int(judge.is_odd.sum()), 'single frame')} dropped: not what the wheel angle demands"
+        dropped.append(doubt(code="odd-frames", recording=recording, what=what))
     if dead.any():
         what = f"{counted(int(dead.sum()), 'frame')} dropped: more than half of the pixels are at zero or full scale"
         dropped.append(doubt(code="dead-frames", recording=recording, what=what))

@@ -65,6 +65,21 @@ def test_uncertainty_of_a_projection_is_that_of_the_noise(reduced, paper_camera)
     )
 
 
+@pytest.mark.parametrize("value", [5000, 9000])
+def test_a_lone_frame_of_something_else_leaves_the_image_alone(reduced, paper_camera, value):
+    """Oracle: the recording without it; one frame shows a shutter, before which the phase of no pixel may move."""
+
+    def shut(frames):
+        frames[300] = value
+        return frames
+
+    whole, spoilt = reduced(paper_camera())[0], reduced(paper_camera(), spoil=shut)[0]
+    assert np.setdiff1d(np.arange(500), spoilt.frame_index).tolist() == [300]
+    assert spoilt.shutter_events == ()
+    one, other = spoilt.contrast.projection_dn, whole.contrast.projection_dn
+    assert np.abs(one - other)[spoilt.contrast.good].max() < 6 * whole.contrast.u_dn
+
+
 def test_repeated_frames_are_dropped(reduced, paper_camera):
     """Oracle: the recording without them; six frames that are the one before, and one later: seven are dropped and told."""
 
@@ -88,15 +103,19 @@ def test_repeated_frames_are_dropped(reduced, paper_camera):
 
 
 def test_frames_without_noise_are_no_repeats(reduced, paper_camera):
-    """Oracle: by hand; without noise the same scene makes the same frame twice, as here when the wheel stops for a moment."""
+    """Oracle: by hand; without noise the same scene makes the same frame twice, as here when the wheel stops for a moment.
+
+    What it shows is not what the wheel's angle demands; so it is dropped for that.
+    """
 
     def stop(frames):
         frames[200] = frames[199]
         return frames
 
     found, _ = reduced(paper_camera(noise_dn=0.0), spoil=stop)
-    assert found.frame_index.size == 500
-    assert not [one for one in found.findings if one.code == "repeated-frames"]
+    assert np.setdiff1d(np.arange(500), found.frame_index).tolist() == [200]
+    (finding,) = (one for one in found.findings if one.code in ("repeated-frames", "odd-frames"))
+    assert finding.sentence() == "on paper: 1 single frame dropped: not what the wheel angle demands"
 
 
 def test_a_camera_that_mostly_repeats_is_refused(reduced, paper_camera):
