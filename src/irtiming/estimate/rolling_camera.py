@@ -34,7 +34,7 @@ from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 40  # and one that takes the slopes of the image anew
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.05  # standard uncertainties, by the noise of the rows, between two rounds
-_NEAR = 1.0  # of them, after the last: an image that is told to less than that goes to and fro
+_NEAR = 1.0  # of them: an image that is told to less than that may go to and fro
 _FIRST_RESPONSE_S = 1e-4  # of pixels that answer at once, nearly: with it a sector is guessed
 
 
@@ -137,10 +137,11 @@ def _in_turns(
     turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups)
     timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
     views, fits = turns.next(timings)
+    before = fits
     for n_round in range(1, _MOST_ROUNDS):
-        before, is_start = fits, n_round + 1 < _FEWEST_ROUNDS
+        (earlier, before), is_start = (before, fits), n_round + 1 < _FEWEST_ROUNDS
         views, fits = turns.next(turns.timings(fits), views=views, before=before, keep_slopes=not is_start)
-        if not is_start and _move(before, fits) <= _AGREED:
+        if not is_start and _are_settled(earlier, before, fits):
             break
     if _move(before, fits) <= _NEAR:
         return turns.next(turns.timings(fits), views=views, before=fits, is_last=True)
@@ -276,6 +277,14 @@ def _changes(
 def _mean(timings: list[dict[str, float]]) -> Timing:
     """Mean of each number over fits."""
     return {name: float(np.mean([timing[name] for timing in timings])) for name in timings[0]}
+
+
+def _are_settled(
+    earlier: tuple[RowTimingFit, ...], before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]
+) -> bool:
+    """Whether the rows' numbers stay, or go to and fro between two places that are near each other."""
+    move = _move(before, now)
+    return move <= _AGREED or (move <= _NEAR and _move(earlier, now) <= _AGREED)
 
 
 def _move(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> float:
