@@ -32,20 +32,29 @@ _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LeftOver:
-    """Variance of the blur beyond the model's along each side of the border, and its standard uncertainty, shapes (4,), px^2."""
+    """Variance of the blur beyond the model's along each side of the border, and its standard uncertainty, shapes (4,), px^2.
+
+    ``u_model_px2`` is that of the model's own, whose shape is not known: it is alike along all sides, and the result has it.
+    """
 
     variance_px2: Array
     u_px2: Array
+    u_model_px2: float
+
+    @property
+    def pulls(self) -> Array:
+        """By how many uncertainties each side is off, shape (4,); 0 where nothing is known."""
+        return np.where(
+            self.u_px2 > 0, self.variance_px2 / np.hypot(np.maximum(self.u_px2, 1e-300), self.u_model_px2), 0.0
+        )
 
     @property
     def p_value(self) -> float:
         """Of sides that are as far off, or further, where the model holds."""
-        is_known = self.u_px2 > 0
-        return float(
-            special.chdtrc(
-                max(1, int(is_known.sum())), np.sum((self.variance_px2[is_known] / self.u_px2[is_known]) ** 2)
-            )
-        )
+        known = self.u_px2 > 0
+        off = self.variance_px2[known]
+        covariance = np.diag(self.u_px2[known] ** 2) + self.u_model_px2**2
+        return float(special.chdtrc(max(1, off.size), off @ np.linalg.solve(covariance, off)))
 
 
 def left_over(sector: SectorFit) -> LeftOver:
@@ -71,6 +80,7 @@ def left_over(sector: SectorFit) -> LeftOver:
     return LeftOver(
         variance_px2=np.array([one.sum() for one in moments]) / length,
         u_px2=np.array([np.sqrt(np.sum(one**2)) for one in moments]) / length,
+        u_model_px2=2 * shape.blur_px * sector.u("blur_px"),
     )
 
 
@@ -84,7 +94,7 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
     """
     found = left_over(sector)
     if found.p_value < _SIGNIFICANCE:
-        pulls = np.abs(found.variance_px2) / np.where(found.u_px2 > 0, found.u_px2, np.inf)
+        pulls = np.abs(found.pulls)
         worst = int(np.argmax(pulls))
         reason = (
             f"along its {blurred_sector.SIDES[worst]} the opening is blurred by a variance that is "

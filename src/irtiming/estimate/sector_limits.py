@@ -9,7 +9,6 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.sector_image import GLARE_PX
 from irtiming.physics import lens
 from irtiming.records.arrays import Array
-from irtiming.records.reduced import ReducedRecording
 
 _U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
@@ -17,32 +16,32 @@ _AT_LIMIT = 1e-3  # of the distortion
 _FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 
 
-def check(numbers: Mapping[str, float], rows: ReducedRecording) -> None:
+def check(numbers: Mapping[str, float], name: str) -> None:
     """Refuse what is no annular sector about the axle.
 
     Parameters
     ----------
     numbers
         Of the sector, where its search ended.
-    rows
-        The recording.
+    name
+        Of the recording.
 
     Raises
     ------
     EstimationError
         If it is none.
     """
-    inner, outer, angle = (numbers[name] for name in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
+    inner, outer, angle = (numbers[one] for one in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
     off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"]))
     if not (outer - inner > 3 and 0.1 < angle < np.pi and off < 0.3 * outer):
         raise EstimationError(
-            f"{rows.name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
+            f"{name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
             f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
             "must be in view, sharp, and covered by the wheel alone"
         )
 
 
-def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows: ReducedRecording) -> None:
+def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name: str, columns: int) -> None:
     """Refuse what only a lens that there is not would show: such a search has found no sector, and would go on for long.
 
     Parameters
@@ -51,8 +50,10 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
         Of the sector, where its search ended.
     known
         Where the lens centre was thought to be, by the same names.
-    rows
-        The recording.
+    name
+        Of the recording.
+    columns
+        Of the image.
 
     Raises
     ------
@@ -60,8 +61,8 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
         If the distortion is at its limit or the lens centre far from where it was thought to be.
     """
     distortion, least = numbers["distortion"], lens.LOWEST + _AT_LIMIT
-    down, right = (numbers[name] - known[name] for name in ("lens_row_px", "lens_column_px"))
-    beside, most = float(np.hypot(down, right)), _FARTHEST_CENTRE * rows.opening.mask.shape[1]
+    down, right = (numbers[one] - known[one] for one in ("lens_row_px", "lens_column_px"))
+    beside, most = float(np.hypot(down, right)), _FARTHEST_CENTRE * columns
     if distortion >= least and beside <= most:
         return
     what = (
@@ -71,7 +72,7 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, rows
         f"{most:.0f} px can be"
     )
     raise EstimationError(
-        f"{rows.name}: no lens shows an opening as the contrast image has it: {what}; look for a cable, a finger or an edge "
+        f"{name}: no lens shows an opening as the contrast image has it: {what}; look for a cable, a finger or an edge "
         "before the mask, shade it from stray light and mirrors, give the frames as the camera made them, neither stretched "
         "one by one nor turned nor cut, or state the lens in [camera]"
     )

@@ -42,7 +42,7 @@ _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "ring_outer_px": 2.0,
     "plate_reflection": 0.3,
 }
-_LIMITS = {
+LIMITS: Mapping[str, tuple[float, float]] = {
     "inner_radius_px": (0.0, np.inf),
     "ring_inner_px": (0.0, np.inf),
     "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
@@ -54,6 +54,7 @@ _LIMITS = {
     "keystone_column": (-0.3, 0.3),
     "plate_reflection": (0.0, 1.0),
 }
+"""Least and most of numbers that have such."""
 
 
 @final
@@ -110,7 +111,7 @@ def _search(
     slopes: Slopes | None,
 ) -> OptimizeResult:
     scale = np.array([_SCALES[name] for name in free])
-    low, high = np.array([_LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
+    low, high = np.array([LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
     course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
     return least_squares(
         course.residuals,
