@@ -290,7 +290,7 @@ def _are_settled(
 def _move(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> float:
     """How far what a response and a readout are made of has gone since the round before, at most, in standard uncertainties."""
     moves = [
-        abs(a.timing[name] - b.timing[name]) / b.estimate.u(name)
+        abs(a.timing.get(name, np.inf) - b.timing[name]) / b.estimate.u(name)
         for a, b in zip(before, now, strict=True)
         for name in b.estimate.names
         if name not in EDGE_DELAYS

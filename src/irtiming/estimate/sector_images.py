@@ -59,7 +59,7 @@ class Images:
         return sector_image.sharp(self.seen, numbers, view=self.view)
 
     def misfit(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Array]:
-        """Deviations of each image from the model, over their uncertainties."""
+        """Deviations of each image from the model, over their uncertainties, as of `sector_image.Fitted`, shapes (m,)."""
         return [
             sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known).misfit
             for look, u, known in zip(self.seen, self.u_dn, sharp, strict=True)

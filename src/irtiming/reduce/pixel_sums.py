@@ -206,8 +206,7 @@ def _kept(recording: Recording, judge: _Alive) -> tuple[Mask, tuple[Finding, ...
     dropped = [*remarks.without_angle(recording, outside)]
     dropped.extend(remarks.shutter_closed(recording, event) for event in _shutter_events(judge))
     if judge.is_odd.any():
-        what = f"{counted(int(judge.is_odd.sum()), 'single frame')} dropped: not what the wheel angle demands"
-        dropped.append(doubt(code="odd-frames", recording=recording, what=what))
+        dropped.append(remarks.odd_frames(recording, judge.is_odd))
     if dead.any():
         what = f"{counted(int(dead.sum()), 'frame')} dropped: more than half of the pixels are at zero or full scale"
         dropped.append(doubt(code="dead-frames", recording=recording, what=what))

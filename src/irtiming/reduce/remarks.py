@@ -54,6 +54,20 @@ def without_angle(recording: Recording, outside: Mask) -> tuple[Finding, ...]:
     return (doubt(code="frames-without-angle", recording=recording, what=what),)
 
 
+def odd_frames(recording: Recording, odd: Mask) -> Finding:
+    """Single frames that show something else.
+
+    Parameters
+    ----------
+    recording
+        It.
+    odd
+        Shape (n_frame,).
+    """
+    what = f"{counted(int(odd.sum()), 'single frame')} dropped: not what the wheel angle demands"
+    return doubt(code="odd-frames", recording=recording, what=what)
+
+
 def shutter_closed(recording: Recording, event: ShutterEvent) -> Finding:
     """Frames of a closed shutter.
 

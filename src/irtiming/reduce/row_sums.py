@@ -27,7 +27,6 @@ from irtiming.reduce.shutter import Watch
 from irtiming.reduce.shutter_judge import ShutterJudge
 from irtiming.reduce.wheel import frame_angles
 from irtiming.reduce.wheel.frame_angles import FrameAngles
-from irtiming.units import counted
 
 _FEWEST_FRAMES = 100
 
@@ -148,8 +147,7 @@ def _dropped(
             found.append(remarks.shutter_closed(recording, event))
     lone = judge.suspicious & ~judge.zone & ~outside
     if lone.any():
-        what = f"{counted(int(lone.sum()), 'single frame')} dropped: not what the wheel angle demands"
-        found.append(doubt(code="odd-frames", recording=recording, what=what))
+        found.append(remarks.odd_frames(recording, lone))
     for first, end in harvest.stretches.short:
         what = f"frames {first} to {end - 1} dropped: fewer than {SHORTEST} good frames between shutter events"
         found.append(doubt(code="short-stretch", recording=recording, what=what))
