@@ -5,7 +5,7 @@ import numpy as np
 from irtiming.inference.optimiser import Linearised
 from irtiming.records.arrays import Array
 
-_RANK = 1e-15  # of the largest eigenvalue, in units of each parameter's own
+_LEAST = 1e-15  # of an eigenvalue, in units of each parameter's own; the largest lies between 1 and their number
 
 
 def condensed(*, deviance: float, gradient: Array, normal: Array) -> Linearised:
@@ -24,8 +24,8 @@ def condensed(*, deviance: float, gradient: Array, normal: Array) -> Linearised:
     scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
     scale = np.where(scale > 0, scale, 1.0)
     sizes, axes = np.linalg.eigh(normal / np.outer(scale, scale))
-    root = np.sqrt(np.maximum(sizes, _RANK * sizes[-1]))
-    determined = -(axes.T @ (gradient / scale)) / np.where(root > 0, root, 1.0)
+    root = np.sqrt(np.maximum(sizes, _LEAST))
+    determined = -(axes.T @ (gradient / scale)) / root
     rest = np.sqrt(max(deviance - float(determined @ determined), 0.0))
     jacobian = root[:, None] * axes.T * scale
     return Linearised(residual=np.append(determined, rest), jacobian=np.vstack([jacobian, np.zeros((1, scale.size))]))
