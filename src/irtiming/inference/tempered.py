@@ -44,7 +44,7 @@ def draws(log_likelihood: Callable[[Array], Array], *, n_numbers: int, n_draws: 
     while share < 1.0:
         rise = _rise(crowd.log_density, 1.0 - share)
         crowd.pick(np.exp(rise * (crowd.log_density - crowd.log_density.max())))
-        share = share + rise if rise < 1.0 - share else 1.0
+        share += rise  # just 1 in the end: s + (1 - s) is 1 however 1 - s was rounded
         for _ in range(_MOVES):
             crowd.move(share)
     found = []
