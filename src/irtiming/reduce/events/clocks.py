@@ -85,7 +85,7 @@ def relation(
     span = float(np.abs(reading_s - middle).max())
     place = (reading_s - middle) / span
     low, high = _US * (before_s - reading_s), _US * (after_s - reading_s)
-    shift = float(np.median((low + high) / 2))
+    shift = float(low[0])  # numbers stay small
     low, high = low - shift, high - shift
     steepest = _LARGEST_RATE * span * _US
     limits = [(None, None), (-steepest, steepest)]
