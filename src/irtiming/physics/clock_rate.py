@@ -130,8 +130,7 @@ def line(over_s: Array, of_s: Array, *, tick_s: float) -> Line:
     squares = float(x @ x)
     slope = float(x @ (of_s - of_s.mean())) / squares
     residual = of_s - of_s.mean() - slope * x
-    free = max(n - 2, 1)
-    scatter = math.sqrt(float(residual @ residual) / free)
+    scatter = math.sqrt(float(residual @ residual) / (n - 2))
     noise = max(scatter, _ROUNDING * tick_s)
     span = float(over_s[-1] - over_s[0])
     u = max(noise * _inflation(residual) / math.sqrt(squares), tick_s / span / math.sqrt(6))
@@ -140,7 +139,7 @@ def line(over_s: Array, of_s: Array, *, tick_s: float) -> Line:
     of_bend = float(bend @ bend)
     drift = 2 * float(bend @ residual) / of_bend
     left = residual - drift / 2 * bend
-    noise_left = max(math.sqrt(float(left @ left) / max(n - 3, 1)), _ROUNDING * tick_s)
+    noise_left = max(math.sqrt(float(left @ left) / (n - 3)), _ROUNDING * tick_s)
     u_drift = 2 * noise_left * _inflation(left) / math.sqrt(of_bend)
     return Line(slope=Measured(slope, u), bend_per_s=Measured(drift, u_drift), residual_s=residual, scatter_s=scatter)
 

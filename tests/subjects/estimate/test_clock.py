@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import clock
-from irtiming.physics.clock_rate import allan_deviation, camera_clock
+from irtiming.physics.clock_rate import allan_deviation, camera_clock, line
 
 CLOCK_HZ = 49_152_000
 
@@ -116,3 +116,30 @@ def test_rate_of_the_cameras_clock():
         assert found.n_frames == 299
         pulls.append((found.relative_rate.value - 12e-6) / found.relative_rate.standard_uncertainty)
     assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1, abs=0.15)
+
+
+def test_the_drift_of_four_events_by_hand():
+    """Oracle: by hand; a cubic at -1.5 to 1.5 s leaves 20 e^2 for one degree of freedom, x^2 less its mean 1, -1, -1, 1."""
+    e = 1e-3
+    found = line(np.arange(4.0), np.arange(4.0) + e * np.array([-1.0, 3.0, -3.0, 1.0]), tick_s=1e-9)
+    assert found.slope.value == pytest.approx(1.0)
+    assert found.slope.standard_uncertainty == pytest.approx(e * math.sqrt(20 / 2) / math.sqrt(5))
+    assert found.bend_per_s.value == pytest.approx(0.0, abs=1e-12)
+    assert found.bend_per_s.standard_uncertainty == pytest.approx(2 * e * math.sqrt(20) / math.sqrt(4))
+
+
+def test_events_that_wander_together_tell_less():
+    """Oracle: by hand; 8 early, 16 late, 8 early: neighbours correlate by r = 27/32: variances grow by (1 + r) / (1 - r)."""
+    beside = 1e-3 * np.repeat([1.0, -1.0, 1.0], [8, 16, 8])
+    found = line(np.arange(32.0), np.arange(32.0) + beside, tick_s=1e-9)
+    inflation = math.sqrt((32 + 27) / (32 - 27))
+    assert found.slope.value == pytest.approx(1.0)
+    assert found.scatter_s == pytest.approx(1e-3 * math.sqrt(32 / 30))
+    squares = 32 * (32**2 - 1) / 12
+    assert found.slope.standard_uncertainty == pytest.approx(found.scatter_s * inflation / math.sqrt(squares))
+
+
+def test_two_ends_are_rounded_to_a_tick():
+    """Oracle: by hand; a rounding has the variance 1/12, two of them 1/6, over the time between the ends."""
+    found = line(np.arange(4.0), np.arange(4.0), tick_s=1e-3)
+    assert found.slope.standard_uncertainty == pytest.approx(1e-3 / math.sqrt(6) / 3)
