@@ -6,7 +6,9 @@ import pytest
 from statsmodels.formula.api import ols
 from statsmodels.stats.anova import anova_lm
 
-from irtiming.estimate.series.gauge import study
+from irtiming.estimate.series.gauge import studies, study
+from irtiming.records.campaign import CampaignPoint
+from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint
 
 AIAG = np.array(
     [  # AIAG, Measurement Systems Analysis, 4th ed., figure III-B 15: 3 appraisers, 3 trials, 10 parts
@@ -73,3 +75,23 @@ def test_another_program_says_the_same(interaction):
     assert found.interaction == pytest.approx(max(0, crossed - rest) / 4)
     assert found.operators == pytest.approx(max(0, (ms["C(o)"] - crossed) / 24))
     assert found.cameras == pytest.approx((ms["C(c)"] - crossed) / 12)
+
+
+def _result(serial_number, run, value):
+    camera = CameraKey(
+        manufacturer="m", model="k", serial_number=serial_number, camera_type="photon detector", readout_mode="snapshot"
+    )
+    delay = PointParameter(
+        value=value, standard_uncertainty=5.0, unit="s", expanded_uncertainty=10.0, common={"gate": 3.0, "wheel": 2.0}
+    )
+    point = SettingPoint(label=serial_number + run, camera=camera, settings={}, parameters={"trigger_delay": delay})
+    return CampaignPoint(point=point, operator="a", run=run)
+
+
+def test_repeatability_stands_beside_what_is_each_result_s_own():
+    """Oracle: by hand; of 5^2, 3^2 + 2^2 is of the rig: 12 is left; a third run of one camera is not taken."""
+    (found,), words = studies([_result("1", "a", 0.0), _result("1", "b", 2.0), _result("2", "a", 4.0),
+                               _result("2", "b", 6.0), _result("2", "c", 99.0)])  # fmt: skip
+    assert found.rms_u_own == pytest.approx(12**0.5)
+    assert (found.parameter, found.repeatability, found.cameras) == ("trigger_delay", 2.0, 7.0)
+    assert words.startswith("1 of 5 results")
