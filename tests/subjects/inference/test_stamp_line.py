@@ -83,12 +83,27 @@ def test_frames_are_counted_where_some_are_lost():
     assert numbered(stamp_s).tolist() == (number - number[0]).tolist()
 
 
+def test_steps_after_late_frames_make_the_period_no_shorter():
+    """Oracle: the numbers that the times were made of; every fourth frame is late by 0.4 periods, and 30 are lost at once."""
+    number = np.concatenate([np.arange(60), np.arange(90, 150)])
+    late = np.where(number % 4 == 2, 0.4, 0.0)
+    assert np.array_equal(numbered(number + late), number)
+
+
 def test_arrivals_alone_count_the_frames_that_were_lost():
     """Oracle: the numbers that the times were made of: hiccups of 20 ms among frames every 33 ms, and three gaps."""
     random = np.random.default_rng(2)
     number = np.delete(np.arange(300), [50, 51, 120, 250])
     late = random.gamma(2.0, 0.4e-3, number.size) + np.where(random.random(number.size) < 0.03, 15e-3, 0)
     assert np.array_equal(numbered(33.1234e-3 * number + late), number)
+
+
+def test_the_median_of_normal_stamps_is_as_uncertain_as_theory_says():
+    """Oracle: pi / 2 times the variance of the mean (Kendall); quantiles of the normal distribution, spread over the places."""
+    n = 2001
+    beside = norm.ppf((np.arange(n) + 0.5) / n)[(np.arange(n) * 811) % n]
+    found = median_line(np.arange(float(n)), 100.0 * np.arange(n) + beside)
+    assert found.u_at_middle_s == pytest.approx(np.sqrt(np.pi / 2 / n), rel=0.02)
 
 
 def test_place_and_stamp_are_each_other_s_inverse():
