@@ -87,3 +87,12 @@ def test_a_drift_that_the_wheel_could_make_is_told_from_a_still_level():
     np.testing.assert_allclose(still.level_dn, true - true.mean(), atol=0.05)
     turning = drift.fit(level, frame / 30, wheel_angle_rad=angle, segment=segment)
     assert np.std(turning.level_dn - true) > 10 * np.std(still.level_dn - true)
+
+
+def test_a_short_recording_is_followed_by_up_to_a_quarter_as_many_numbers():
+    """Oracle: the curve itself; a swing in 40 levels over a minute takes more than the five numbers of a bent line."""
+    time_s = np.linspace(0, 60, 40)
+    wave = 20 * np.sin(TURN * time_s / 80)
+    level = 7 + wave + np.random.default_rng(2).normal(0, 0.1, 40)
+    found = drift.fit(level, time_s, wheel_angle_rad=None, segment=np.zeros(40, np.int64))
+    np.testing.assert_allclose(found.level_dn, wave - wave.mean(), atol=0.5)

@@ -154,3 +154,21 @@ def test_gains_are_known_to_the_noise_of_the_reference_frames(references):
     bare = SimpleNamespace(nonuniformity=None, frames=np.zeros((3, 4, 5)))
     assert not u_gain(bare, _correction(np.ones((4, 5)), np.zeros((4, 5)))).any()
     assert fingerprint(bare) == ""
+
+
+def test_a_region_has_the_correction_of_its_pixels():
+    """Oracle: by hand; rows 1 and 2, columns 2 to 4 of numbers that say their place."""
+    place = np.arange(24.0).reshape(4, 6)
+    within = _correction(place, -place, bad=place == 9).within((1, 3, 2, 5))
+    assert within.gain.tolist() == [[8, 9, 10], [14, 15, 16]]
+    assert within.offset_dn.tolist() == [[-8, -9, -10], [-14, -15, -16]]
+    assert within.bad.tolist() == [[False, True, False], [False, False, False]]
+
+
+def test_a_few_pixels_far_too_lively_spoil_no_others(flat_reference):
+    """Oracle: by hand; 24 of 600 pixels answer a hundred times as much, which makes the mean five times as large."""
+    gain = np.ones((20, 30))
+    gain[5, :24] = 100.0
+    references = flat_reference(gain, np.zeros((20, 30)))
+    recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((2, 20, 30)), name="made up")
+    assert np.array_equal(correction(recording).bad, gain > 1)

@@ -73,3 +73,9 @@ def test_where_the_wheel_turns_by_a_half_from_trigger_to_trigger_nothing_tells()
 def test_few_frames_tell_nothing():
     """Oracle: the limit of the module; fewer than four blocks of 15."""
     assert shifts(_light(_angle(n=59)), _angle(n=59)) == ()
+
+
+def test_a_run_of_a_few_frames_has_no_shift():
+    """Oracle: by hand; fewer than a block of 15, and none of a known angle."""
+    assert shifts(_light(_angle(n=7)), _angle(n=7)) == ()
+    assert shifts(np.ones(40), np.full(40, np.nan)) == ()

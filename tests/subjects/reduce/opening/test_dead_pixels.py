@@ -53,3 +53,16 @@ def test_a_clean_border_has_no_dead_pixels():
     contrast[30, 30] = 0.1
     live[:, 20, 25] = (live[:, 20, 25] + rng.normal(0, 60, 100)).astype(np.uint16)
     assert np.argwhere(dead_pixels.find(live, contrast, mask=mask, summed=summed)).tolist() == [[20, 25], [30, 30]]
+
+
+def test_dead_pixels_are_found_right_up_to_the_border():
+    """Oracle: by hand; a sharp opening of 20 x 24 pixels, a dead one two pixels from each of its corners."""
+    opening = np.zeros((40, 50), bool)
+    opening[8:28, 11:35] = True
+    dead = [(10, 13), (10, 32), (25, 13), (25, 32)]
+    contrast = opening.astype(float)
+    contrast[*np.transpose(dead)] = 0.2
+    live = np.full((20, 40, 50), 5000, np.uint16)
+    assert np.argwhere(dead_pixels.find(live, contrast, mask=opening, summed=opening)).tolist() == [
+        list(one) for one in dead
+    ]

@@ -113,3 +113,13 @@ def test_noise_alone_is_no_opening(looked_at):
         ReductionError, match=r"a: no opening found: the liveliest pixels swing by .* check that the shutter"
     ):
         outline(_sample(noise, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
+
+
+def test_an_image_that_is_turned_upside_down_has_its_outline_turned(looked_at):
+    """Oracle: the symmetry, but for pixels as near to one pixel of the opening as to another."""
+    frames, angles = looked_at
+    good = np.ones(len(frames), bool)
+    upright = outline(_sample(frames, angles), good, threshold_level=0.5, name="a")
+    turned = outline(_sample(frames[:, ::-1, ::-1], angles), good, threshold_level=0.5, name="a")
+    np.testing.assert_array_equal(turned.mask, upright.mask[::-1, ::-1])
+    np.testing.assert_allclose(turned.contrast, upright.contrast[::-1, ::-1], atol=0.01)

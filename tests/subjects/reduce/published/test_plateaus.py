@@ -91,3 +91,14 @@ def test_pure_noise_and_constant_are_refused():
     for value in (noise, np.full(1000, 7.0)):
         with pytest.raises(ReductionError, match=r"slopes over one turn"):
             find(_angles(), value, name="film")
+
+
+@pytest.mark.parametrize(("n", "is_found"), [(40, True), (32, False)])
+def test_five_points_make_a_slope(n, is_found):
+    """Oracle: by hand; the middle 45 degrees of each slope hold 5 of 40 points in a turn, and 4 of 32."""
+    angle = _angles(n)
+    if is_found:
+        assert [level for *_, level in find(angle, _trapezoid(angle, 0.0), name="film")] == [1, 0, 1, 0]
+        return
+    with pytest.raises(ReductionError, match="found 0 rising and 0 falling slopes"):
+        find(angle, _trapezoid(angle, 0.0), name="film")

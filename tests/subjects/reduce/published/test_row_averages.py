@@ -76,6 +76,7 @@ def test_uncertainties_are_the_scatter_over_runs(runs, turning):
     assert single.u_fraction is None
     assert single.u_row_fraction is None
     assert data.names == ("run 0", "run 1", "run 2")
+    assert data.angular_frequency_rad_per_s == pytest.approx(TURN * 3, rel=1e-4)
 
 
 @pytest.mark.parametrize("colder", [True, False])

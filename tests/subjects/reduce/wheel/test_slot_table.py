@@ -167,3 +167,14 @@ def test_equal_slots_deviate_nowhere():
     """Oracle: the definition."""
     table = equal_slots(60)
     assert table.deviation_rad.tolist() == table.u_deviation_rad.tolist() == [0.0] * 60
+
+
+def test_a_wheel_that_is_run_backwards_has_its_table_turned():
+    """Oracle: the symmetry; 12 turns of 6 slots and the turn that stands beside them, half before and half after, with jitter."""
+    n = 13 * 6
+    ticks = 1000 * np.arange(n) + np.random.default_rng(4).integers(-40, 41, n)
+    forward, back = (
+        learn_slots(EdgeTrain(ticks=each, number=np.arange(n), n_missing=0, n_spurious=0), 6)
+        for each in (ticks, ticks[-1] - ticks[::-1])
+    )
+    np.testing.assert_allclose(back.deviation_rad, -forward.deviation_rad[::-1], atol=1e-9)
