@@ -1,6 +1,6 @@
 """The likeliest cause of structured residuals: defects put into the sums of small simulated recordings, one at a time."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from irtiming.archive.rig_file import read_rig
 from irtiming.estimate import causes, diagnosis, timing
 from irtiming.estimate.frame_residuals import FrameResiduals
 from irtiming.records.diagnosis import Cause
+from irtiming.records.estimate import Estimate
+from irtiming.records.row_timing import RowTimingFit
 from irtiming.reduce.wheel import pooled_slots
 from irtiming.session.simulation import CameraOrder, SimulationOrder, simulate
 
@@ -144,3 +146,36 @@ def test_two_causes_that_explain_alike_are_both_named():
     (found,) = diagnosis._findings([first, second], deviance=1100.0, freedom=1000)
     assert "or nearly as well that c: that would move trigger_delay by -5.0 u" in found.what
     assert diagnosis._findings([replace(first, chance=0.5)], deviance=1100.0, freedom=1000) == ()
+
+
+def test_a_cause_moves_the_result_as_a_fit_with_it_would():
+    """Oracle: least squares with the cause's column beside those of the fit, against least squares without it."""
+    rng = np.random.default_rng(3)
+    frames, before, _ = _seen(rng)
+    flat = [diagnosis._flat(frames, one)[:, None] for one in (frames.slope, np.abs(frames.slope), before)]
+    fitted, data = np.hstack(flat[:2]), 4.0 * flat[2][:, 0] + rng.normal(size=len(before))
+    without = np.linalg.lstsq(fitted, data, rcond=None)[0]
+    together = np.linalg.lstsq(np.hstack(flat), data, rcond=None)[0]
+    beside = diagnosis._Beside(
+        runs=(frames,), residual=data - fitted @ without, fitted=fitted, known=np.zeros((0, 2)),
+        parameters={"trigger_delay": np.array([1.0, 0.5])},
+    )  # fmt: skip
+    estimate = Estimate(names=("trigger_delay",), units=("s",), values=np.zeros(1), covariance=np.array([[9e-12]]))
+    candidate = next(one for one in causes.CANDIDATES if "one before" in one.name)
+    found = diagnosis._cause(candidate, beside, estimate, n_tried=1)
+    move = (together[:2] - without) @ [1.0, 0.5]
+    assert found.moves["trigger_delay"] == pytest.approx(move / 3e-6, rel=1e-6)
+    assert found.n_numbers == 1
+
+
+def test_what_a_recording_has_of_its_own_stands_beside_its_u():
+    """Oracle: by hand; a memory of 0.06 known to 0.02 is 3 u from none, and without it the deviance is larger by 9."""
+    estimate = Estimate(
+        names=("time_constant", "recursive_filter"), units=("s", "1"), values=np.array([8e-3, 0.06]),
+        covariance=np.diag([1e-10, 4e-4]),
+    )  # fmt: skip
+    nothing = dict.fromkeys(one.name for one in fields(RowTimingFit))
+    (found,) = diagnosis._own(RowTimingFit(**nothing | {"name": "a", "estimate": estimate}))
+    assert (found.name, found.unit) == ("a: recursive_filter", "1")
+    assert (found.from_none, found.gained) == (pytest.approx(3.0), pytest.approx(9.0))
+    assert (found.value.value, found.value.standard_uncertainty) == (pytest.approx(0.06), pytest.approx(0.02))

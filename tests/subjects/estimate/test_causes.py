@@ -1,0 +1,46 @@
+"""What causes of structured residuals add to the sums: by brute force over a wave of the wheel."""
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import causes
+from irtiming.estimate.frame_residuals import FrameResiduals
+
+_OMEGA = 20.0
+
+
+@pytest.fixture
+def frames():
+    """Frames at 720 angles of a wheel whose light is a wave of the second and one of the sixth order."""
+    angle = 2 * np.pi * np.arange(720) / 720
+    return FrameResiduals(
+        name="x", omega_rad_per_s=_OMEGA, angle_rad=angle, time=np.linspace(-1, 1, 720), number=np.arange(720),
+        fraction=_light(angle)[:, None], residual=np.zeros((720, 1)), row=np.zeros(1), noise=np.ones(1),
+    )  # fmt: skip
+
+
+def _light(angle):
+    return 0.5 + 0.3 * np.cos(2 * angle) - 0.1 * np.cos(6 * angle)
+
+
+def _columns(words, frames):
+    (found,) = [one for one in causes.CANDIDATES if words in one.name]
+    return found.columns(frames)
+
+
+def test_a_halo_is_a_mean_over_a_gaussian(frames):
+    """Oracle: a sum over a dense normal distribution of the angle, of 0.02, 0.05 and 0.15 rad, less the light itself."""
+    off = np.linspace(-6, 6, 601)
+    weight = np.exp(-0.5 * off**2) / np.sum(np.exp(-0.5 * off**2))
+    for found, width in zip(_columns("blur or glare", frames), (0.02, 0.05, 0.15), strict=True):
+        expected = _light(frames.angle_rad[:, None] + width * off) @ weight - _light(frames.angle_rad)
+        np.testing.assert_allclose(found[:, 0], expected, atol=0.02 * np.ptp(expected))
+
+
+def test_tails_are_what_comes_later(frames):
+    """Oracle: a sum over an exponential of times, of 0.3, 1 and 3 ms, of the light then, less the light itself."""
+    places = -np.log1p(-(np.arange(20_000) + 0.5) / 20_000)
+    for found, tail_s in zip(causes._tails(frames), (0.3e-3, 1e-3, 3e-3), strict=True):
+        later = np.array([_light(angle - _OMEGA * tail_s * places).mean() for angle in frames.angle_rad[:60]])
+        expected = later - _light(frames.angle_rad[:60])
+        np.testing.assert_allclose(found[:60, 0], expected, atol=2e-3 * np.ptp(found))
