@@ -68,3 +68,15 @@ def test_light_and_plate_make_up_the_sum(mirrored):
     assert beside / opening.sum() > 0.03
     assert found == pytest.approx(float(np.sum(opening * angle)), rel=0.02)
     assert found > 0.003 * opening.sum()
+
+
+def test_light_that_is_uneven_along_the_opening_makes_the_mask_less_certain():
+    """Oracle: the stated share, 3 %, of the turn of the light's centre: a slope over the angle, pixels added up one by one."""
+    sector, summed, angle = _seen(plate=0.0, mirrored=False)
+    light = np.where(summed[ROI[0] : ROI[1], ROI[2] : ROI[3]], sector.model_contrast, 0.0)
+    sector.contrast = sector.model_contrast * (1 + 0.3 * angle)
+    mean, spread = np.average(angle, weights=light), np.average(angle**2, weights=light)
+    turn = (mean + 0.3 * spread) / (1 + 0.3 * mean) - mean
+    view = shape.view(sector, summed)
+    assert turn > 0.03
+    assert view.u_off_axle_rad == pytest.approx(0.03 * turn, rel=1e-3)

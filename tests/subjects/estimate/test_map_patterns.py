@@ -1,10 +1,13 @@
 """What maps say of the readout, from delays made by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from irtiming.estimate import map_patterns
 from irtiming.estimate.map_patterns import MappedDelays
+from irtiming.records.row_timing import SectorShape
 
 U_S, ROW_S = 2e-6, 30e-6
 
@@ -68,3 +71,20 @@ def test_the_row_delay_knows_what_the_shape_may_do():
     noise = U_S / np.sqrt(np.sum((delays.row_px - delays.row_px.mean()) ** 2))
     assert abs(clock.row_delay_s - ROW_S) < 4 * clock.u_row_delay_s
     assert clock.u_row_delay_s > np.hypot(noise, 0.3e-6 / 80) * 0.99
+
+
+def test_a_shape_that_is_off_turns_pixels_about_its_axle():
+    """Oracle: by hand; a bisector turns all alike, an axle d columns further right those at (y, x) from it by d y / r^2."""
+    shape = SectorShape(
+        axle_row_px=61.0, axle_column_px=82.0, offset_row_px=0.0, offset_column_px=0.0, inner_radius_px=17.0,
+        outer_radius_px=52.0, bisector_rad=-1.55, opening_angle_rad=1.3, blur_px=0.7, image_rows=120, image_columns=160,
+    )  # fmt: skip
+    sector = SimpleNamespace(
+        shape=shape, roi=(5, 60, 30, 140), names=("bisector_rad", "axle_column_px"), covariance=np.diag([1e-8, 4e-4])
+    )
+    row, column = np.array([20, 30, 40]), np.array([60, 82, 100])
+    found = map_patterns.shape_effect_s(sector, row_px=row, column_px=column, omega=20.0)
+    down, right = row - 61.0, column - 82.0
+    by_axle = 0.02 * down / (down**2 + right**2) / 20
+    expected = np.stack([np.full(3, 1e-4 / 20), np.abs(by_axle)], axis=1)
+    np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(expected), rtol=1e-6)  # in any order, of any sign

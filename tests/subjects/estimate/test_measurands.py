@@ -212,3 +212,12 @@ def test_sums_have_the_covariance_of_what_they_are_made_of():
     found = measurands.mixed(given, {"less": {"a": 1, "b": -1}, "more": {"a": 1, "b": 2}}, offsets={"more": 1.0})
     assert found.values.tolist() == [-1, 6]
     np.testing.assert_allclose(found.covariance, [[11, -13], [-13, 44]])
+
+
+@pytest.mark.parametrize(("u_s", "severity"), [(2.7e-6, "info"), (2.9e-6, "doubt")])
+def test_frames_that_confirm_a_length_to_two_u_of_the_middle_leave_no_doubt(u_s, severity):
+    """Oracle: the rule by hand; the middle is known to sqrt(2) us: half a length to as much or better adds little."""
+    found = _of_window(_window(u_s=u_s), stated_s=240e-6)
+    assert [(one.code, one.severity) for one in found.findings] == [("integration-time-on-trust", severity)]
+    assert found.not_held == (() if severity == "info" else ("integration time (count_time)",))
+    assert not found.midpoint_leads

@@ -186,3 +186,10 @@ def test_structure_that_all_recordings_share_cancels_in_relative_delays():
 def test_a_single_recording_is_all_its_own():
     """Oracle: nothing to compare it with."""
     assert shared_residual.split(_traces(np.random.default_rng(0).normal(size=(1, N)))) is None
+
+
+def test_noise_that_few_recordings_have_apart_is_not_shared():
+    """Oracle: the draws; the mean of two recordings' noise has half its variance, which is all taken off on average."""
+    random = np.random.default_rng(8)
+    found = [shared_residual.split(_traces(random.normal(size=(2, N)))).shared for _ in range(20)]
+    assert np.mean(found) < 0.1
