@@ -9,8 +9,9 @@ from scipy import ndimage
 from scipy.special import ndtr
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import image_doubts, row_fit, sector_fit
+from irtiming.estimate import image_doubts, row_fit, sector_fit, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
+from irtiming.physics import blurred_sector
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -245,6 +246,7 @@ def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, 
     exchanging = replace(rows, contrast=image)
     before = _twice(exchanging, camera, lag, rig=rig_with())
     found = sector_fit.settled([exchanging], camera.model, rig=rig_with(), timing=lag, start=before)
+    assert found.n_rounds == before.n_rounds + 1
     assert np.abs(image_doubts.left_over(found).variance_px2).max() < 0.01
     assert found.shape.blur_of_axes_px[1] ** 2 - camera.shape.blur_of_axes_px[1] ** 2 == pytest.approx(0.1, rel=0.3)
 
@@ -267,3 +269,40 @@ def test_structure_that_neighbours_share_is_not_odd():
     residual = np.linspace(0.015, 0, 16)[:, None] + np.zeros((16, 16))
     seen = SimpleNamespace(residual=residual, light=np.zeros((16, 16)), u=1e-3)
     assert not sector_fit._odd(seen, np.zeros((16, 16)), gain_scatter=0.02, border_scatter=0.0).any()
+
+
+def test_burrs_are_counted_by_the_light_of_a_pixel_on_the_border():
+    """Oracle: burrs that were drawn, 0.05 where the border halves a pixel, falling with the root of the light's slope."""
+    rng, blur_px = np.random.default_rng(1), 3.0
+    off = np.arange(40) - 19.5
+    sharp = np.tile(ndtr(off / np.hypot(blur_px, np.sqrt(1 / 12))), (60, 1))
+    residual = 0.05 * np.exp(-(off**2) / (4 * blur_px**2)) * rng.standard_normal(sharp.shape)
+    seen = SimpleNamespace(
+        sharp=sharp, light=sharp, residual=residual, u=0.0, model=sharp, plate=0.0, ring=0.0 * sharp, over_ring=0.0 * sharp,
+        centre_angle_rad=0.0 * sharp, light_angle_rad=0.0 * sharp, unevenness=0.0,
+    )  # fmt: skip
+    good = np.ones(sharp.shape, bool)
+    view = SimpleNamespace(good=good, summed=good, stand_ins=[], shape=lambda _: None, roi=(0, 60, 0, 40))
+    numbers = dict.fromkeys((*SHAPE_NUMBERS, *sector_image.NUMBERS), 0.0) | {"blur_px": blur_px}
+    images = SimpleNamespace(view=view, contrast=lambda _: seen)
+    found = sector_fit._told(images, numbers, names=(), covariance=np.zeros((0, 0)), chi_square=1.0)
+    assert found.border_scatter == pytest.approx(0.05, rel=0.06)
+
+
+def test_phases_of_a_sector_err_together(camera):
+    """Oracle: by hand; pixels behind one another share what is across their phase, in each image anew; others do not."""
+    roi, shape = (10, 26, 20, 44), camera.shape
+    good = np.ones((16, 24), bool)
+    view = SimpleNamespace(good=good, roi=roi, shape=lambda _: shape)
+    images = SimpleNamespace(view=view, seen=[None, None])
+    n, first = good.size, sector_fit._N_PRIORS
+    found = sector_fit._clusters(images, {}, first + 2 * 2 * n)
+    assert np.all(found[:first] == -1)
+    across = found[first:].reshape(2, 2, n)[:, 1]
+    angle, radius = blurred_sector.pixel_places(shape, roi=roi)
+    beside = np.abs(angle.ravel()[:, None] - angle.ravel()) * radius.mean()
+    together = across[0][:, None] == across[0]
+    assert together[beside < 1e-9].all()
+    assert not together[beside > 6.1].any()
+    assert np.mean(together[beside < 1.0]) > 0.5
+    assert not np.isin(across[0], across[1]).any()

@@ -1,9 +1,11 @@
 """What a contrast image would be, against frames that were summed point by point in the time domain."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from irtiming.estimate import contrast_look, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS
@@ -74,7 +76,7 @@ def test_table_is_the_projection_of_a_point_of_light(camera, rows, lag):
     np.testing.assert_allclose(look.values(np.array([0.3])), look.values(np.array([0.3 - TURN])))
 
 
-@pytest.mark.parametrize("width_rad", [1e-4, 3e-3, 0.02, 0.2])
+@pytest.mark.parametrize("width_rad", [1e-4, 3e-3, 0.02, 0.2, 1.0])
 def test_even_light_shows_the_tables_mean_over_its_angles(rows, camera, lag, width_rad):
     """Oracle: a dense sum over the normal distribution; of a few frames, whose table is rough."""
     (look,) = contrast_look.looks([rows], camera.model, timing=lag)
@@ -190,3 +192,27 @@ def test_first_guess_is_near(camera, brute_rows, mirror):
     assert guess["outer_radius_px"] == pytest.approx(camera.radii[1], abs=1.0)
     assert guess["bisector_rad"] == pytest.approx(camera.bisector_rad, abs=0.055)
     assert guess["opening_angle_rad"] == pytest.approx(camera.opening_rad, abs=0.055)
+
+
+@pytest.mark.parametrize(("axis", "away"), [(0, 1), (1, 2)])
+def test_a_pixel_exchanges_light_with_two_others(axis, away):
+    """Oracle: by hand; of one pixel in the light, 6 % go to either side, and nothing is lost."""
+    sector = np.zeros((9, 9), complex)
+    sector[4, 4] = 1 - 2j
+    rest = np.zeros((9, 9))
+    sharp = sector_image.Sharp(sector=sector, read=rest[:, :1], point=rest, radius=rest, along_px=rest)
+    expected = 0.88 * sector
+    for side in (-away, away):
+        expected += 0.06 * np.roll(sector, side, axis=axis)
+    np.testing.assert_allclose(sharp.exchanged(0.12, axis=axis, away=away).sector, expected, atol=1e-12)
+
+
+def test_a_pixel_sees_the_ring_with_its_own_width():
+    """Oracle: points within a pixel, each behind a blur of 0.7 px; a Gaussian as wide as a pixel stands for it."""
+    radius = np.linspace(5, 35, 61)[None, :]
+    numbers = {"ring_inner_px": 10.0, "ring_outer_px": 30.0}
+    shape = SimpleNamespace(glare=0.0)
+    found = sector_image._ring(shape, numbers, radius=radius, blur_px=np.full(radius.shape, 0.7))
+    within = radius[..., None] + (np.arange(200) + 0.5) / 200 - 0.5
+    exact = (ndtr((within - 10) / 0.7) * ndtr((30 - within) / 0.7)).mean(axis=-1)
+    np.testing.assert_allclose(found, exact, atol=2e-3)
