@@ -11,6 +11,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
 
 _SEED = 2023
@@ -36,10 +37,19 @@ def draws(log_likelihood: Callable[[Array], Array], *, n_numbers: int, n_draws: 
     Returns
     -------
     Shape (n, n_numbers), n some times ``n_draws``: the crowd at several times.
+
+    Raises
+    ------
+    EstimationError
+        If none of the first draws is possible: no share of the likelihood, however small, could be let in.
     """
     rng = np.random.default_rng(_SEED)
     at = rng.standard_normal((n_draws, n_numbers))
     crowd = _Crowd(likelihood=log_likelihood, rng=rng, at=at, log_density=log_likelihood(at))
+    if not np.isfinite(crowd.log_density.max()):
+        raise EstimationError(
+            f"none of {n_draws} draws of what is known beforehand is possible; check what rig.toml states of the lens"
+        )
     share = 0.0
     while share < 1.0:
         rise = _rise(crowd.log_density, 1.0 - share)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from irtiming.errors import EstimationError
 from irtiming.inference import tempered
 
 
@@ -37,3 +38,12 @@ def test_the_same_each_time():
     """Oracle: two calls."""
     first, second = (tempered.draws(lambda at: -(at[:, 0] ** 2), n_numbers=1, n_draws=40) for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("nothing", [-np.inf, np.nan])
+def test_what_is_known_beforehand_and_impossible_is_refused(nothing):
+    """Oracle: by hand; without a single possible draw there is nowhere to go, and it must not go on for ever."""
+    with pytest.raises(
+        EstimationError, match="none of 40 draws of what is known beforehand is possible; check what rig"
+    ):
+        tempered.draws(lambda at: np.full(len(at), nothing), n_numbers=2, n_draws=40)
