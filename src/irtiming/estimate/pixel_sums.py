@@ -319,7 +319,7 @@ def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:
             f"{given.reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the "
             f"step, at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
         )
-    alone = _beside_neighbours(residual, given.angle(float(np.mean([numbers[name] for name in EDGE_DELAYS]))))
+    alone = _beside_neighbours(residual, given.angle(0.0))  # a common delay leaves neighbours as they are
     spread = 1.4826 * float(np.median(np.abs(alone)))
     outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
     if outlier.mean() > _DROPPED_SHARE:
