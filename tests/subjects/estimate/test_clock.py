@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import clock
-from irtiming.physics.clock_rate import allan_deviation, camera_clock, line
+from irtiming.physics.clock_rate import allan_deviation, camera_clock, line, pulse_train
 
 CLOCK_HZ = 49_152_000
 
@@ -143,3 +143,11 @@ def test_two_ends_are_rounded_to_a_tick():
     """Oracle: by hand; a rounding has the variance 1/12, two of them 1/6, over the time between the ends."""
     found = line(np.arange(4.0), np.arange(4.0), tick_s=1e-3)
     assert found.slope.standard_uncertainty == pytest.approx(1e-3 / math.sqrt(6) / 3)
+
+
+def test_a_pulse_that_one_other_doubts_is_of_the_train_if_all_the_rest_know_it():
+    """Oracle: by hand; pulse 1 is 4 thousandths of a period too near to pulse 0, 3 to the others; those jitter by 0.5."""
+    ticks = 1_000_000 * np.arange(10) + np.array([500, -3500, 500, -500, 500, -500, 500, -500, 500, -500])
+    found = pulse_train(ticks, period_ticks=1e6)
+    assert found.number.tolist() == list(range(10))
+    assert (found.missing, found.extra) == ((), ())

@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import ReductionError
 from irtiming.records.choices import Choices
-from irtiming.reduce import recipes
+from irtiming.reduce import pixel_sums, recipes
 
 CLOCK_HZ = 49_152_000
 
@@ -181,3 +181,9 @@ def test_a_shutter_that_closes_is_left_out_and_told(reduced, paper_camera):
     assert not np.any((found.frame_index >= 240) & (found.frame_index < 250))
     assert whole.trigger_ticks.size - found.trigger_ticks.size == event.end_frame - event.first_frame
     np.testing.assert_array_equal(found.opening.mask, whole.opening.mask)
+
+
+def test_mean_frames_are_of_the_middle_of_a_plateau():
+    """Oracle: by hand; a fifth of it is left out at either end, where an edge may touch the border."""
+    start, end, level = pixel_sums._middle((6.0, 7.0, 1))
+    assert (start, end, level) == (pytest.approx(6.2), pytest.approx(6.8), 1)

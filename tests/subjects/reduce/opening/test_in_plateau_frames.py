@@ -7,6 +7,7 @@ from scipy import ndimage
 from irtiming.errors import ReductionError
 from irtiming.records.choices import Choices
 from irtiming.reduce.nonuniformity import Correction, correction
+from irtiming.reduce.opening import in_plateau_frames
 from irtiming.reduce.opening.in_plateau_frames import dead_pixels, find
 
 TURN = 2 * np.pi
@@ -238,3 +239,22 @@ def test_region_that_cuts_the_opening_is_refused(look, hot):
     """Oracle: by hand; the opening's left third lies outside."""
     with pytest.raises(ReductionError, match=r"leaves out .* pixels of the opening; it must hold the whole opening"):
         look(hot, choices=Choices(roi=(0, 60, 32, 80)))
+
+
+@pytest.mark.parametrize("unit_dn", [0.1, 20.0])
+def test_frames_at_the_corners_of_a_plateau_are_not_on_its_level_part(unit_dn):
+    """Oracle: by hand; half of the frames lie within one unit of their median: those beyond four are left out."""
+    off = np.array([-1, 1, -1, 1, -0.5, 0.5, 0, 3, -3, 3.9, -4.1, 0])
+    near = np.arange(off.size) < 11
+    level = in_plateau_frames._level_part(near, 5000 + unit_dn * off)
+    assert level.tolist() == [*[True] * 10, False, False]
+
+
+@pytest.mark.parametrize(("radius", "blackbody"), [(6, 6000.0), (2, 5600.0)])
+def test_the_blackbody_is_seen_well_inside_the_mask(radius, blackbody):
+    """Oracle: by hand; a blurred border of three pixels shows 5600 DN, and a mask that is no wider shows nothing else."""
+    rows, columns = np.mgrid[:31, :31]
+    away = np.abs(rows - 15) + np.abs(columns - 15)  # steps from pixel to pixel, as a mask is worn away
+    mask = away <= radius
+    open_dn = np.where(away <= radius - 3, 6000.0, np.where(mask, 5600.0, 5000.0))
+    assert in_plateau_frames._peaks(open_dn, mask, np.ones_like(mask)) == (5000.0, blackbody)

@@ -82,3 +82,16 @@ def test_angles_that_were_never_recorded_are_named():
     text = never_open.diagnosis(None, np.where(part, ANGLE, np.nan), glare=0.0)
     assert text.startswith("no frame shows the wheel between 2")
     assert "record whole turns" in text
+
+
+def test_derivatives_are_those_of_differences():
+    """Oracle: central differences of the residuals; a blade that shows three tenths of the step, and nothing left over."""
+    numbers = dict(zip(steady_levels._EDGES, (0.71, 0.69, 0.70, 0.72), strict=True)) | {steady_levels._OPENING: 1.3}
+    empty = steady_levels._Given(values=np.zeros(N), angle=ANGLE, place=PLACE)
+    made = empty.shapes(numbers)
+    given = steady_levels._Given(values=0.2 + made.fraction + 0.3 * made.blades, angle=ANGLE, place=PLACE)
+    at = given.model(None)
+    assert np.abs(at(numbers).residual).max() < 1e-9
+    for k, name in enumerate(numbers):
+        ahead, behind = (at({**numbers, name: numbers[name] + step}).residual for step in (1e-5, -1e-5))
+        np.testing.assert_allclose(at(numbers).jacobian[:, k], (ahead - behind) / 2e-5, atol=2e-3)
