@@ -95,14 +95,11 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
 
     Each pixel keeps its amount of light, which the contrast image shows: only where it lies changes.
     """
-    reach = sector.outer_radius_px + abs(sector.offset_row_px) + 5 * sector.blur_px
-    first = max(0, int(sector.axle_row_px - reach))
-    rows = np.arange(first, int(sector.axle_row_px + reach) + 1)
+    roi = _around(sector)
+    rows = np.arange(roi[0], roi[1])
     rows = rows[_light(sector, rows, n_harmonics=0)[:, 0].real > _LEAST_LIGHT_PX2]
     weight = max(1, rows.size // _ROWS)
     rows = rows[weight // 2 :: weight]
-    roi = _around(sector)
-    rows = rows[(rows >= roi[0]) & (rows < roi[1])]
     changes = []
     for name in _SHAPE:
         step = _STEPS[name]
@@ -403,12 +400,8 @@ def _normal_and_noise(image: SectorImage, camera: Camera, *, noise: float) -> tu
 
 def _around(sector: SectorShape) -> _Roi:
     """Region of the image that holds the opening and some of the plate around it."""
-    reach = sector.outer_radius_px + 5 * sector.blur_px + 2
-    polar = sector.bisector_rad + np.linspace(-0.5, 0.5, 181) * sector.opening_angle_rad
-    rows = sector.axle_row_px + np.outer([sector.inner_radius_px, reach], np.sin(polar))
-    sense = -1.0 if sector.mirrored else 1.0
-    columns = sector.axle_column_px + sense * np.outer([sector.inner_radius_px, reach], np.cos(polar))
-    edge = 5 * sector.blur_px + 2
+    points, edge = blurred_sector.light_points(sector), 2 * (5 * sector.blur_px + 2)
+    rows, columns = points.row_px, points.column_px
     return (
         max(0, int(rows.min() - edge)), int(rows.max() + edge) + 1,
         max(0, int(columns.min() - edge)), int(columns.max() + edge) + 1,

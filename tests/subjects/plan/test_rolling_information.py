@@ -211,3 +211,16 @@ def test_rows_that_stand_for_others_tell_what_all_would(sector, run, monkeypatch
     every, _ = rolling_information.normal_and_effect(run, MODEL)
     some, _ = rolling_information.normal_and_effect(fewer, MODEL)
     np.testing.assert_allclose(np.diag(np.linalg.inv(some)), np.diag(np.linalg.inv(every)), rtol=0.1)
+
+
+@pytest.mark.parametrize("distortion", [-0.05, 0.0, 0.3])
+def test_a_lens_that_draws_the_opening_larger_hides_no_row(monkeypatch, distortion):
+    """Oracle: the image of all rows; those with the light of three pixels or more, of an opening of 6000."""
+    monkeypatch.setattr(rolling_information, "_SHAPE", ("blur_px",))  # whose changes are made: one is enough
+    bent = replace(rolling_information.sector_of(Microbolometer(opening_pixels=6000.0), 1.309), distortion=distortion)
+    points, columns = blurred_sector.light_points(bent), (-bent.image_columns, 2 * bent.image_columns)
+    lit = blurred_sector.image(
+        points, np.ones(points.row_px.size, complex), blur_px=bent.blur_px, roi=(0, bent.image_rows, *columns)
+    )
+    expected = np.flatnonzero(lit.real.sum(axis=1) > 3.0)
+    assert rolling_information.rows_of(bent, n_harmonics=4).row_px.tolist() == expected.tolist()
