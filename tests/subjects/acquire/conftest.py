@@ -28,7 +28,10 @@ NEVER = 2**60
 
 
 class FakeGenerator:
-    """Trigger generator with a wheel; ``wheel_from`` is when the wheel turns, ``slow_from`` when it loses its lock."""
+    """Trigger generator with a wheel; ``slow_from`` is when the wheel loses its lock, ``gone_from`` when the generator vanishes.
+
+    Both count from the first trigger. What has vanished triggers no camera and stamps nothing.
+    """
 
     name = "generator"
     clock_frequency_hz = CLOCK_HZ
@@ -53,7 +56,7 @@ class FakeGenerator:
         n = self.run.scheme.samples_per_turn * self.run.repeats
         made = self.started + np.arange(n) * self.run.scheme.camera_period_ticks + self.run.trigger_delay_ticks
         until = self.now() if now is None else now
-        return made[made <= (until if self.stopped is None else self.stopped)]
+        return made[made <= min(until if self.stopped is None else self.stopped, self.started + self.gone_from)]
 
     def _check(self) -> None:
         if self.now() - min(self.started, self.now()) >= self.gone_from:
