@@ -48,7 +48,7 @@ def _along_axes(jacobian: Array, residual: Array, clusters: Ticks) -> tuple[Arra
     scale = np.where(scale > 0, scale, 1.0)
     scaled = jacobian / scale
     sizes, axes = np.linalg.eigh(scaled.T @ scaled)
-    root = np.sqrt(np.maximum(sizes, _FLAT * sizes[-1]))
+    root = np.sqrt(np.maximum(sizes, _FLAT))  # the largest lies between 1 and n
     white = (scaled @ axes) / root * residual[:, None]
     scores = np.array([np.bincount(clusters + 1, one)[1:] for one in white.T])
     spread, turn = np.linalg.eigh(scores @ scores.T)
