@@ -99,7 +99,7 @@ def _in_line(times: Array, number: Ticks) -> Ticks:
         beside -= np.median(beside)
         order = np.lexsort((np.abs(beside), number))
         nearest = np.sort(order[np.unique(number[order], return_index=True)[1]])
-        scatter = 1.4826 * float(np.median(np.abs(beside[nearest] - np.median(beside[nearest]))))
+        scatter = 1.4826 * float(np.median(np.abs(beside[nearest])))
         kept = nearest[np.abs(beside[nearest]) <= max(_STRAY * scatter, 2.0)]
         if kept.size < _FEWEST:
             break

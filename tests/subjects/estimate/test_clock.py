@@ -151,3 +151,11 @@ def test_a_pulse_that_one_other_doubts_is_of_the_train_if_all_the_rest_know_it()
     found = pulse_train(ticks, period_ticks=1e6)
     assert found.number.tolist() == list(range(10))
     assert (found.missing, found.extra) == ((), ())
+
+
+@pytest.mark.parametrize(("beside", "extra"), [(1_000, ()), (1_500, (20,))])
+def test_a_pulse_eight_standard_deviations_beside_is_a_stray(beside, extra):
+    """Oracle: by hand; pulses alternately 100 ticks early and late have the robust deviation 148: eight are 1186 ticks."""
+    ticks = 1_000_000 * np.arange(40) + np.where(np.arange(40) % 2, 100, -100)
+    ticks[20] = 20_000_000 + beside
+    assert pulse_train(ticks, period_ticks=1e6).extra == extra
