@@ -43,6 +43,14 @@ def test_a_held_number_stays_and_the_other_finds_its_best():
     assert found.free == ("height",)
 
 
+def test_where_all_is_held_the_start_is_the_result():
+    """Oracle: by hand; the residuals there, from one evaluation, and nothing that could still be gained."""
+    start = {"height": 1.5, "rate": 0.5}
+    found = optimiser.minimise(_decay, start=start, held=("height", "rate"))
+    assert (found.values, found.free, found.n_steps, found.decrement) == (start, (), 1, 0.0)
+    np.testing.assert_array_equal(found.at.residual, _decay(start).residual)
+
+
 def test_a_bound_is_not_crossed():
     """Oracle: the best rate is 0.7; bounded from below at 1 it ends there."""
     found = optimiser.minimise(_decay, start={"height": 1.0, "rate": 2.0}, lowest={"rate": 1.0})
