@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from irtiming.physics.response.integration_window import transfer, transfer_slope
+from irtiming.physics.response.integration_window import tail_delay_s, tail_variance_s2, tails, transfer, transfer_slope
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
+from irtiming.records.rig import Measured, WindowTail
 
 TURN = 2 * np.pi
 OMEGA = 3 * TURN
@@ -59,3 +60,23 @@ def test_slope_is_smooth_where_the_series_takes_over():
     half = OMEGA / 2
     for x in (0.99e-3, 1.01e-3):
         assert transfer_slope(OMEGA, x / half, n_harmonics=1)[1].real == pytest.approx(-half * x / 3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("window", "fading"), [(250e-6, 0.2e-3), (8e-3, 1e-3)])
+def test_what_comes_after_the_window_makes_it_later_and_longer(window, fading):
+    """Oracle: moments of instants drawn evenly over the window and from an exponential after it, mixed by a small share."""
+    evenly = (np.arange(100_000) + 0.5) / 100_000
+    within, after = window * (evenly - 0.5), window / 2 - fading * np.log1p(-evenly)
+    share = 1e-6
+    mean = (1 - share) * within.mean() + share * after.mean()
+    variance = (1 - share) * np.mean(within**2) + share * np.mean(after**2) - mean**2
+    assert tail_delay_s(window, fading) == pytest.approx(mean / share, rel=1e-3)
+    assert tail_variance_s2(window, fading) == pytest.approx((variance - within.var()) / share, rel=1e-3)
+
+
+def test_parts_of_a_tail_make_up_the_whole():
+    """Oracle: independent errors of the parts add up in squares to that of the whole, shares add up to its share."""
+    whole = WindowTail(share=Measured(0.02, 0.004), time_constant_s=0.2e-3)
+    parts = tails(whole).values()
+    assert sum(one.share.value for one in parts) == pytest.approx(0.02)
+    assert sum(one.share.standard_uncertainty**2 for one in parts) ** 0.5 == pytest.approx(0.004)
