@@ -172,3 +172,13 @@ def test_a_few_pixels_far_too_lively_spoil_no_others(flat_reference):
     references = flat_reference(gain, np.zeros((20, 30)))
     recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((2, 20, 30)), name="made up")
     assert np.array_equal(correction(recording).bad, gain > 1)
+
+
+@pytest.mark.parametrize("usual", [1.0, 20.0])
+def test_a_pixel_is_noisy_against_the_others(flat_reference, usual):
+    """Oracle: by hand; seven times the noise of the others is too much, five times is not, whatever that is in DN."""
+    noise = np.full((20, 30), usual)
+    noise[4, 5], noise[6, 7] = 7 * usual, 5 * usual
+    references = flat_reference(np.ones((20, 30)), np.zeros((20, 30)), noise=noise)
+    recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((2, 20, 30)), name="made up")
+    assert np.argwhere(correction(recording).bad).tolist() == [[4, 5]]

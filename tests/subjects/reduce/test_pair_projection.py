@@ -60,3 +60,13 @@ def test_a_dropped_stretch_leaves_nothing(stack):
         made.keep(np.arange(20, 50))
     np.testing.assert_array_equal(one.pairs.before, other.pairs.before)
     np.testing.assert_array_equal(one.pairs.now, other.pairs.now)
+
+
+def test_a_projection_is_a_sum_over_each_stretch(stack):
+    """Oracle: by numpy over the whole stack; the wave less its mean in each of two stretches, and sums of the values."""
+    frames, wave, _ = stack
+    stretches = [np.delete(np.arange(30), 5), np.arange(32, 60)]
+    made = _projected(stack, stretches, block=7)
+    total = sum(np.tensordot(wave[one] - wave[one].mean(), frames[one].astype(float), 1) for one in stretches)
+    np.testing.assert_allclose(made.total, total, rtol=1e-10)
+    np.testing.assert_allclose(made.level, frames[np.concatenate(stretches)].sum(axis=0), rtol=1e-12)

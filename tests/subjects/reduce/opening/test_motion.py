@@ -126,3 +126,13 @@ def test_few_frames_tell_nothing():
         is None
     )
     assert motion.findings(None, RIG, name="run") == ()
+
+
+def test_two_parts_are_apart_by_the_uncertainty_of_both():
+    """Oracle: by hand; 3 px along rows, known to 0.6 and to 0.8 px: three standard uncertainties of 1 px."""
+    places = motion.Places(
+        first_frame=(0, 100), moved_px=np.array([[1.0, 0.0], [4.0, 0.0]]),
+        covariance_px2=np.array([np.eye(2) * 0.36, np.eye(2) * 0.64]), radius_px=30.0, border_px=2,
+    )  # fmt: skip
+    apart, pull = places.between(0, 1)
+    assert (apart.tolist(), pull) == ([3.0, 0.0], pytest.approx(3.0))
