@@ -66,3 +66,13 @@ def test_how_long_a_level_stands_still():
     expected = np.pi * (0.075 / 1.15 + 0.1 / 1.15)
     assert found.longest_level_rad(50.0) == pytest.approx(expected, abs=0.06)
     assert found.longest_level_rad(2000.0) == pytest.approx(TURN)
+
+
+def test_the_scatter_is_that_of_the_noise_though_few_frames_are_fitted():
+    """Oracle: the noise that was drawn, 30 DN; of 20 draws of 100 frames, of which a third goes into the curve."""
+    found = []
+    for seed in range(20):
+        angle, place, rng = _scouts(seed, n=100)
+        values = _triangle(angle) + rng.normal(0, 30, angle.size)
+        found.append(expected_level.learn(angle, place, level_dn=values).scatter_dn)
+    assert np.mean(found) == pytest.approx(30, rel=0.1)

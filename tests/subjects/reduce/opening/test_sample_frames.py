@@ -1,9 +1,13 @@
 """Noise and level of sampled frames: noise that was drawn, and means by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from irtiming.reduce.opening.sample_frames import mean_within, noise_dn
+from irtiming.errors import ReductionError
+from irtiming.reduce.nonuniformity import Correction
+from irtiming.reduce.opening.sample_frames import look, mean_within, noise_dn
 
 
 def test_noise_is_that_of_one_pixel_from_frame_to_frame():
@@ -19,3 +23,39 @@ def test_the_mean_is_that_of_the_pixels_in_the_area():
     frames = np.array([[[3, 99], [5, 99]], [[7, 99], [9, 99]]], np.uint16)
     assert mean_within(frames, np.array([[True, False], [True, False]])).tolist() == [4.0, 8.0]
     assert mean_within(frames, np.zeros((2, 2), bool)).tolist() == [0.0, 0.0]
+
+
+def _recording(frames):
+    pick = SimpleNamespace(shape=frames.shape, pick=lambda these: frames[these])
+    return SimpleNamespace(name="a", frames=pick)
+
+
+def _flat():
+    return Correction(gain=np.ones((12, 16)), offset_dn=np.zeros((12, 16)), bad=np.zeros((12, 16), bool), is_none=True)
+
+
+def test_frames_without_an_angle_and_blank_ones_are_not_looked_at():
+    """Oracle: by hand; of 60 frames 20 have no angle, and three of the others are blank; the rim's level is common to all."""
+    rng = np.random.default_rng(1)
+    frames = rng.integers(4990, 5011, (60, 12, 16)).astype(np.uint16)
+    frames[:, 4:8, 4:8] += 1000
+    frames[[30, 40, 50]] = 4095
+    angle = np.where(np.arange(60) < 20, np.nan, 0.1 * np.arange(60))
+    found = look(_recording(frames), angle, correct=_flat())
+    expected = [n for n in range(20, 60) if n not in (30, 40, 50)]
+    np.testing.assert_array_equal(found.raw, frames[expected])
+    assert found.place.tolist() == pytest.approx([n / 60 for n in expected])
+    assert found.common_dn == pytest.approx(np.full(37, 5000.0), abs=3)
+
+
+@pytest.mark.parametrize(
+    ("n_unknown", "n_blank", "words"),
+    [(31, 0, "29 of 60 sample frames were triggered while"), (0, 31, "31 of 60 sample frames are blank")],
+)
+def test_too_few_frames_that_show_something_are_refused(n_unknown, n_blank, words):
+    """Oracle: by hand; of 60 frames fewer than half have an angle, or show an image."""
+    frames = np.random.default_rng(1).integers(4990, 5011, (60, 12, 16)).astype(np.uint16)
+    frames[:n_blank] = 4095
+    angle = np.where(np.arange(60) < n_unknown, np.nan, 0.1 * np.arange(60))
+    with pytest.raises(ReductionError, match=words):
+        look(_recording(frames), angle, correct=_flat())
