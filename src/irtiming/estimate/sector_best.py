@@ -92,7 +92,7 @@ def _clusters(images: Images, numbers: Mapping[str, float], n_residual: int) -> 
     view, shape = images.view, images.view.shape(numbers)
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     width = _CLUSTER_PX / float(radius[view.good].mean())
-    sector = np.unique((angle[view.good] / width).astype(np.int64), return_inverse=True)[1]
+    sector = np.unique(np.floor(angle[view.good] / width), return_inverse=True)[1]
     n_good = sector.size
     row, column = np.indices(view.good.shape) // round(_CLUSTER_PX)
     cell = n_good + sector.max() + 1 + row * (column.max() + 1) + column
