@@ -17,7 +17,8 @@ from scipy import special
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
-from irtiming.records.rig import Measured
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rig import CameraOptics, Measured
 from irtiming.records.row_timing import SectorFit
 
 _CELL_PX = 3  # pixels that share a burr
@@ -26,6 +27,7 @@ _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
 _PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
+_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
@@ -137,6 +139,38 @@ def of_opening(sector: SectorFit, stated: Measured) -> tuple[Finding, ...]:
             "covers a part of it, or opening_angle_deg is wrong; its middle is then not where centre_angle_deg has it, and the "
             "delay is wrong by as much",
             cure="look for a cable, a finger or an edge before the mask, and check [mask] opening_angle_deg",
+        ),
+    )
+
+
+def of_lens(camera: CameraOptics, first: ReducedRecording) -> tuple[Finding, ...]:
+    """Where the lens centre is said to be so far from the middle of the image that it may have been counted from there.
+
+    Parameters
+    ----------
+    camera
+        Of rig.toml.
+    first
+        Recording whose image counts; that of a region of interest, where it says so, may have the centre anywhere.
+    """
+    calibration = camera.calibration
+    centre = camera.lens_centre_px if calibration is None else calibration.centre_px
+    is_part = first.settings.region_first_row or first.settings.region_first_column
+    if centre is None or is_part:
+        return ()
+    rows, columns = first.opening.mask.shape
+    column, row = (one.value for one in centre)
+    beside = float(np.hypot(column - (columns - 1) / 2, row - (rows - 1) / 2))
+    if beside <= _FARTHEST_CENTRE * columns:
+        return ()
+    return (
+        Finding(
+            code="lens-centre-far",
+            severity="doubt",
+            what=f"rig.toml has the lens centre at column {column:g}, row {row:g}, {beside:.0f} px from the middle of an image of "
+            f"{rows} x {columns} pixels: no lens is so far off, and angles in the image are wrong with it",
+            cure="count columns and rows from the first pixel, which is 0, not from the middle; in a recording of a region of "
+            "interest, state region_first_row and region_first_column",
         ),
     )
 

@@ -139,6 +139,7 @@ def _of_recordings(
         *doubts.of_events(result.findings, recordings),
         *doubts.of_next_trigger(result, recordings=recordings),
         *scatter.of_triggers(fits, recordings),
+        *image_doubts.of_lens(rig.camera, recordings[0]),
         *on_trust.of(recordings, rig=rig),
     )
     delays = [replace(delay, file=one.file) for delay, one in zip(result.relative_delays, recordings, strict=True)]

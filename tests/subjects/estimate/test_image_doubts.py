@@ -1,13 +1,16 @@
 """What a contrast image leaves over along the border of the opening, against blurs whose variance is known."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import special
 
 from irtiming.estimate import image_doubts
 from irtiming.physics import blurred_sector
-from irtiming.records.rig import Measured
+from irtiming.records.camera_settings import CameraSettings
+from irtiming.records.rig import CameraOptics, Measured
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +44,34 @@ def test_blur_of_another_kind_is_a_doubt(sector):
     (finding,) = image_doubts.of_image(replace(sector, excess=excess))
     assert (finding.code, finding.severity) == ("image-not-explained", "doubt")
     assert "radial edge" in finding.what
+
+
+def test_what_the_model_is_uncertain_by_is_no_doubt(sector):
+    """Oracle: by hand; all sides 0.01 px^2 off, a u of 0.001 each, and 0.01 in common: a chi squared of 1 with 4 degrees."""
+    found = image_doubts.LeftOver(variance_px2=np.full(4, 0.01), u_px2=np.full(4, 0.001), u_model_px2=0.01)
+    assert found.p_value == pytest.approx(special.chdtrc(4, 4 * 0.01**2 / (0.001**2 + 4 * 0.01**2)), rel=1e-9)
+    assert np.abs(found.pulls) == pytest.approx(1, rel=0.01)
+    apart = replace(found, variance_px2=np.array([0.01, -0.01, 0.01, -0.01]))
+    assert apart.p_value == pytest.approx(special.chdtrc(4, 4 * 10**2), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("centre", "first_row", "codes"),
+    [
+        ((1.5, -2.0), None, ["lens-centre-far"]),
+        ((81.0, 57.5), None, []),
+        ((79.5, 27.6), None, []),
+        ((79.5, 27.4), None, ["lens-centre-far"]),
+        ((1.5, -2.0), 8, []),
+    ],
+)
+def test_a_lens_centre_that_was_counted_from_the_middle_is_a_doubt(centre, first_row, codes):
+    """Oracle: by hand; a fifth of 160 columns from (79.5, 59.5) is 32 px; of a region of interest it may lie anywhere."""
+    first = SimpleNamespace(
+        settings=CameraSettings(region_first_row=first_row), opening=SimpleNamespace(mask=np.zeros((120, 160), bool))
+    )
+    camera = CameraOptics(lens_centre_px=(Measured(centre[0]), Measured(centre[1])))
+    assert [one.code for one in image_doubts.of_lens(camera, first)] == codes
 
 
 def test_burrs_are_no_doubt(sector):
