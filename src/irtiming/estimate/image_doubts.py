@@ -167,7 +167,7 @@ def of_lens(camera: CameraOptics, first: ReducedRecording) -> tuple[Finding, ...
         Finding(
             code="lens-centre-far",
             severity="doubt",
-            what=f"rig.toml has the lens centre at column {column:g}, row {row:g}, {beside:.0f} px from the middle of an image of "
+            what=f"rig.toml has the lens centre at column {column:g}, row {row:g}, {beside:.0f} px from the middle of one of "
             f"{rows} x {columns} pixels: no lens is so far off, and angles in the image are wrong with it",
             cure="count columns and rows from the first pixel, which is 0, not from the middle; in a recording of a region of "
             "interest, state region_first_row and region_first_column",
