@@ -83,6 +83,7 @@ def reduce(
     no_drift_dn = np.zeros(int(kept.sum()))
     settled = _settled(recording, sighting, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
     contrast = contrast_image.of(projection, settled, correct=correct, drift_dn=no_drift_dn, noise_dn=sighting.noise_dn)
+    light_dn = np.where(judge.is_odd, np.nan, sums.total_dn)
     above = thresholds.size - counts.count if found.blackbody_is_colder else counts.count
     return angles.reduced(
         stretches.segment,
@@ -96,7 +97,7 @@ def reduce(
         },
         references=nonuniformity.fingerprint(recording),
         shutter_events=_shutter_events(judge),
-        findings=(*sighting.findings, *dropped, *_of_run(angles, rig, sighting=sighting, light_dn=sums.total_dn)),
+        findings=(*sighting.findings, *dropped, *_of_run(angles, rig, sighting=sighting, light_dn=light_dn)),
     )
 
 

@@ -76,6 +76,7 @@ def test_a_lone_frame_of_something_else_leaves_the_image_alone(reduced, paper_ca
     whole, spoilt = reduced(paper_camera())[0], reduced(paper_camera(), spoil=shut)[0]
     assert np.setdiff1d(np.arange(500), spoilt.frame_index).tolist() == [300]
     assert spoilt.shutter_events == ()
+    assert "run-not-steady" not in [one.code for one in spoilt.findings]
     one, other = spoilt.contrast.projection_dn, whole.contrast.projection_dn
     assert np.abs(one - other)[spoilt.contrast.good].max() < 6 * whole.contrast.u_dn
 
