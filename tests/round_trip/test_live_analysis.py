@@ -130,7 +130,7 @@ def test_the_estimate_tightens_while_the_file_grows(rig, finished, tmp_path):
         growing.__exit__(None, None, None)
     assert (half.frames, whole.frames) == (600, 800)
     name, truth = "trigger_delay", rig.scene.timing.trigger_delay_s
-    assert few.uncertainties[name] > 5 * half.uncertainties[name] > 5 * whole.uncertainties[name]
+    assert few.uncertainties[name] > 3 * half.uncertainties[name] > 3 * whole.uncertainties[name]
     for found in (few, half, whole):
         assert abs(found.values[name] - truth) < 4 * found.uncertainties[name]
     _same(replace(whole), [finished[0], tmp_path / "growing.nxs"], rig)

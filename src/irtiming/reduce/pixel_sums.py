@@ -75,15 +75,14 @@ def reduce(
         every = (counts, sums, limits, repeats)
         stretches = frame_pass.run(recording, found.roi, every=every, judge=judge, good=good, progress=progress)
         if not judge.is_shut.any() and not judge.is_odd.any():
-            far = _far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn)
-            judge.is_shut, judge.is_odd = _shut(far), _lone(far)
+            judge.leave_out(_far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn))
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
     no_drift_dn = np.zeros(int(kept.sum()))
     settled = _settled(recording, sighting, correct, np.where(kept, angles.angle_rad, np.nan), sums.total_dn)
     contrast = contrast_image.of(projection, settled, correct=correct, drift_dn=no_drift_dn, noise_dn=sighting.noise_dn)
-    light_dn = np.where(judge.is_odd, np.nan, sums.total_dn)
+    light_dn = judge.without_odd(sums.total_dn)
     above = thresholds.size - counts.count if found.blackbody_is_colder else counts.count
     return angles.reduced(
         stretches.segment,
@@ -130,6 +129,14 @@ class _Alive:
     def good(self) -> Mask:
         """Shape (n_frame,), of the frames that have been read."""
         return self.is_known & ~self.limits.is_dead & ~self.repeats.is_repeated & ~self.is_shut & ~self.is_odd
+
+    def leave_out(self, far: Mask) -> None:
+        """Frames that do not show what the wheel demands, shape (n_frame,): those of a shutter, and single ones."""
+        self.is_shut, self.is_odd = _shut(far), _lone(far)
+
+    def without_odd(self, values: Array) -> Array:
+        """Values of all frames, nan in those that are odd, shape (n_frame,)."""
+        return np.where(self.is_odd, np.nan, values)
 
     def add(self, block: Block) -> None:
         """Everything is known from others."""

@@ -21,7 +21,7 @@ Indices: TypeAlias = npt.NDArray[np.int32]
 Counts: TypeAlias = npt.NDArray[np.int64]
 
 _RAY_BUDGET = 3.4e7
-_MOST_EVEN_RAYS = 576
+_MOST_EVEN_RAYS = 256
 
 
 @final
@@ -61,7 +61,7 @@ def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, colu
     blur_px, view = optics.blur_rows_columns_px, view_of(wheel, mask, optics=optics, shape=(rows, columns))
     even, edge = (
         pixel_spread(n, blur_px, variants=VARIANTS)
-        for n in (even_rays(optics, rows * columns), edge_rays(rows, columns))
+        for n in (even_rays(optics, rows * columns), edge_rays(rows, columns) // 2)
     )
     reach = 0.71 + REACH * max(blur_px)
 
