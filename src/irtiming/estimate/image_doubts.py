@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 from scipy import special
 
+from irtiming.estimate.sector_limits import FARTHEST_CENTRE
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
@@ -27,7 +28,6 @@ _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
 _PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
-_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
 
@@ -46,9 +46,8 @@ class LeftOver:
     @property
     def pulls(self) -> Array:
         """By how many uncertainties each side is off, shape (4,); 0 where nothing is known."""
-        return np.where(
-            self.u_px2 > 0, self.variance_px2 / np.hypot(np.maximum(self.u_px2, 1e-300), self.u_model_px2), 0.0
-        )
+        u, known = np.hypot(self.u_px2, self.u_model_px2), self.u_px2 > 0
+        return np.divide(self.variance_px2, u, out=np.zeros(u.shape), where=known)
 
     @property
     def p_value(self) -> float:
@@ -161,7 +160,7 @@ def of_lens(camera: CameraOptics, first: ReducedRecording) -> tuple[Finding, ...
     rows, columns = first.opening.mask.shape
     column, row = (one.value for one in centre)
     beside = float(np.hypot(column - (columns - 1) / 2, row - (rows - 1) / 2))
-    if beside <= _FARTHEST_CENTRE * columns:
+    if beside <= FARTHEST_CENTRE * columns:
         return ()
     return (
         Finding(

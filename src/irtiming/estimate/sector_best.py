@@ -98,8 +98,6 @@ def _clusters(images: Images, numbers: Mapping[str, float], n_residual: int) -> 
     cell = n_good + sector.max() + 1 + row * (column.max() + 1) + column
     alone = np.where(blurred_sector.near_border(shape, roi=view.roi)[view.good], cell[view.good], np.arange(n_good))
     own = np.concatenate([alone, n_good + sector])
-    length, out = (n_residual - N_PRIORS) // len(images.seen), np.full(n_residual, -1)
-    for k in range(len(images.seen)):
-        first = N_PRIORS + k * length
-        out[first : first + own.size] = own
-    return out
+    n_field = (n_residual - N_PRIORS) // len(images.seen) - own.size
+    of_image = np.concatenate([own, np.full(n_field, -1)])
+    return np.concatenate([np.full(N_PRIORS, -1), np.tile(of_image, len(images.seen))])

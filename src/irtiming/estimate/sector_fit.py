@@ -70,8 +70,7 @@ def fit(
         If the image shows no sector.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    best = _from(images, start, is_rolling=_is_rolling(recordings[0]), slopes=slopes)
-    return _as_it_is(images, best, start=start)
+    return _as_it_is(images, _from(images, start, held=_held(recordings[0]), slopes=slopes), start=start)
 
 
 def settled(
@@ -82,17 +81,14 @@ def settled(
 
     Where the weighed ones lie so far from the best that the image is bent between both, a search begins there anew.
     """
-    images, is_rolling = (
-        sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start),
-        _is_rolling(recordings[0]),
-    )
-    best = _from(images, start, is_rolling=is_rolling, slopes=slopes)
+    images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
+    held = _held(recordings[0])
+    best = _from(images, start, held=held, slopes=slopes)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
         for _ in range(_MOST_WEIGHINGS):
-            held = (*SLIGHT, *_held(is_rolling=is_rolling))
-            best = sector_best.searched(images, begin=begin, held=held, n_before=start.n_rounds)
+            best = sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=start.n_rounds)
             last = sector_weighed.weighed(images, best)
             if last.beside_linear <= _LINEAR:
                 break
@@ -107,20 +103,16 @@ def fit_row_by_row(
 ) -> SectorFit:  # fmt: skip
     """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`."""
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _as_it_is(images, _from(images, start, is_rolling=True, slopes=slopes), start=start)
+    return _as_it_is(images, _from(images, start, held=(), slopes=slopes), start=start)
 
 
-def _is_rolling(recording: ReducedRecording) -> bool:
-    return bool(camera(recording.camera_type, recording.readout_mode).readout.PARAMETERS)
+def _held(recording: ReducedRecording) -> tuple[str, ...]:
+    """Numbers that this kind of camera has not."""
+    return () if camera(recording.camera_type, recording.readout_mode).readout.PARAMETERS else ("row_delay_s",)
 
 
-def _held(*, is_rolling: bool) -> tuple[str, ...]:
-    return () if is_rolling else ("row_delay_s",)
-
-
-def _from(images: Images, start: SectorFit | None, *, is_rolling: bool, slopes: Slopes | None) -> Best:
+def _from(images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None) -> Best:
     """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt."""
-    held = _held(is_rolling=is_rolling)
     if start is None:
         begin = _first_guess(images)
         return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0, slopes=slopes)

@@ -13,7 +13,9 @@ from irtiming.records.arrays import Array
 _U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 _AT_LIMIT = 1e-3  # of the distortion
-_FARTHEST_CENTRE = 0.2  # of the image's width: lens centres are off its middle by a tenth of that
+
+FARTHEST_CENTRE = 0.2
+"""Of the image's width: lens centres are off its middle by a tenth of that."""
 
 
 def check(numbers: Mapping[str, float], name: str) -> None:
@@ -62,7 +64,7 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name
     """
     distortion, least = numbers["distortion"], lens.LOWEST + _AT_LIMIT
     down, right = (numbers[one] - known[one] for one in ("lens_row_px", "lens_column_px"))
-    beside, most = float(np.hypot(down, right)), _FARTHEST_CENTRE * columns
+    beside, most = float(np.hypot(down, right)), FARTHEST_CENTRE * columns
     if distortion >= least and beside <= most:
         return
     what = (

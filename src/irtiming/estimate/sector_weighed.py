@@ -8,7 +8,7 @@ import numpy as np
 from irtiming.estimate import lens_and_tilt, sector_limits
 from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.estimate.sector_best import Best
-from irtiming.estimate.sector_image import EXCHANGES
+from irtiming.estimate.sector_image import EXCHANGES, Sharp
 from irtiming.estimate.sector_images import N_PRIORS, Images
 from irtiming.estimate.sector_search import LIMITS
 from irtiming.inference.lens_knowledge import N_KNOWN
@@ -69,12 +69,15 @@ def weighed(images: Images, best: Best) -> Weighed:
 
 def _reshaped(images: Images, best: Best) -> list[Array]:
     """What a blur of another shape does to the residual, per standard uncertainty of what is known of it, shape (m,) each."""
-    sharp, columns = images.sharp(best.numbers), []
-    for axis, away in EXCHANGES:
-        moved = [one.exchanged(_U_SHARED, axis=axis, away=away) for one in sharp]
-        here = np.concatenate(images.misfit(best.numbers, moved))
-        columns.append(np.concatenate([np.zeros(N_PRIORS), here - best.residual[N_PRIORS:]]))
-    return columns
+    sharp = images.sharp(best.numbers)
+    exchanged = ([one.exchanged(_U_SHARED, axis=axis, away=away) for one in sharp] for axis, away in EXCHANGES)
+    return [_changed(images, best, numbers=best.numbers, sharp=there) for there in exchanged]
+
+
+def _changed(images: Images, best: Best, *, numbers: dict[str, float], sharp: list[Sharp]) -> Array:
+    """By how much images that are known to be sharp so, at these numbers, change the residual, shape (m,)."""
+    here = np.concatenate(images.misfit(numbers, sharp))
+    return np.concatenate([np.zeros(N_PRIORS), here - best.residual[N_PRIORS:]])
 
 
 def _without_camera(images: Images, best: Best) -> ImageWord:
@@ -85,8 +88,7 @@ def _without_camera(images: Images, best: Best) -> ImageWord:
 
     def warped(name: str) -> Array:
         moved = {**numbers, name: numbers[name] + _WARP_STEP_PX}
-        here = np.concatenate(images.misfit(moved, images.sharp(moved)))
-        return np.concatenate([np.zeros(N_PRIORS), here - residual[N_PRIORS:]]) / _WARP_STEP_PX
+        return _changed(images, best, numbers=moved, sharp=images.sharp(moved)) / _WARP_STEP_PX
 
     own = [one for name, one in zip(best.free, best.slopes.T, strict=True) if name not in SLIGHT]
     jacobian = np.stack([*own, *_reshaped(images, best), *(warped(name) for name in WARP_NUMBERS)], axis=1)[kept]

@@ -132,7 +132,8 @@ class _Alive:
 
     def leave_out(self, far: Mask) -> None:
         """Frames that do not show what the wheel demands, shape (n_frame,): those of a shutter, and single ones."""
-        self.is_shut, self.is_odd = _shut(far), _lone(far)
+        near = far & (ndimage.convolve1d(far.astype(int), np.ones(2 * _NEAR + 1, int), mode="constant") > 1)
+        self.is_shut, self.is_odd = _shut(near), _lone(far & ~near)
 
     def without_odd(self, values: Array) -> Array:
         """Values of all frames, nan in those that are odd, shape (n_frame,)."""
@@ -155,20 +156,14 @@ def _far(sighting: Sighting, angle: Array, total: Array) -> Mask:
     return np.asarray(strays > max(steady_levels.ODD, _SCATTERS * usual))
 
 
-def _has_others_near(far: Mask) -> Mask:
-    return np.asarray(far & (ndimage.convolve1d(far.astype(int), np.ones(2 * _NEAR + 1, int), mode="constant") > 1))
-
-
-def _shut(far: Mask) -> Mask:
-    """Several of such frames near each other, and those beside them, shape (n_frame,)."""
-    near = _has_others_near(far)
+def _shut(near: Mask) -> Mask:
+    """Such frames that have others ``near`` them, and those between and beside them, shape (n_frame,)."""
     return np.asarray(ndimage.binary_dilation(ndimage.binary_closing(near, iterations=_NEAR), iterations=_MARGIN))
 
 
-def _lone(far: Mask) -> Mask:
+def _lone(alone: Mask) -> Mask:
     """Such frames with no others near, shape (n_frame,); none where there are many, for then it is not they that are odd."""
-    lone = far & ~_has_others_near(far)
-    return lone if lone.mean() <= _LONE_SHARE else np.zeros_like(far)
+    return alone if alone.mean() <= _LONE_SHARE else np.zeros_like(alone)
 
 
 def _shutter_events(judge: "_Alive") -> tuple[ShutterEvent, ...]:

@@ -137,22 +137,15 @@ def turned(x: float, y: float, direction: tuple[float, float]) -> float:
 
 
 @njit(cache=True, nogil=True)
-def scatter(row: int, column: int, ray: int) -> tuple[float, float]:
-    """Two random numbers within half of zero that belong to one sub-pixel of the image."""
+def variant(row: int, column: int, variants: int) -> int:
+    """Which copy of the spread a pixel takes, as if by chance."""
     mixed = np.uint64(row + 1024) * np.uint64(0x9E3779B97F4A7C15)
     mixed ^= np.uint64(column + 1024) * np.uint64(0xC2B2AE3D27D4EB4F)
-    mixed ^= np.uint64(ray + 1) * np.uint64(0x165667B19E3779F9)
+    mixed ^= np.uint64(0x165667B19E3779F9)
     mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     mixed ^= mixed >> np.uint64(31)
-    low, high = mixed & np.uint64(0xFFFFFFFF), mixed >> np.uint64(32)
-    return np.float64(low) / 4294967296.0 - 0.5, np.float64(high) / 4294967296.0 - 0.5
-
-
-@njit(cache=True, nogil=True)
-def variant(row: int, column: int, variants: int) -> int:
-    """Which copy of the spread a pixel takes, as if by chance."""
-    return int((scatter(row, column, 0)[0] + 0.5) * variants) % variants
+    return int(np.float64(mixed & np.uint64(0xFFFFFFFF)) / 4294967296.0 * variants)
 
 
 @njit(cache=True, nogil=True)

@@ -6,10 +6,7 @@ pixel's light comes over the edge of the mask's opening, thousands of rays say h
 """
 
 import math
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from os import cpu_count
 from typing import Any, final
 
 import numpy as np
@@ -18,9 +15,9 @@ from numba import njit
 from irtiming.records.arrays import Array
 from irtiming.twin.glare import stray_places
 from irtiming.twin.kernels import View, kind_of_pixel, to_rig, trace_pixel, variant
-from irtiming.twin.rays import Counts, Indices, view_of
+from irtiming.twin.rays import Counts, Indices, in_parallel, view_of
 from irtiming.twin.scene import Scene
-from irtiming.twin.spread import REACH, VARIANTS, Offsets, edge_rays, pixel_spread
+from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, pixel_spread, reach_px
 
 _RAYS_OF_EVEN_PIXEL = 144
 _STRAY_RAYS, _STRAY_WIDER = (
@@ -65,13 +62,13 @@ def trace_nodes(scene: Scene, width_rad: float) -> Nodes:
     n_even = scene.optics.rays_along_pixel**2 or _RAYS_OF_EVEN_PIXEL
     even = pixel_spread(n_even, blur_px, variants=1)
     edge = pixel_spread(edge_rays(rows, columns), blur_px, variants=VARIANTS)
-    reach = (0.71 + REACH * max(blur_px), width_rad, optics.glare_share)
+    reach = (reach_px(blur_px), width_rad, optics.glare_share)
     stray = stray_places(optics, _STRAY_RAYS if optics.glare_share else 1, variants=VARIANTS)
 
     def one_row(row: int) -> Any:
         return _row_nodes(row, columns, view, (even, edge, stray), reach)
 
-    pixel, reference, n_node, offset, share, behind = _in_parallel(one_row, rows)
+    pixel, reference, n_node, offset, share, behind = in_parallel(one_row, rows)
     return Nodes(
         pixel=pixel,
         reference_rad=reference,
@@ -80,13 +77,6 @@ def trace_nodes(scene: Scene, width_rad: float) -> Nodes:
         share=share,
         behind=behind,
     )
-
-
-def _in_parallel(one_row: Callable[[int], Any], rows: int) -> list[Any]:
-    """Results of all rows, each kind in one array."""
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        parts = list(pool.map(one_row, range(rows)))
-    return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
 @njit(cache=True, nogil=True)

@@ -35,7 +35,7 @@ class Optics:
     blur_px: float = 0.7
     distortion: float = 0.0
     rays_along_pixel: int = 0
-    """Rays per pixel are its square; 0 takes as many as keep tens of megabytes."""
+    """Its square are the rays of a pixel away from the edge of the opening; 0 takes as many as keep tens of megabytes."""
 
     lens_centre_row_px: float = 0.0
     lens_centre_column_px: float = 0.0

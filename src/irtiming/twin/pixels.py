@@ -135,7 +135,7 @@ def _add_open_rays(
         if seen == _CLOSED:
             continue
         for live in range(begin, end):
-            first, end = first_ray[live], first_ray[live + 1]
+            first, last = first_ray[live], first_ray[live + 1]
             second = first + n_opening[live]
             alone = seen
             if seen == _TOUCHED:
@@ -144,10 +144,10 @@ def _add_open_rays(
             if alone == _CLOSED:
                 continue
             if alone == _OPEN:
-                past_opening, past_plate = angles.size * (second - first), angles.size * (end - second)
+                past_opening, past_plate = angles.size * (second - first), angles.size * (last - second)
             else:
                 past_opening = _count_open(offset[first:second], opened, angles, reference[live])
-                past_plate = _count_open(offset[second:end], opened, angles, reference[live])
+                past_plate = _count_open(offset[second:last], opened, angles, reference[live])
             flat[pixel[live]] += share[live] * (past_opening * opening_dn[live] + past_plate * plate_dn[live])
 
 

@@ -1,6 +1,7 @@
 """Rays from pixels through blur and lens to the rig plane, and what each of them can ever see."""
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,7 +16,7 @@ from irtiming.records.arrays import Array
 from irtiming.twin.kernels import View, kind_of_pixel, to_rig, trace_pixel, undistorted, variant
 from irtiming.twin.optics import Optics
 from irtiming.twin.scene import ChopperWheel, MaskPlate, Scene
-from irtiming.twin.spread import REACH, VARIANTS, Offsets, edge_rays, pixel_spread
+from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, pixel_spread, reach_px
 
 Indices: TypeAlias = npt.NDArray[np.int32]
 Counts: TypeAlias = npt.NDArray[np.int64]
@@ -63,14 +64,12 @@ def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, colu
         pixel_spread(n, blur_px, variants=VARIANTS)
         for n in (even_rays(optics, rows * columns), edge_rays(rows, columns) // 2)
     )
-    reach = 0.71 + REACH * max(blur_px)
+    reach = reach_px(blur_px)
 
     def one_row(row: int) -> Any:
         return _trace_row(row, columns, view, (even, edge), reach)
 
-    with ThreadPoolExecutor(cpu_count()) as pool:
-        parts = list(pool.map(one_row, range(rows)))
-    pixel, reference, n_ray, n_opening, n_plate, offset = (np.concatenate(part) for part in zip(*parts, strict=True))
+    pixel, reference, n_ray, n_opening, n_plate, offset = in_parallel(one_row, rows)
     return RayTable(
         pixel=pixel,
         reference_rad=reference,
@@ -79,6 +78,13 @@ def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, colu
         first_ray=np.concatenate([[0], np.cumsum(n_opening + n_plate, dtype=np.int64)]),
         offset_rad=offset,
     )
+
+
+def in_parallel(one_row: Callable[[int], Any], rows: int) -> list[Any]:
+    """Results of all rows, each kind in one array."""
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        parts = list(pool.map(one_row, range(rows)))
+    return [np.concatenate(part) for part in zip(*parts, strict=True)]
 
 
 def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tuple[int, int]) -> View:

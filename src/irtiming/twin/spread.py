@@ -17,12 +17,16 @@ Offsets: TypeAlias = npt.NDArray[np.float32]
 VARIANTS = 16
 """Shifted copies of the places, among pixels as if by chance, lest an edge runs along places of many pixels."""
 
-REACH = 4.0
-"""Standard deviations of the blur that part a pixel from the edge of the opening if it is none of its pixels."""
-
+_REACH = 4.0  # standard deviations of the blur
+_HALF_DIAGONAL_PX = 0.71
 _EDGE_RAY_BUDGET = 3e6
 _MOST_EDGE_RAYS = 10_000
 _GOLDEN = (math.sqrt(5) - 1) / 2
+
+
+def reach_px(blur_rows_columns_px: tuple[float, float]) -> float:
+    """How far from its centre a pixel's light may come: what lies within is looked at for the edge of the opening."""
+    return _HALF_DIAGONAL_PX + _REACH * max(blur_rows_columns_px)
 
 
 def edge_rays(rows: int, columns: int) -> int:

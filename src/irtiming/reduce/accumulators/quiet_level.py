@@ -5,11 +5,10 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Mask
+from irtiming.reduce import row_bands
 from irtiming.reduce.accumulators.weighted_rows import WeightedRows
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
-
-_N_BANDS = 16
 
 
 @final
@@ -36,10 +35,10 @@ class QuietLevel:
         thin = (self._rows, slice(None))
         self._sums = WeightedRows(quiet[thin].astype(float), correct.at(thin))
         counts = quiet[thin].sum(axis=1)
-        rows = np.linspace(0, counts.size, min(_N_BANDS, max(counts.size, 1)) + 1).astype(int)[:-1]
-        in_band = np.add.reduceat(counts, rows) if counts.size else np.zeros(1, int)
-        self._bands, self._in_band = rows, np.where(in_band >= fewest, in_band, np.inf)
-        self.level_dn, self.band_dn = np.zeros(n_frames), np.zeros((n_frames, rows.size))
+        self._bands = row_bands.starts(counts.size)
+        in_band = np.add.reduceat(counts, self._bands)
+        self._in_band = np.where(in_band >= fewest, in_band, np.inf)
+        self.level_dn, self.band_dn = np.zeros(n_frames), np.zeros((n_frames, self._bands.size))
 
     def add(self, block: Block) -> None:
         """Average over some frames' quiet pixels."""

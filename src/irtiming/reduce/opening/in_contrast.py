@@ -82,8 +82,8 @@ def find(
         quiet = _quiet(outline) & ~correct.bad
         sample = _with_common_level(sample, quiet)
         expected = _expected(sample, outline.mask, name)
-        is_new, good = not np.array_equal(good, expected.good & is_whole), expected.good & is_whole
-        if not is_new:
+        used, good = good, expected.good & is_whole
+        if np.array_equal(used, good):
             break
     border = outline.border_px if choices.border_px is None else choices.border_px
     summed = ndimage.distance_transform_edt(~outline.mask) <= border
@@ -95,9 +95,10 @@ def find(
     _refuse_few_rows(outline.mask & ~bad, name)
     _refuse_saturation(live if correct.is_none else sample.raw[picked], outline.mask & ~bad, recording)
     expected = _expected(sample, outline.mask & ~bad, name)
+    good = expected.good & is_whole
     surroundings = 0.0 if quiet.any() else float(np.median(live[:, ~summed]))
     colder = abs(expected.low_dn - surroundings) > abs(expected.high_dn - surroundings)
-    bright, dark = _extreme_frames(sample, expected.good & is_whole, outline.mask & ~bad)
+    bright, dark = _extreme_frames(sample, good, outline.mask & ~bad)
     opening = Opening(
         roi=roi, open_frame_dn=dark if colder else bright, covered_frame_dn=bright if colder else dark, mask=outline.mask,
         summed=summed, weight=dead_pixels.row_weights(summed, bad), border_px=border, bad=bad, blackbody_is_colder=bool(colder),
@@ -105,7 +106,7 @@ def find(
     noise, found = sample_frames.noise_dn(live, ~summed), _doubts(recording, summed, bad)
     return Sighting(
         opening=opening, quiet=quiet, expected=expected, noise_dn=noise, findings=found,
-        places=motion.places(_sampled(sample, expected.good & is_whole, n_frames=recording.frames.shape[0]), opening),
+        places=motion.places(_sampled(sample, good, n_frames=recording.frames.shape[0]), opening),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
-from irtiming.reduce import kernels
+from irtiming.reduce import kernels, row_bands
 from irtiming.reduce.nonuniformity import Correction, corrected
 
 _MOST = 240
@@ -17,7 +17,6 @@ _FEWEST = 24
 _ALIVE_SHARE = 0.5
 _COARSE = 3  # every third pixel tells whether a frame is blank
 _RIM_PX = 2  # of the image: the opening does not reach it
-_N_BANDS = 16  # of rows
 _ODD = 8.0  # standard deviations of a band's level
 _LEAST_ODD = 0.5  # of the standard deviation of a frame's values
 
@@ -47,13 +46,13 @@ class SampleFrames:
 
         A shutter may be closed while a part of the rows is read, and rows get lost.
         """
-        rows = np.arange(self.values.shape[1])
+        n_rows = self.values.shape[1]
         beside = np.concatenate([self.values[:, :, :_RIM_PX], self.values[:, :, -_RIM_PX:]], axis=2).mean(axis=2)
-        starts = np.unique(np.linspace(0, rows.size, _N_BANDS + 1).astype(int)[:-1])
-        level = np.add.reduceat(beside, starts, axis=1) / np.diff([*starts, rows.size]) - self.common_dn[:, None]
+        starts = row_bands.starts(n_rows)
+        level = np.add.reduceat(beside, starts, axis=1) / np.diff([*starts, n_rows]) - self.common_dn[:, None]
         off = np.abs(level - np.median(level, axis=0))
         usual = 1.4826 * np.median(off, axis=0)
-        least = _LEAST_ODD * float(np.median(self.values.std(axis=(1, 2))))
+        least = _LEAST_ODD * float(np.median([frame.std() for frame in self.values]))  # one by one: it takes floats
         return np.asarray(np.all(off <= np.maximum(_ODD * usual, least), axis=1))
 
 
