@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 from numba import njit
@@ -15,10 +15,11 @@ from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Mask
-from irtiming.records.reduced import ReducedRecording
+from irtiming.records.reduced import ContrastImage, ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
 _TABLE = 16384
+_SWAY_HARMONICS = 24  # of what a sway does to an image: it need not be known as sharply
 _HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as many pixels from the axle
 _NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
 _WIDTH_STEP = math.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
@@ -31,6 +32,24 @@ _POWERS = _ORDERS**_SHARPNESS
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Unsteady:
+    """What a number that is not known of the camera's levels does to an image, per standard uncertainty and contrast.
+
+    ``table`` (16384,) is what it does to the projection of a point of light, over its polar angle from the bisector, ``offset``
+    what it does to every pixel.
+    """
+
+    table: ComplexArray
+    offset: complex
+
+    def at(self, light: Array, angle_rad: Array) -> ComplexArray:
+        """What it does to pixels of so much light at these angles, of one shape."""
+        shown = _interpolated(self.table, np.ascontiguousarray(angle_rad).ravel()).reshape(angle_rad.shape)
+        return np.asarray(light * shown + self.offset)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Look:
     """Contrast images of one wheel speed, added up.
 
@@ -38,7 +57,8 @@ class Look:
     the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
     ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
     another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
-    far as known.
+    far as known. ``unsteady`` are the numbers that are not known of the levels, ``swayed`` (k, roi rows, roi columns) is what
+    they do to the image of a sector that is known.
     """
 
     projection: ComplexArray
@@ -48,6 +68,8 @@ class Look:
     full_dn: float
     own_phase: bool = False
     turn_rad: float = 0.0
+    unsteady: tuple[Unsteady, ...] = ()
+    swayed: ComplexArray | None = None
 
     def values(self, angle_rad: Array) -> ComplexArray:
         """What a point of light shows at any angle, by linear interpolation; same shape."""
@@ -141,31 +163,61 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
     for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
         group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
         projection = np.sum([one.contrast_image.projection_dn for one in group], axis=0)
+        points = [_Point.of(one, wheel, timing) for one in group]
         found.append(
             Look(
                 projection=projection,
                 u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
-                table=_point_table(group, wheel, timing),
+                table=np.sum([point.table(point.image.model_weight) for point in points], axis=0),
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.quantile(np.abs(projection), 0.9)),
                 own_phase=bool(found),
+                unsteady=tuple(one for point in points for one in point.unsteady()),
             )
         )
     return found
 
 
-def _point_table(recordings: list[ReducedRecording], wheel: WheelModel, timing: Timing) -> ComplexArray:
-    """Projection of a point of light at each polar angle from the bisector, with the weights of the recordings."""
-    order, delay_s = np.arange(_HARMONICS + 1), np.array([timing[name] for name in EDGE_DELAYS])
-    spectrum = np.zeros(_TABLE, complex)
-    for one in recordings:
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Point:
+    """A point of light before the wheel in one recording.
+
+    Harmonics of its passing over the wheel angle, ``passing`` (M,), from the first order on, waves of the kept frames, ``waves``
+    (n, M), and the contrast image that says with which weights they are added up.
+    """
+
+    passing: ComplexArray
+    waves: ComplexArray
+    image: ContrastImage
+
+    @classmethod
+    def of(cls, one: ReducedRecording, wheel: WheelModel, timing: Timing) -> Self:
+        """That of a recording."""
         omega, response = one.track.angular_frequency_rad_per_s, camera(one.camera_type, one.readout_mode).response
+        late_rad = omega * np.array([timing[name] for name in EDGE_DELAYS])
         by_edge = wheel_harmonics.open_harmonics(wheel, _HARMONICS) * wheel_harmonics.later(
-            omega * delay_s, n_harmonics=_HARMONICS
+            late_rad, n_harmonics=_HARMONICS
         )
-        point = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
+        passing = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
         angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
-        waves, weight = wheel_harmonics.later(angle, n_harmonics=_HARMONICS), one.contrast_image.frame_weight
-        np.add.at(spectrum, -order, point * (weight @ waves) / 2)
-        np.add.at(spectrum, order, (point * (weight.conj() @ waves)).conj() / 2)
-    return np.fft.ifft(spectrum) * _TABLE
+        waves = wheel_harmonics.later(angle, n_harmonics=_HARMONICS)
+        return cls(passing=passing[1:], waves=waves[:, 1:], image=one.contrast_image)
+
+    def table(self, weight: ComplexArray, *, orders: int = _HARMONICS) -> ComplexArray:
+        """Projection of the point, less its mean, over its polar angle from the bisector, made with these weights (n,)."""
+        spectrum, order = np.zeros(_TABLE, complex), np.arange(1, orders + 1)
+        passing, waves = self.passing[:orders], self.waves[:, :orders]
+        spectrum[-order] = passing * (weight @ waves) / 2
+        spectrum[order] = (passing * (weight.conj() @ waves)).conj() / 2
+        return np.fft.ifft(spectrum) * _TABLE
+
+    def unsteady(self) -> list[Unsteady]:
+        """What each number that is not known of the recording's levels does to the image."""
+        sway, weight = self.image.sway, self.image.frame_weight
+        if sway is None:
+            return []
+        return [
+            Unsteady(table=self.table(weight * gain, orders=_SWAY_HARMONICS), offset=complex(weight @ offset))
+            for gain, offset in zip(sway.u_gain.T, sway.u_offset.T, strict=True)
+        ]

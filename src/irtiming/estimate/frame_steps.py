@@ -7,7 +7,7 @@ import numpy as np
 from irtiming.physics.response import in_camera_filter
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Mask
-from irtiming.records.reduced import ContrastImage, ReducedRecording
+from irtiming.records.reduced import ReducedRecording
 
 
 def follows(recording: ReducedRecording) -> Mask:
@@ -56,11 +56,11 @@ def unfiltered(recording: ReducedRecording, share: float) -> ReducedRecording:
     pairs = image.pairs
     left = abs(in_camera_filter.transfer(step_rad(recording), share, n_harmonics=2)[2])
     n_before, n_now = (np.count_nonzero(weight) for weight in (image.frame_weight, pairs.frame_weight))
-    contrast = ContrastImage(
+    contrast = replace(
+        image,
         projection_dn=np.asarray((pairs.projection_dn - share * pairs.before_dn) / (1 - share), complex),
         frame_weight=pairs.frame_weight,
         u_dn=image.u_dn / float(left) * float(np.sqrt(n_before / n_now)),
-        good=image.good,
-        roi=image.roi,
+        pairs=None,
     )
     return replace(recording, contrast=contrast)

@@ -212,6 +212,7 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         As drawn by rig.toml.
     """
     low, high = (float(v) for v in np.quantile(reduced.pixel_sums.pixel_sum, [0.03, 0.97]))
+    unit_dn = low - high if reduced.opening.blackbody_is_colder else high - low
     ticks, border = reduced.trigger_ticks, _BORDER_RAD
     distance, radii = opening_in_image.radii_px(reduced), Radii()
     if distance is not None:
@@ -221,8 +222,8 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         reduced=reduced,
         wheel=wheel,
         kept=np.ones(ticks.size, bool),
-        levels=_straight(ticks),
-        unit_dn=low - high if reduced.opening.blackbody_is_colder else high - low,
+        levels=_straight(ticks, step_dn=unit_dn),
+        unit_dn=unit_dn,
         border_rad=border,
         radii=radii,
         region=opening_in_image.region(reduced),
@@ -259,10 +260,13 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
     return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=start)
 
 
-def _straight(ticks: Ticks) -> DriftingLevels:
+def _straight(ticks: Ticks, *, step_dn: float) -> DriftingLevels:
     """A covered level that drifts along a straight line, and a step that stays."""
     time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
-    return DriftingLevels(drift=time[:, None], gain=np.zeros((ticks.size, 0)), relative_gain=np.ones(ticks.size))
+    return DriftingLevels(
+        drift=time[:, None], gain=np.zeros((ticks.size, 0)), relative_gain=np.ones(ticks.size),
+        relative_offset=np.zeros(ticks.size), covariance=np.zeros((1, 1)), step_dn=step_dn,
+    )  # fmt: skip
 
 
 def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, dict[str, float]]:
@@ -275,18 +279,24 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
         shapes=made.small,
         place=(ticks - ticks[0]) / max(1, int(np.ptp(ticks))),
     )
-    if found.n_numbers == 1 and given.levels.n_numbers == 1:
-        return given, numbers
+    is_straight = found.n_numbers == 1 and given.levels.n_numbers == 1
     drift, gain = np.zeros((n_frames, found.drift.shape[1])), np.zeros((n_frames, found.gain.shape[1]))
-    relative = np.ones(n_frames)
+    relative, offset = np.ones(n_frames), np.zeros(n_frames)
     drift[given.kept], gain[given.kept], relative[given.kept] = found.drift, found.gain, found.relative_gain
+    offset[given.kept] = found.offset_change / found.contrast
     ends = (found.offset_change, found.offset_change + found.relative_gain)
     levels = DriftingLevels(
-        drift=drift, gain=gain, relative_gain=relative, sway=float(max(np.ptp(one) for one in ends)),
+        drift=drift,
+        gain=gain,
+        relative_gain=relative,
+        relative_offset=offset,
+        covariance=found.covariance,
+        step_dn=found.contrast * given.unit_dn,
+        sway=0.0 if is_straight else float(max(np.ptp(one) for one in ends)),
         jumps=tuple(int(k) for k in np.flatnonzero(given.kept)[list(found.jumps)]),
-    )  # fmt: skip
+    )
     given = replace(given, levels=levels)
-    return given, _solved(given, numbers)
+    return given, numbers if is_straight else _solved(given, numbers)
 
 
 def _start(given: PixelSums, delay_s: float) -> dict[str, float]:

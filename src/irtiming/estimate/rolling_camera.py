@@ -15,6 +15,7 @@ from irtiming.estimate import (
     row_light,
     sector_fit,
     shape,
+    steady_image,
     wheel_geometry,
 )
 from irtiming.estimate.row_light import RowLight
@@ -251,8 +252,10 @@ def _rows_fitted(
 def _seen(
     recordings: Sequence[ReducedRecording], members: list[int], *, fits: Sequence[RowTimingFit]
 ) -> list[ReducedRecording]:
-    """Recordings before one blackbody, their images rid of the recursive filter that the round before undid in the rows."""
-    return [frame_steps.unfiltered(recordings[k], fits[k].undone if fits else 0.0) for k in members]
+    """Recordings before one blackbody, their images rid of what the round before found in the rows: recursive filter and sway."""
+    if not fits:
+        return [recordings[k] for k in members]
+    return [steady_image.by_rows(frame_steps.unfiltered(recordings[k], fits[k].undone), fits[k]) for k in members]
 
 
 def _at_once(

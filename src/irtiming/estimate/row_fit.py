@@ -140,7 +140,9 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         step_rad=task.model.step_rad,
         undone=task.model.undone,
         blades_apart=task.model.blades_apart,
-        sway=None if task.sway is None else task.sway.moved(_DAMPED * scored.sway_step),
+        sway=None
+        if task.sway is None
+        else task.sway.moved(_DAMPED * scored.sway_step, covariance=scored.sway_covariance),
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
@@ -154,6 +156,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         noise=noise / mass,
         harmonics=whole / mass[:, None],
         gain_dn=found.gain.mean(axis=0) * mass,
+        contrast_dn=np.asarray(found.gain @ (mass / mass.sum())),
         variance_inflation=variance_inflation,
         blackbody_temperature_k=rows.blackbody_temperature_k,
     )
@@ -300,12 +303,13 @@ class _Scores:
     """Scores of the frames: ``timing`` (n, k) is the gradient of the log-likelihood that each contributes.
 
     ``normal`` (k, k) are its normal equations; what the amounts of a sway can take over is left out of both. ``sway_step`` (j,)
-    takes those to their best.
+    takes those to their best, with ``sway_covariance`` (j, j).
     """
 
     timing: Array
     normal: Array
     sway_step: Array
+    sway_covariance: Array
 
 
 def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, swaying: _Swaying) -> _Scores:
@@ -344,8 +348,13 @@ def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, 
     taken = mixed / scale @ np.linalg.pinv(own / np.outer(scale, scale), rcond=_RANK, hermitian=True) / scale
     of_timing = np.linalg.solve(normal, mixed)
     left, gradient = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
-    step = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) @ (gradient / scale) / scale
-    return _Scores(timing=scores - beside @ taken.T, normal=normal - taken @ mixed.T, sway_step=step)
+    covariance = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) / np.outer(scale, scale)
+    return _Scores(
+        timing=scores - beside @ taken.T,
+        normal=normal - taken @ mixed.T,
+        sway_step=covariance @ gradient,
+        sway_covariance=covariance,
+    )
 
 
 def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:

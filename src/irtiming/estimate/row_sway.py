@@ -57,11 +57,14 @@ def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: A
             amounts[0].append(_amounts(found.drift, found.offset_change / per_offset))
             amounts[1].append(_amounts(found.gain, found.relative_gain - 1))
     none = np.zeros((trigger_ticks.size, 0))
+    offset_amounts, gain_amounts = (np.concatenate(one) for one in amounts)
+    n = offset_amounts.size + gain_amounts.size
     return Sway(
         offsets=np.concatenate([none, *offsets], axis=1),
         gains=np.concatenate([none, *gains], axis=1),
-        offset_amounts=np.concatenate(amounts[0]),
-        gain_amounts=np.concatenate(amounts[1]),
+        offset_amounts=offset_amounts,
+        gain_amounts=gain_amounts,
+        covariance=np.zeros((n, n)),
         n_looks=1 if before is None else before.n_looks + 1,
     )
 

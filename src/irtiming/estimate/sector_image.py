@@ -171,13 +171,15 @@ EXCHANGES = ((0, 1), (1, 1), (0, 2), (1, 2))
 class _Parts:
     """What the sector (complex) and the whole ring would show with a contrast of 1, turned back by each pixel's own phase.
 
-    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast.
+    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast; ``swayed`` (k, roi
+    rows, roi columns) what k numbers that are not known of the camera's levels do, each by its standard uncertainty.
     """
 
     lit: ComplexArray
     ring: Array
     seen: ComplexArray
     size: Array
+    swayed: ComplexArray
 
 
 @np.errstate(invalid="ignore", divide="ignore")
@@ -196,7 +198,7 @@ def fitted(
     cover = parts.ring - numbers["plate_reflection"] * beside.real
     along: Array = view.good / np.square(u_dn.real)
     across: Array = view.good / np.square(u_dn.imag)
-    levels = np.array([lit, beside])
+    levels = np.array([lit, beside, *parts.swayed])
     light = np.asarray(lit.real, dtype=float)
     mean = view.field.sums(light) / light.sum()  # an even field is the contrast, which lies where the light does
 
@@ -212,14 +214,17 @@ def fitted(
     plain = view.field.sums(along * cover**2)
     total = float(np.sum(along * cover**2))
     field_field = view.field.products(along * cover**2) - np.outer(mean, plain) - np.outer(plain - total * mean, mean)
-    prior = 1 / (view.field_prior * abs(seen_level[0] / level_level[0, 0]))
-    normal = np.block([[level_level, mixed], [mixed.T, field_field + prior**2 * np.eye(mean.size)]])
+    contrast, n = abs(seen_level[0] / level_level[0, 0]), len(levels)
+    prior = np.concatenate(
+        [[0.0, 0.0], np.full(n - 2, 1 / contrast), np.full(mean.size, 1 / (view.field_prior * contrast))]
+    )
+    normal = np.block([[level_level, mixed], [mixed.T, field_field]]) + np.diag(prior**2)
     found = np.linalg.solve(normal, np.concatenate([seen_level, told(np.asarray(parts.seen.real, dtype=float))]))
-    field = view.field.at(found[2:]) - found[2:] @ mean
-    off = np.einsum("k,kij->ij", found[:2], levels) + field * cover - parts.seen
+    field = view.field.at(found[n:]) - found[n:] @ mean
+    off = np.einsum("k,kij->ij", found[:n], levels) + field * cover - parts.seen
     good = view.good
     return Fitted(
-        misfit=np.concatenate([(off.real / u_dn.real)[good], (off.imag / u_dn.imag)[good], prior * found[2:]]),
+        misfit=np.concatenate([(off.real / u_dn.real)[good], (off.imag / u_dn.imag)[good], (prior * found)[2:]]),
         left_dn=-off.real / parts.size,
         full_dn=float(found[0]),
         plate=float(found[1] / found[0]),
@@ -291,6 +296,7 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
         ring=_ring(shape, numbers, radius=made.radius, blur_px=made.along_px) * size,
         seen=look.projection * back * np.exp(-1j * own),
         size=size,
+        swayed=np.zeros((0, *size.shape), complex) if look.swayed is None else look.swayed * back * np.exp(-1j * own),
     )
 
 

@@ -1,7 +1,7 @@
 """The contrast images that a sector is fitted to, with what is known of their noise, gains and borders."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -27,6 +27,7 @@ FIRST_SCATTER = 0.02
 """Of gains and of the border, before an image told it; shares of the contrast."""
 
 _FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
+_HIDDEN = 0.1  # of the noise of an image, all pixels together
 _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie beside the middle that a Gaussian gives
 
 
@@ -85,6 +86,7 @@ def of(
     )
     if known is not None:
         seen = [sector_image.turned(look, numbers_of(known), view=view) for look in seen]
+        seen = [_swayed(look, known, view=view) for look in seen]
     imperfect = complex(FIRST_SCATTER) if known is None else _imperfect(known)
     u_dn = [
         np.hypot(look.u_dn, imperfect.real * look.full_dn) + 1j * np.hypot(look.u_dn, imperfect.imag * look.full_dn)
@@ -97,6 +99,17 @@ def of(
         lens=lens,
         name=first.name,
     )
+
+
+def _swayed(look: Look, known: SectorFit, *, view: View) -> Look:
+    """The image with what numbers that are not known of the levels do to that of a sector, but for those that noise hides."""
+    angle, _ = blurred_sector.pixel_places(known.shape, roi=view.roi)
+    angle = angle - known.turn_rad - look.turn_rad - look.omega * known.row_delay_s * view.rows
+    light = np.clip(known.model_contrast, 0, 1)
+    shown = [one.at(light, angle) for one in look.unsteady]
+    scale = look.full_dn / float(np.abs(look.table).mean())
+    told = [one for one in shown if np.linalg.norm(one) * scale > _HIDDEN * look.u_dn]
+    return replace(look, swayed=np.array(told)) if told else look
 
 
 def numbers_of(found: SectorFit) -> dict[str, float]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, image_doubts, plate_light, sector_fit
+from irtiming.estimate import by_blackbody, image_doubts, pixel_sums, plate_light, sector_fit, steady_image
 from irtiming.estimate.row_light import slopes
 from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.one_thread import one_thread
@@ -61,7 +61,7 @@ def seen(
     )
     found, sectors = list(recordings), list[SectorFit | None]([None] * len(recordings))
     for members in groups:
-        group = [recordings[k] for k in members]
+        group = [_steady(recordings[k], wheel) for k in members]
         axle: AxleView | None = None
         sector: SectorFit | None = None
         doubts: tuple[Finding, ...] = ()
@@ -80,6 +80,14 @@ def seen(
             found[k] = replace(recordings[k], axle=axle, findings=recordings[k].findings + doubts)
             sectors[k] = sector
     return tuple(found), tuple(sectors)
+
+
+def _steady(recording: ReducedRecording, wheel: WheelModel) -> ReducedRecording:
+    """With an image that knows how the levels swayed; as it is where the pixel sums do not follow the wheel."""
+    try:
+        return steady_image.by_sums(recording, pixel_sums.fit(recording, wheel))
+    except EstimationError:
+        return recording
 
 
 def _no_sector(error: EstimationError) -> Finding:

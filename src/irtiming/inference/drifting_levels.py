@@ -42,6 +42,10 @@ class Levels:
         First frames after a jump.
     offset_change, relative_gain
         Shape (n,); the offset less its mean, and the gain over its mean, as fitted.
+    contrast
+        The gain's mean.
+    covariance
+        Shape (k + l, k + l); of the numbers of offset and gain, over the contrast.
     weight
         Shape (n,); Huber weights at the end.
     criterion
@@ -53,6 +57,8 @@ class Levels:
     jumps: tuple[int, ...]
     offset_change: Array
     relative_gain: Array
+    contrast: float
+    covariance: Array
     weight: Array
     criterion: float
 
@@ -153,6 +159,9 @@ class _Fixed:
             jumps=tuple(jumps),
             offset_change=drift @ amounts[2:n_drift],
             relative_gain=1 + gain @ amounts[n_drift : n_drift + gain.shape[1]] / amounts[1],
+            contrast=float(amounts[1]),
+            covariance=_inverse(design, weight)[2 : n_drift + gain.shape[1], 2 : n_drift + gain.shape[1]]
+            * (deviance / max(n - size_of_model, 1) / amounts[1] ** 2),
             weight=weight,
             criterion=float(criterion),
         )
@@ -175,6 +184,14 @@ class _Fixed:
             near[max(0, at - _LEAST_STRETCH) : at + _LEAST_STRETCH] = True
         best[near] = 0.0
         return int(np.argmax(best)) if best.any() else None
+
+
+def _inverse(design: Array, weight: Array) -> Array:
+    """Of the normal equations' matrix, whatever its rank."""
+    scale = np.sqrt(np.einsum("ij,i,ij->j", design, weight, design))
+    scaled = design / np.where(scale > 0, scale, 1.0)
+    normal = np.linalg.pinv(np.einsum("ij,i,ik->jk", scaled, weight, scaled), rcond=1e-12, hermitian=True)
+    return np.asarray(normal / np.outer(scale, scale))
 
 
 def _centred(columns: Array) -> Array:

@@ -147,6 +147,12 @@ class DriftingLevels:
         Shape (n_frame, l); what is added to the step.
     relative_gain
         Shape (n_frame,); the step over its mean, by which small parts of the sum change as well.
+    relative_offset
+        Shape (n_frame,); covered level less its mean, over the mean of the step.
+    covariance
+        Shape (k + l, k + l); of the numbers of both, over the step, those of the covered level first.
+    step_dn
+        Mean of the step, DN of the pixel sum; negative for a cold blackbody.
     sway
         Range over which covered and open level go in the recording, opening fractions.
     jumps
@@ -156,6 +162,9 @@ class DriftingLevels:
     drift: Array
     gain: Array
     relative_gain: Array
+    relative_offset: Array
+    covariance: Array
+    step_dn: float
     sway: float = 0.0
     jumps: tuple[int, ...] = ()
 

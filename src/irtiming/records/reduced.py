@@ -168,6 +168,27 @@ class ContrastPairs:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class LevelSway:
+    """How levels changed in the kept frames of a recording, and what is not known of that.
+
+    Parameters
+    ----------
+    relative_gain
+        Shape (n,); gain over its mean.
+    u_gain, u_offset
+        Shapes (n, k); how k independent numbers change the relative gain, and the offset as a share of the contrast, each by its
+        standard uncertainty.
+    """
+
+    __repr__ = short_repr
+
+    relative_gain: Array
+    u_gain: Array
+    u_offset: Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContrastImage:
     """How much, and when, each pixel takes part in the wheel's turning: its projection on the second harmonic.
 
@@ -189,6 +210,8 @@ class ContrastImage:
         First row, end row, first column, end column, ends excluded.
     pairs
         The same of frames that followed each other; None where it was not made.
+    sway
+        How gain and offset of the kept frames changed; None while nothing is known of it.
     """
 
     __repr__ = short_repr
@@ -199,6 +222,12 @@ class ContrastImage:
     good: Mask
     roi: Region
     pairs: ContrastPairs | None = None
+    sway: LevelSway | None = None
+
+    @property
+    def model_weight(self) -> ComplexArray:
+        """Weight of each kept frame's model, shape (n,): its own, times the gain that the frame has."""
+        return self.frame_weight if self.sway is None else self.frame_weight * self.sway.relative_gain
 
 
 @final

@@ -198,6 +198,8 @@ class Sway:
         two shutter events and zero beside it.
     offset_amounts, gain_amounts
         Shapes (p,) and (q,); of the former as a share of the contrast, of the latter of the gain.
+    covariance
+        Shape (p + q, p + q); of the amounts, those of the offset first.
     n_looks
         How often curves were chosen.
     """
@@ -206,6 +208,7 @@ class Sway:
     gains: Array
     offset_amounts: Array
     gain_amounts: Array
+    covariance: Array
     n_looks: int = 0
 
     @property
@@ -222,10 +225,15 @@ class Sway:
         """That of some of the frames, (n_kept,)."""
         return replace(self, offsets=self.offsets[frames], gains=self.gains[frames])
 
-    def moved(self, step: Array) -> "Sway":
-        """With other amounts: ``step``, shape (p + q,), is by how much."""
+    def moved(self, step: Array, *, covariance: Array) -> "Sway":
+        """With other amounts, and their covariance: ``step``, shape (p + q,), is by how much."""
         p = self.offset_amounts.size
-        return replace(self, offset_amounts=self.offset_amounts + step[:p], gain_amounts=self.gain_amounts + step[p:])
+        return replace(
+            self,
+            offset_amounts=self.offset_amounts + step[:p],
+            gain_amounts=self.gain_amounts + step[p:],
+            covariance=covariance,
+        )
 
 
 @final
@@ -272,6 +280,8 @@ class RowTimingFit:
         Shape (n_row, M + 1); the model, harmonics over ``wheel_angle_rad``.
     gain_dn
         Shape (n_row,); row sum from covered to open, DN; negative for a cold blackbody.
+    contrast_dn
+        Shape (n_segment,); the same of a pixel, mean over the rows, in each stretch of fitted frames between shutter events.
     variance_inflation
         Factor on the variances because the residuals are correlated; 1 when they are white.
     blackbody_temperature_k
@@ -301,6 +311,7 @@ class RowTimingFit:
     noise: Array
     harmonics: ComplexArray
     gain_dn: Array
+    contrast_dn: Array
     variance_inflation: float
     blackbody_temperature_k: float | None = None
     sway: Sway | None = None

@@ -326,6 +326,7 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
                 good=np.ones(summed.shape, bool),
                 roi=roi,
             ),
+            pixel_maps={"mean_dn": values[:, roi[0] : roi[1], roi[2] : roi[3]].mean(axis=0)},
             shutter_events=(),
             trigger_delay_time_set_s=set_s,
             rotation_speed_hz=camera.rate_hz,

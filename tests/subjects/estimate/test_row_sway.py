@@ -29,6 +29,7 @@ def _sway(gain, offset, *, n_looks=2):
         gain_amounts=np.ones(1),
         offsets=offset[:, None],
         offset_amounts=np.ones(1),
+        covariance=np.zeros((2, 2)),
         n_looks=n_looks,
     )
 

@@ -15,6 +15,7 @@ from irtiming.physics import blurred_sector
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.reduced import LevelSway
 from irtiming.records.rig import Measured
 
 AT_ONCE = dict.fromkeys(EDGE_DELAYS, 0.0) | {"time_constant": 1e-4}
@@ -251,6 +252,32 @@ def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, 
     assert found.shape.blur_of_axes_px[1] ** 2 - camera.shape.blur_of_axes_px[1] ** 2 == pytest.approx(0.1, rel=0.3)
 
 
+def test_a_gain_that_is_not_quite_known_does_not_move_the_axle(plain, camera, lag, brute_rows, brute_frames, rig_with):
+    """Oracle: the sector of even levels; the gain goes as the wheel's fourth order, 2 u off what is known of it."""
+    rows = brute_rows(camera, noise_dn=0.5, seed=3)
+    wave = np.cos(4 * camera.omega * 0.033 * np.arange(400) + 1.0)
+    _, openness = brute_frames(camera)
+    change = -600 * 0.004 * wave[:, None, None] * (openness - openness.mean(axis=0))
+    moved = rows.contrast.projection_dn + np.einsum("n,nij->ij", rows.contrast.frame_weight, change)
+    known = LevelSway(relative_gain=np.ones(400), u_gain=0.002 * wave[:, None], u_offset=np.zeros((400, 1)))
+    told, taken_as_known = (
+        _twice(
+            replace(rows, contrast=replace(rows.contrast, projection_dn=moved, sway=one)), camera, lag, rig=rig_with()
+        )
+        for one in (known, None)
+    )
+    even = _twice(rows, camera, lag, rig=rig_with())
+
+    def off(found):
+        return np.hypot(
+            found.shape.axle_row_px - even.shape.axle_row_px, found.shape.axle_column_px - even.shape.axle_column_px
+        )
+
+    assert off(taken_as_known) > 5 * off(told)
+    assert off(told) < even.u("axle_row_px")
+    assert told.reduced_chi_square < 1.05 * even.reduced_chi_square
+
+
 @pytest.mark.parametrize(
     ("at", "stray", "is_odd"), [(3, 0.011, True), (3, 0.009, False), (12, 0.15, False), (12, 0.25, True)]
 )
@@ -294,7 +321,7 @@ def test_phases_of_a_sector_err_together(camera):
     roi, shape = (10, 26, 20, 44), camera.shape
     good = np.ones((16, 24), bool)
     view = SimpleNamespace(good=good, roi=roi, shape=lambda _: shape)
-    images = SimpleNamespace(view=view, seen=[None, None])
+    images = SimpleNamespace(view=view, seen=2 * [SimpleNamespace(swayed=None)])
     n, first = good.size, sector_best.N_PRIORS
     found = sector_best._clusters(images, {}, first + 2 * 2 * n)
     assert np.all(found[:first] == -1)

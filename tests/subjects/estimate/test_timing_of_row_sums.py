@@ -68,6 +68,7 @@ def fits():
                     noise=np.ones(3),
                     harmonics=np.zeros((3, 2), complex),
                     gain_dn=np.ones(3),
+                    contrast_dn=np.ones(1),
                     variance_inflation=variance_inflation,
                 )
             )

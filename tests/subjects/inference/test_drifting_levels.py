@@ -57,3 +57,23 @@ def test_wild_values_bend_nothing():
     found = drifting_levels.choose(values, MOVING, shapes=BLADES[:, None], place=PLACE)
     assert (found.n_numbers, found.jumps) == (1, ())
     assert np.abs(found.offset_change).max() < 3e-5
+
+
+def test_the_covariance_of_the_amounts_is_their_scatter():
+    """Oracle: 400 draws of the noise about a line and a wave of the offset, and of the gain."""
+    line = PLACE - PLACE.mean()
+    columns = np.stack([line, WAVE - WAVE.mean()], axis=1)
+    random, found = np.random.default_rng(5), []
+    for _ in range(400):
+        values = 0.2 + 3 * (0.01 * line + (1 + 0.02 * columns[:, 1]) * MOVING) + random.normal(0, NOISE, N)
+        given = drifting_levels._Fixed(values=values, moving=MOVING, shapes=np.zeros((N, 0)), place=PLACE)
+        found.append(given._fitted(columns, columns, jumps=[]))
+    offsets, gains = (
+        np.array([np.linalg.lstsq(columns, one, rcond=None)[0] for one in curves])
+        for curves in ([one.offset_change / one.contrast for one in found], [one.relative_gain - 1 for one in found])
+    )
+    scatter = np.cov(np.concatenate([offsets, gains], axis=1).T)
+    stated = np.mean([one.covariance for one in found], axis=0)
+    np.testing.assert_allclose(np.sqrt(np.diag(stated)), np.sqrt(np.diag(scatter)), rtol=0.12)
+    u = np.sqrt(np.diag(scatter))
+    np.testing.assert_allclose(stated / np.outer(u, u), scatter / np.outer(u, u), atol=0.15)
