@@ -51,7 +51,7 @@ class Unsteady:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Look:
-    """Contrast images of one wheel speed, added up.
+    """Contrast images of one wheel speed, added up; those of a colder opening with the other sign.
 
     ``table`` (16384,) is the projection of a point of light over its polar angle from the bisector, made with the weights of
     the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
@@ -158,11 +158,19 @@ def _means(smooth: ComplexArray, angle: Array, width: Array) -> Any:
 
 
 def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:
-    """Contrast images added up by wheel speed; ``timing``, as known so far, matters only where frames are missing."""
+    """Contrast images added up by wheel speed.
+
+    ``timing``, as known so far, matters where frames are missing, or where a multiple of the wheel's angle turns slowly from
+    frame to frame: then harmonics of the wheel other than the second show in the image. What the fit of a recording's sums
+    found of its edges is better.
+    """
     found = list[Look]()
     for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
         group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
-        projection = np.sum([one.contrast_image.projection_dn for one in group], axis=0)
+        signs = [-1.0 if one.opening.blackbody_is_colder else 1.0 for one in group]
+        projection = np.sum(
+            [sign * one.contrast_image.projection_dn for sign, one in zip(signs, group, strict=True)], axis=0
+        )
         points = [_Point.of(one, wheel, timing) for one in group]
         found.append(
             Look(
@@ -195,11 +203,16 @@ class _Point:
     def of(cls, one: ReducedRecording, wheel: WheelModel, timing: Timing) -> Self:
         """That of a recording."""
         omega, response = one.track.angular_frequency_rad_per_s, camera(one.camera_type, one.readout_mode).response
-        late_rad = omega * np.array([timing[name] for name in EDGE_DELAYS])
+        in_sums = one.contrast_image.in_sums
+        late_rad, blade = omega * np.array([timing[name] for name in EDGE_DELAYS]), 0.0
+        if in_sums is not None:
+            late_rad, blade = in_sums.edges_late_rad, in_sums.blade_share
         by_edge = wheel_harmonics.open_harmonics(wheel, _HARMONICS) * wheel_harmonics.later(
             late_rad, n_harmonics=_HARMONICS
         )
-        passing = by_edge.sum(axis=0) * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
+        shown = by_edge.sum(axis=0)
+        shown[1::2] -= blade * by_edge[2:, 1::2].sum(axis=0)  # in even orders a blade is as good as a weaker contrast
+        passing = shown * response.transfer(omega, timing[response.PARAMETER], n_harmonics=_HARMONICS)
         angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
         waves = wheel_harmonics.later(angle, n_harmonics=_HARMONICS)
         return cls(passing=passing[1:], waves=waves[:, 1:], image=one.contrast_image)
@@ -214,10 +227,10 @@ class _Point:
 
     def unsteady(self) -> list[Unsteady]:
         """What each number that is not known of the recording's levels does to the image."""
-        sway, weight = self.image.sway, self.image.frame_weight
-        if sway is None:
+        in_sums, weight = self.image.in_sums, self.image.frame_weight
+        if in_sums is None:
             return []
         return [
             Unsteady(table=self.table(weight * gain, orders=_SWAY_HARMONICS), offset=complex(weight @ offset))
-            for gain, offset in zip(sway.u_gain.T, sway.u_offset.T, strict=True)
+            for gain, offset in zip(in_sums.u_gain.T, in_sums.u_offset.T, strict=True)
         ]

@@ -1,18 +1,20 @@
-"""The contrast image of a camera whose levels sway: what a fit of its sums found of gain and offset is taken into account.
+"""The contrast image with what a fit of the recording's sums found: edges, a warmer blade, levels that sway.
 
 A pixel of the light L and the mean level c shows c + (g - 1) (c - b) + a (g L (w - <w>) + o) in a frame of the relative gain g
 and the offset o, b being the level of the opening behind the wheel, a its contrast, and w, of the mean <w>, what the wheel lets
 through. A sway that is another one in frames that show one part of the opening than in those that show another turns the phases
-of the whole image. Where triggers visit the wheel's angles in slow turns, a sway of a hundredth does so by a milliradian.
+of the whole image. Where triggers visit the wheel's angles in slow turns, a sway of a hundredth does so by a milliradian; and
+there all orders of the wheel show in the image, so that each edge must be where it is.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EdgeDelayFit
-from irtiming.records.reduced import LevelSway, ReducedRecording
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
+from irtiming.records.reduced import FoundInSums, ReducedRecording
 from irtiming.records.row_timing import RowTimingFit
 
 
@@ -24,25 +26,26 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
     recording
         Whose contrast image, rid of a recursive filter, is of the frames that were fitted.
     fit
-        Without a sway it leaves the image as it is. Between two shutter events the gain of the rows is the fit's own.
+        Between two shutter events the gain of the rows is the fit's own.
     """
-    sway = fit.sway
-    if sway is None:
-        return recording
+    n_frames, sway = recording.trigger_ticks.size, fit.sway
     between = np.searchsorted(np.unique(recording.segment[fit.kept]), recording.segment)
     contrast_dn = fit.contrast_dn[np.minimum(between, fit.contrast_dn.size - 1)]
-    mean_dn, n = float(contrast_dn.mean()), sway.offset_amounts.size
-    u = _root(sway.covariance)
-    return _steadied(
-        recording,
-        LevelSway(
-            relative_gain=sway.relative_gain * contrast_dn / mean_dn,
-            u_gain=sway.gains @ u[n:],
-            u_offset=sway.offsets @ u[:n],
-        ),
-        offset_dn=sway.offset_change * mean_dn,
-        covered_dn=_opening_dn(recording) - mean_dn * float(fit.harmonics[:, 0].real.mean()),
+    mean_dn = float(contrast_dn.mean())
+    relative_gain, offset, columns = contrast_dn / mean_dn, np.zeros(n_frames), np.zeros((2, n_frames, 0))
+    if sway is not None:
+        n, u = sway.offset_amounts.size, _root(sway.covariance)
+        relative_gain, offset = relative_gain * sway.relative_gain, sway.offset_change
+        columns = np.array([sway.gains @ u[n:], sway.offsets @ u[:n]])
+    found = FoundInSums(
+        edges_late_rad=fit.angular_frequency_rad_per_s * fit.edge_delay_s,
+        blade_share=fit.timing.get(BLADE, 0.0),
+        relative_gain=relative_gain,
+        u_gain=columns[0],
+        u_offset=columns[1],
     )
+    covered_dn = _opening_dn(recording) - mean_dn * float(fit.harmonics[:, 0].real.mean())
+    return _known(recording, found, offset_dn=offset * mean_dn, covered_dn=covered_dn)
 
 
 def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
@@ -53,38 +56,38 @@ def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
     recording
         Of which some frames may not have been fitted.
     fit
-        Without levels it leaves the image as it is.
+        Whose levels are known.
     """
     levels = fit.levels
     if levels is None:
         return recording
-    known = np.flatnonzero(fit.kept)
+    fitted = np.flatnonzero(fit.kept)
 
     def every(curves: Array) -> Array:
         """Curves of all frames, (n, k) or (n,), from those of the frames that were fitted."""
-        return curves[known[np.abs(np.arange(curves.shape[0])[:, None] - known).argmin(axis=1)]]
+        return curves[fitted[np.abs(np.arange(curves.shape[0])[:, None] - fitted).argmin(axis=1)]]
 
     n, u = levels.drift.shape[1], _root(levels.covariance)
-    pixels = float(recording.opening.weight.sum())  # over which a sum goes: an offset is alike in all of them
-    contrast_dn = levels.step_dn / float(recording.opening.mask.sum())
-    return _steadied(
-        recording,
-        LevelSway(
-            relative_gain=every(levels.relative_gain),
-            u_gain=every(levels.gain) @ u[n:],
-            u_offset=every(levels.drift) @ u[:n] * (levels.step_dn / pixels / contrast_dn),
-        ),
-        offset_dn=every(levels.relative_offset) * (levels.step_dn / pixels),
-        covered_dn=_opening_dn(recording) - contrast_dn * float(fit.fraction.mean()),
+    mask, pixels = (float(one.sum()) for one in (recording.opening.mask, recording.opening.weight))
+    found = FoundInSums(
+        edges_late_rad=fit.angular_frequency_rad_per_s * np.array([fit.estimate.value(name) for name in EDGE_DELAYS]),
+        blade_share=fit.blades,
+        relative_gain=every(levels.relative_gain),
+        u_gain=every(levels.gain) @ u[n:],
+        u_offset=every(levels.drift) @ u[:n] * (mask / pixels),  # an offset is alike in all pixels that are summed
+    )
+    covered_dn = _opening_dn(recording) - levels.step_dn / mask * float(fit.fraction.mean())
+    return _known(
+        recording, found, offset_dn=every(levels.relative_offset) * levels.step_dn / pixels, covered_dn=covered_dn
     )
 
 
-def _steadied(recording: ReducedRecording, sway: LevelSway, *, offset_dn: Array, covered_dn: float) -> ReducedRecording:
+def _known(recording: ReducedRecording, found: FoundInSums, *, offset_dn: Array, covered_dn: float) -> ReducedRecording:
     """With an image rid of offsets, (n,), and of what the gain does to a pixel's level beside that of the covered opening."""
     image = recording.contrast_image
-    by_gain, level = (complex(image.frame_weight @ curve) for curve in (sway.relative_gain, offset_dn))
+    by_gain, level = (complex(image.frame_weight @ curve) for curve in (found.relative_gain, offset_dn))
     own_dn = recording.pixel_maps["mean_dn"] - covered_dn
-    steady = replace(image, projection_dn=image.projection_dn - own_dn * by_gain - level, sway=sway)
+    steady = replace(image, projection_dn=image.projection_dn - own_dn * by_gain - level, in_sums=found)
     return replace(recording, contrast=steady)
 
 

@@ -168,13 +168,17 @@ class ContrastPairs:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LevelSway:
-    """How levels changed in the kept frames of a recording, and what is not known of that.
+class FoundInSums:
+    """What a fit of a recording's sums found that its contrast image must know.
 
     Parameters
     ----------
+    edges_late_rad
+        Shape (4,); by how much later than it is drawn each edge of the wheel covers or uncovers a point.
+    blade_share
+        By how much the blade between the edges 2 and 3 is warmer, over the contrast between the other one and the opening.
     relative_gain
-        Shape (n,); gain over its mean.
+        Shape (n,); gain of the kept frames over its mean.
     u_gain, u_offset
         Shapes (n, k); how k independent numbers change the relative gain, and the offset as a share of the contrast, each by its
         standard uncertainty.
@@ -182,6 +186,8 @@ class LevelSway:
 
     __repr__ = short_repr
 
+    edges_late_rad: Array
+    blade_share: float
     relative_gain: Array
     u_gain: Array
     u_offset: Array
@@ -210,8 +216,8 @@ class ContrastImage:
         First row, end row, first column, end column, ends excluded.
     pairs
         The same of frames that followed each other; None where it was not made.
-    sway
-        How gain and offset of the kept frames changed; None while nothing is known of it.
+    in_sums
+        What a fit of the recording's sums found that the image must know; None while there is none.
     """
 
     __repr__ = short_repr
@@ -222,12 +228,12 @@ class ContrastImage:
     good: Mask
     roi: Region
     pairs: ContrastPairs | None = None
-    sway: LevelSway | None = None
+    in_sums: FoundInSums | None = None
 
     @property
     def model_weight(self) -> ComplexArray:
         """Weight of each kept frame's model, shape (n,): its own, times the gain that the frame has."""
-        return self.frame_weight if self.sway is None else self.frame_weight * self.sway.relative_gain
+        return self.frame_weight if self.in_sums is None else self.frame_weight * self.in_sums.relative_gain
 
 
 @final

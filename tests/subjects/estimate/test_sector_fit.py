@@ -15,7 +15,7 @@ from irtiming.physics import blurred_sector
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.reduced import LevelSway
+from irtiming.records.reduced import FoundInSums
 from irtiming.records.rig import Measured
 
 AT_ONCE = dict.fromkeys(EDGE_DELAYS, 0.0) | {"time_constant": 1e-4}
@@ -259,10 +259,16 @@ def test_a_gain_that_is_not_quite_known_does_not_move_the_axle(plain, camera, la
     _, openness = brute_frames(camera)
     change = -600 * 0.004 * wave[:, None, None] * (openness - openness.mean(axis=0))
     moved = rows.contrast.projection_dn + np.einsum("n,nij->ij", rows.contrast.frame_weight, change)
-    known = LevelSway(relative_gain=np.ones(400), u_gain=0.002 * wave[:, None], u_offset=np.zeros((400, 1)))
+    known = FoundInSums(
+        edges_late_rad=camera.omega * np.array([lag[name] for name in EDGE_DELAYS]), blade_share=0.0, relative_gain=np.ones(400),
+        u_gain=0.002 * wave[:, None], u_offset=np.zeros((400, 1)),
+    )  # fmt: skip
     told, taken_as_known = (
         _twice(
-            replace(rows, contrast=replace(rows.contrast, projection_dn=moved, sway=one)), camera, lag, rig=rig_with()
+            replace(rows, contrast=replace(rows.contrast, projection_dn=moved, in_sums=one)),
+            camera,
+            lag,
+            rig=rig_with(),
         )
         for one in (known, None)
     )

@@ -93,22 +93,22 @@ def test_even_light_shows_the_tables_mean_over_its_angles(rows, camera, lag, wid
 
 
 def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, brute_bolometer):
-    """Oracle: sums over the recordings of a speed; uncertainties add up in squares; another speed is another image."""
+    """Oracle: sums over the recordings of a speed, cold ones turned over; uncertainties add up in squares; speeds stay apart."""
     fast = brute_rows(replace(camera, rate_hz=5.0))
     slow, quick = contrast_look.looks([rows, fast, rows], camera.model, timing=lag)
     (one,) = contrast_look.looks([rows], camera.model, timing=lag)
     assert (slow.omega, quick.omega) == (pytest.approx(3 * TURN), pytest.approx(5 * TURN))
-    np.testing.assert_allclose(slow.projection, 2 * rows.contrast.projection_dn)
+    np.testing.assert_allclose(slow.projection, -2 * rows.contrast.projection_dn)
     np.testing.assert_allclose(slow.table, 2 * one.table, atol=1e-12)
     assert slow.u_dn == pytest.approx(np.sqrt(2) * rows.contrast.u_dn)
-    np.testing.assert_array_equal(quick.projection, fast.contrast.projection_dn)
+    np.testing.assert_array_equal(quick.projection, -fast.contrast.projection_dn)
 
 
 def test_the_true_numbers_explain_the_image(camera, rows, lag):
-    """Oracle: the frames; contrast -600 DN, no plate, an even field, and nothing left over beyond a few thousandths."""
+    """Oracle: the frames; contrast -600 DN, turned over, no plate, an even field, and nothing left over beyond a few thousandths."""
     (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     found = sector_image.fitted(look, _numbers(camera), view=_view(rows, field_prior=1e-3), u_dn=_along(rows, look))
-    assert found.full_dn == pytest.approx(-600, rel=1e-3)
+    assert found.full_dn == pytest.approx(600, rel=1e-3)
     assert abs(found.plate) < 1e-3
     assert np.abs(found.field).max() < 2e-3
     lit = camera.light[1].sum(axis=0) > 0.5
@@ -125,7 +125,7 @@ def test_uneven_wheel_is_a_field_about_the_mean_contrast(camera, brute_rows, lag
     view = _view(rows, good=light > 1e-3)  # beside it nothing is mirrored here
     found = sector_image.fitted(look, _numbers(camera), view=view, u_dn=_along(rows, look))
     mean = np.average(gain, weights=light)
-    assert found.full_dn == pytest.approx(-600 * mean, rel=3e-3)
+    assert found.full_dn == pytest.approx(600 * mean, rel=3e-3)
     assert np.average(found.field, weights=light) == pytest.approx(0, abs=1e-4)
     np.testing.assert_allclose(found.field[light > 0.99], (gain / mean - 1)[light > 0.99], atol=0.015)
     assert found.unevenness == pytest.approx(np.std((gain / mean)[light > 0.99]), rel=0.5)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import contrast_look, steady_image
-from irtiming.estimate.pixel_sums import EDGE_DELAYS
+from irtiming.physics.light.row_sum import BLADE
 from irtiming.physics.wheel_angle import wheel_angle_rad
-from irtiming.records.estimate import DriftingLevels, EdgeDelayFit, Estimate
+from irtiming.records.estimate import EDGE_DELAYS, DriftingLevels, EdgeDelayFit, Estimate
 from irtiming.records.row_timing import RowTimingFit, Sway
 
 N = 400
@@ -61,7 +61,11 @@ def row_fit(camera):
         )  # fmt: skip
         shown = {
             "name": "", "trigger_delay_time_set_s": 0.0, "angular_frequency_rad_per_s": camera.omega,
-            "estimate": Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0))), "held": {},
+            "estimate": Estimate(
+                names=EDGE_DELAYS, units=("s",) * 4, covariance=np.eye(4),
+                values=np.array([camera.timing[name] for name in EDGE_DELAYS]),
+            ),
+            "held": {},
             "step_rad": 0.6, "undone": 0.0, "blades_apart": False, "kept": np.ones(N, bool), "start": {}, "n_steps": 1,
             "shape_names": (), "shape_effect": np.zeros((0, 0)), "row_px": np.arange(3), "wheel_angle_rad": np.zeros(N),
             "fraction": nothing, "model": nothing, "residual": nothing, "noise": np.ones(3),
@@ -142,20 +146,20 @@ def test_a_fit_of_pixel_sums_tells_an_image_the_same(camera, still, row_fit, bru
     rows = steady_image.by_rows(swayed, row_fit()).contrast
     kept = np.ones(N, bool)
     sums = steady_image.by_sums(swayed, _sums_fit(still, covariance=np.zeros((2, 2)), kept=kept)).contrast
-    np.testing.assert_allclose(sums.sway.relative_gain, rows.sway.relative_gain, atol=1e-3)
+    np.testing.assert_allclose(sums.in_sums.relative_gain, rows.in_sums.relative_gain, atol=1e-3)
     np.testing.assert_allclose(sums.projection_dn, rows.projection_dn, atol=0.02)
     kept[[0, 1, N - 1]] = False
     without = steady_image.by_sums(swayed, _sums_fit(still, covariance=np.zeros((2, 2)), kept=kept)).contrast
-    expected = sums.sway.relative_gain.copy()
+    expected = sums.in_sums.relative_gain.copy()
     expected[[0, 1, N - 1]] = expected[[2, 2, N - 2]]
-    np.testing.assert_array_equal(without.sway.relative_gain, expected)
+    np.testing.assert_array_equal(without.in_sums.relative_gain, expected)
 
 
 def test_numbers_that_are_not_independent_are_taken_apart(still):
     """Oracle: U U' is the covariance of gain and offset in any two frames, by hand from that of their amounts."""
     covariance = np.array([[4e-4, 3e-4], [3e-4, 9e-4]])
     fit = _sums_fit(still, covariance=covariance, kept=np.ones(N, bool))
-    sway = steady_image.by_sums(still, fit).contrast.sway
+    sway = steady_image.by_sums(still, fit).contrast.in_sums
     share = float(still.opening.mask.sum()) / float(still.opening.weight.sum())
     gain, offset = fit.levels.gain[:, 0], fit.levels.drift[:, 0] * share
     np.testing.assert_allclose(sway.u_gain @ sway.u_gain[7], 9e-4 * gain * gain[7], atol=1e-12)
@@ -163,11 +167,43 @@ def test_numbers_that_are_not_independent_are_taken_apart(still):
 
 
 def test_without_a_sway_an_image_stays(still, row_fit):
-    """Oracle: the very recording."""
-    assert steady_image.by_rows(still, row_fit(sway=None)) is still
+    """Oracle: the very projection; an even gain, nothing that is not known, and edges as the fit has them."""
+    plain = steady_image.by_rows(still, row_fit(sway=None, contrast_dn=np.full(2, CONTRAST_DN))).contrast
+    np.testing.assert_allclose(plain.projection_dn, still.contrast.projection_dn, atol=1e-9)
+    np.testing.assert_array_equal(plain.model_weight, still.contrast.frame_weight)
+    assert plain.in_sums.u_gain.size == plain.in_sums.u_offset.size == 0
     assert (
         steady_image.by_sums(
             still, replace(_sums_fit(still, covariance=np.zeros((2, 2)), kept=np.ones(N, bool)), levels=None)
         )
         is still
     )
+
+
+@pytest.mark.parametrize("contrast_dn", [-600.0, 600.0])
+@pytest.mark.parametrize("angle", [-0.6, 0.31])
+def test_a_warmer_blade_shows_in_the_image_where_frames_are_missing(camera, brute_rows, row_fit, contrast_dn, angle):
+    """Oracle: a point in the time domain that shows 3 % of the contrast behind the second blade, in every other third of a turn.
+
+    In even orders a blade is half a weaker contrast; where thirds of a turn are visited unevenly, the first order shows too.
+    """
+    share = 0.03
+    theta = np.mod(STEP_RAD * np.arange(N), 2 * np.pi / 3)
+    rows = brute_rows(camera, keep=np.flatnonzero(theta < np.pi / 3), contrast_dn=contrast_dn)
+    kept = rows.trigger_ticks.size
+    fit = row_fit(sway=None, contrast_dn=np.full(1, contrast_dn), kept=np.ones(kept, bool), held={BLADE: share})
+    known, none = (
+        contrast_look.looks(
+            [steady_image.by_rows(rows, replace(fit, held={BLADE: one}))], camera.model, timing=camera.timing
+        )[0]
+        for one in (share, 0.0)
+    )
+    one_blade = replace(camera, edges=(*camera.edges[:2], camera.edges[3], camera.edges[3]))
+    at = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks) + camera.gate_rad - camera.centre_rad - angle
+    seen = camera.seen(at) + share * (one_blade.seen(at) - camera.seen(at))
+    expected = rows.contrast.frame_weight @ seen / (1 - share / 2)
+    assert known.values(np.array(angle)) == pytest.approx(expected, abs=1.5e-3)
+    assert abs(none.values(np.array(angle)) - expected) > 4e-3
+    assert (
+        np.vdot(known.projection, rows.contrast.projection_dn).real * contrast_dn > 0
+    )  # a cold opening is turned over
