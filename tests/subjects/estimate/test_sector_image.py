@@ -105,7 +105,7 @@ def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, bru
 
 
 def test_the_true_numbers_explain_the_image(camera, rows, lag):
-    """Oracle: the frames; contrast -600 DN, turned over, no plate, an even field, and nothing left over beyond a few thousandths."""
+    """Oracle: the frames; a contrast of -600 DN turned over, no plate, an even field, nothing left beyond a few thousandths."""
     (look,) = contrast_look.looks([rows], camera.model, timing=lag)
     found = sector_image.fitted(look, _numbers(camera), view=_view(rows, field_prior=1e-3), u_dn=_along(rows, look))
     assert found.full_dn == pytest.approx(600, rel=1e-3)
