@@ -44,8 +44,7 @@ class Unsteady:
 
     def at(self, light: Array, angle_rad: Array) -> ComplexArray:
         """What it does to pixels of so much light at these angles, of one shape."""
-        shown = _interpolated(self.table, np.ascontiguousarray(angle_rad).ravel()).reshape(angle_rad.shape)
-        return np.asarray(light * shown + self.offset)
+        return np.asarray(light * _between(self.table, angle_rad) + self.offset)
 
 
 @final
@@ -57,8 +56,8 @@ class Look:
     the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
     ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
     another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
-    far as known. ``unsteady`` are the numbers that are not known of the levels, ``swayed`` (k, roi rows, roi columns) is what
-    they do to the image of a sector that is known.
+    far as known. ``unsteady`` are the numbers that are not known of the levels, ``swayed`` is what
+    they do to the image of a sector that is known, each of the region's shape; empty while none is.
     """
 
     projection: ComplexArray
@@ -69,11 +68,11 @@ class Look:
     own_phase: bool = False
     turn_rad: float = 0.0
     unsteady: tuple[Unsteady, ...] = ()
-    swayed: ComplexArray | None = None
+    swayed: tuple[ComplexArray, ...] = ()
 
     def values(self, angle_rad: Array) -> ComplexArray:
         """What a point of light shows at any angle, by linear interpolation; same shape."""
-        return self._between(self.table, angle_rad)
+        return _between(self.table, angle_rad)
 
     def at_nodes(self, angle_rad: Array, *, gap_rad: float) -> ComplexArray:
         """The same for a quadrature whose nodes are that far apart: without waves that it would take for longer ones.
@@ -85,7 +84,7 @@ class Look:
             kept = np.exp(_POWERS / -(highest**_SHARPNESS))
             self._without_waves.clear()
             self._without_waves[gap_rad] = np.fft.ifft(self._spectrum * kept)
-        return self._between(self._without_waves[gap_rad], angle_rad)
+        return _between(self._without_waves[gap_rad], angle_rad)
 
     def smeared(self, angle_rad: Array, *, width_rad: Array) -> ComplexArray:
         """Mean of the table over a Gaussian about any angle, with its standard deviation; all of one shape.
@@ -94,10 +93,6 @@ class Look:
         """
         angles, smooth = np.ascontiguousarray(angle_rad), self._smoothed(width_rad.min(), width_rad.max())
         return np.asarray(_means(smooth, angles.ravel(), width_rad.ravel()).reshape(angles.shape))
-
-    def _between(self, table: ComplexArray, angle_rad: Array) -> ComplexArray:
-        angles = np.ascontiguousarray(angle_rad)
-        return np.asarray(_interpolated(table, angles.ravel()).reshape(angles.shape))
 
     def _smoothed(self, narrowest_rad: float, widest_rad: float) -> ComplexArray:
         """The table smoothed by Gaussians from the narrowest to the widest, shape (70, 16384); those between both are made."""
@@ -121,6 +116,12 @@ class Look:
     @cached_property
     def _spectrum(self) -> ComplexArray:
         return np.asarray(np.fft.fft(self.table))
+
+
+def _between(table: ComplexArray, angle_rad: Array) -> ComplexArray:
+    """Table at any angle, by linear interpolation; of the angles' shape."""
+    angles = np.ascontiguousarray(angle_rad)
+    return np.asarray(_interpolated(table, angles.ravel()).reshape(angles.shape))
 
 
 @njit(cache=True, nogil=True)
@@ -167,23 +168,30 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
     found = list[Look]()
     for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
         group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
-        signs = [-1.0 if one.opening.blackbody_is_colder else 1.0 for one in group]
-        projection = np.sum(
-            [sign * one.contrast_image.projection_dn for sign, one in zip(signs, group, strict=True)], axis=0
-        )
-        points = [_Point.of(one, wheel, timing) for one in group]
+        projection = np.sum([_turned_over(one) for one in group], axis=0)
+        table, unsteady = np.zeros(_TABLE, complex), list[Unsteady]()
+        for one in group:  # a recording's waves are many, and go with it
+            point = _Point.of(one, wheel, timing)
+            table += point.table(point.image.model_weight)
+            unsteady += point.unsteady()
         found.append(
             Look(
                 projection=projection,
                 u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
-                table=np.sum([point.table(point.image.model_weight) for point in points], axis=0),
+                table=table,
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.quantile(np.abs(projection), 0.9)),
                 own_phase=bool(found),
-                unsteady=tuple(one for point in points for one in point.unsteady()),
+                unsteady=tuple(unsteady),
             )
         )
     return found
+
+
+def _turned_over(recording: ReducedRecording) -> ComplexArray:
+    """Its image as a warm opening would show it, shape (roi rows, roi columns)."""
+    projection = recording.contrast_image.projection_dn
+    return -projection if recording.opening.blackbody_is_colder else projection
 
 
 @final

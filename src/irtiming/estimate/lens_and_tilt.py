@@ -12,6 +12,7 @@ import numpy as np
 from irtiming.inference import clustered, weighed_lens
 from irtiming.inference.lens_knowledge import LensKnowledge
 from irtiming.inference.weighed_lens import with_own_following
+from irtiming.physics.covariance import generalised_inverse
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.estimate import Estimate
 from irtiming.records.row_timing import SectorShape
@@ -57,7 +58,7 @@ def settled(word: ImageWord, shape: SectorShape, *, known: LensKnowledge) -> Set
     n_own = word.jacobian.shape[1] - word.n_warp
     plain, gradient = word.jacobian.T @ word.jacobian, -word.jacobian.T @ word.residual
     own = with_own_following(plain, n_own=n_own)
-    best = weighed_lens.inverse(own.beside) @ (gradient[n_own:] + own.follow.T @ gradient[:n_own])
+    best = generalised_inverse(own.beside) @ (gradient[n_own:] + own.follow.T @ gradient[:n_own])
     at_best = np.concatenate([own.covariance @ gradient[:n_own] + own.follow @ best, best])
     held = clustered.normal_matrix(word.jacobian, word.residual + word.jacobian @ at_best, clusters=word.clusters)
     clustered_own = with_own_following(held, n_own=n_own)

@@ -252,7 +252,7 @@ def _rows_fitted(
 def _seen(
     recordings: Sequence[ReducedRecording], members: list[int], *, fits: Sequence[RowTimingFit]
 ) -> list[ReducedRecording]:
-    """Recordings before one blackbody, their images rid of what the round before found in the rows: recursive filter and sway."""
+    """Recordings before one blackbody, with images that know what the round before found in the rows."""
     if not fits:
         return [recordings[k] for k in members]
     return [steady_image.by_rows(frame_steps.unfiltered(recordings[k], fits[k].undone), fits[k]) for k in members]

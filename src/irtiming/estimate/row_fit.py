@@ -16,6 +16,7 @@ from irtiming.inference.one_thread import one_thread
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
+from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import BESIDE, BLADE, RowSum, Timing
 from irtiming.physics.response import in_camera_filter, integration_window
@@ -344,10 +345,10 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, sway
 
 def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array) -> _Scores:
     """Timing and sway together by least squares, each free of the other: ``mixed`` (k, j) and ``own`` (j, j) normal equations."""
-    scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))
-    taken = mixed / scale @ np.linalg.pinv(own / np.outer(scale, scale), rcond=_RANK, hermitian=True) / scale
+    taken = mixed @ generalised_inverse(own, flat=_RANK)
     of_timing = np.linalg.solve(normal, mixed)
     left, gradient = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
+    scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))  # a column that timing takes over is none beside it
     covariance = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) / np.outer(scale, scale)
     return _Scores(
         timing=scores - beside @ taken.T,

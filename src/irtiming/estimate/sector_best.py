@@ -98,7 +98,7 @@ def _clusters(images: Images, numbers: Mapping[str, float], n_residual: int) -> 
     cell = n_good + sector.max() + 1 + row * (column.max() + 1) + column
     alone = np.where(blurred_sector.near_border(shape, roi=view.roi)[view.good], cell[view.good], np.arange(n_good))
     own = np.concatenate([alone, n_good + sector])
-    n_swayed = [0 if look.swayed is None else len(look.swayed) for look in images.seen]
+    n_swayed = [len(look.swayed) for look in images.seen]
     n_field = (n_residual - N_PRIORS - sum(n_swayed)) // len(images.seen) - own.size
     of_images = [np.concatenate([own, np.full(n + n_field, -1)]) for n in n_swayed]
     return np.concatenate([np.full(N_PRIORS, -1), *of_images])

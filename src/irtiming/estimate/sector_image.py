@@ -171,15 +171,15 @@ EXCHANGES = ((0, 1), (1, 1), (0, 2), (1, 2))
 class _Parts:
     """What the sector (complex) and the whole ring would show with a contrast of 1, turned back by each pixel's own phase.
 
-    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast; ``swayed`` (k, roi
-    rows, roi columns) what k numbers that are not known of the camera's levels do, each by its standard uncertainty.
+    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast; ``swayed`` what
+    numbers that are not known of the camera's levels do, each by its standard uncertainty.
     """
 
     lit: ComplexArray
     ring: Array
     seen: ComplexArray
     size: Array
-    swayed: ComplexArray
+    swayed: tuple[ComplexArray, ...]
 
 
 @np.errstate(invalid="ignore", divide="ignore")
@@ -291,12 +291,13 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     size = np.abs(made.point)
     back = made.point.conj() / size
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
+    turned_back = back * np.exp(-1j * own)
     return _Parts(
         lit=sector * back,
         ring=_ring(shape, numbers, radius=made.radius, blur_px=made.along_px) * size,
-        seen=look.projection * back * np.exp(-1j * own),
+        seen=look.projection * turned_back,
         size=size,
-        swayed=np.zeros((0, *size.shape), complex) if look.swayed is None else look.swayed * back * np.exp(-1j * own),
+        swayed=tuple(one * turned_back for one in look.swayed),
     )
 
 

@@ -108,8 +108,7 @@ def _swayed(look: Look, known: SectorFit, *, view: View) -> Look:
     light = np.clip(known.model_contrast, 0, 1)
     shown = [one.at(light, angle) for one in look.unsteady]
     scale = look.full_dn / float(np.abs(look.table).mean())
-    told = [one for one in shown if np.linalg.norm(one) * scale > _HIDDEN * look.u_dn]
-    return replace(look, swayed=np.array(told)) if told else look
+    return replace(look, swayed=tuple(one for one in shown if np.linalg.norm(one) * scale > _HIDDEN * look.u_dn))
 
 
 def numbers_of(found: SectorFit) -> dict[str, float]:

@@ -13,6 +13,7 @@ import numpy as np
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
+from irtiming.physics.covariance import generalised_inverse, root
 from irtiming.physics.latency import EXACT_S, TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
 from irtiming.physics.warp import WARP_NUMBERS
@@ -250,7 +251,7 @@ def residual_errors(fits: Sequence[RecordingFit], covariance_rad2: Array) -> lis
     """
     return [
         _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
-        for k, column in enumerate(_root(covariance_rad2).T)
+        for k, column in enumerate(root(covariance_rad2).T)
     ]
 
 
@@ -294,17 +295,8 @@ def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:
     """Independent errors of the sector's numbers, (n_shape,) each, in standard uncertainties, and who owes them."""
     whole, at = sector.covariance, [k for k, name in enumerate(sector.names) if name in _OF_CAMERA]
     own = whole[np.ix_(at, at)]
-    scale = np.sqrt(np.maximum(np.diag(own), 1e-300))
-    through = whole[:, at] / scale
-    by_camera = through @ np.linalg.pinv(own / np.outer(scale, scale), rcond=1e-10, hermitian=True) @ through.T
+    by_camera = whole[:, at] @ generalised_inverse(own, flat=1e-10) @ whole[at]
     rest = whole - by_camera
     rest[at, :] = rest[:, at] = 0.0
-    parts = ((IMAGE, _root(rest)), (CAMERA, _root(by_camera)))
-    return [(source, error) for source, root in parts for error in root.T if error.any()]
-
-
-def _root(covariance: Array) -> Array:
-    """A matrix whose product with its transpose is this, which may be singular."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-    sizes, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(sizes, 0.0)))
+    parts = ((IMAGE, root(rest)), (CAMERA, root(by_camera)))
+    return [(source, error) for source, errors in parts for error in errors.T if error.any()]

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irtiming.physics.covariance import root
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
@@ -34,7 +35,7 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
     mean_dn = float(contrast_dn.mean())
     relative_gain, offset, columns = contrast_dn / mean_dn, np.zeros(n_frames), np.zeros((2, n_frames, 0))
     if sway is not None:
-        n, u = sway.offset_amounts.size, _root(sway.covariance)
+        n, u = sway.offset_amounts.size, root(sway.covariance)
         relative_gain, offset = relative_gain * sway.relative_gain, sway.offset_change
         columns = np.array([sway.gains @ u[n:], sway.offsets @ u[:n]])
     found = FoundInSums(
@@ -62,23 +63,19 @@ def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
     if levels is None:
         return recording
     fitted = np.flatnonzero(fit.kept)
-
-    def every(curves: Array) -> Array:
-        """Curves of all frames, (n, k) or (n,), from those of the frames that were fitted."""
-        return curves[fitted[np.abs(np.arange(curves.shape[0])[:, None] - fitted).argmin(axis=1)]]
-
-    n, u = levels.drift.shape[1], _root(levels.covariance)
+    nearest = fitted[np.searchsorted((fitted[1:] + fitted[:-1]) / 2, np.arange(fit.kept.size))]
+    n, u = levels.drift.shape[1], root(levels.covariance)
     mask, pixels = (float(one.sum()) for one in (recording.opening.mask, recording.opening.weight))
     found = FoundInSums(
         edges_late_rad=fit.angular_frequency_rad_per_s * np.array([fit.estimate.value(name) for name in EDGE_DELAYS]),
         blade_share=fit.blades,
-        relative_gain=every(levels.relative_gain),
-        u_gain=every(levels.gain) @ u[n:],
-        u_offset=every(levels.drift) @ u[:n] * (mask / pixels),  # an offset is alike in all pixels that are summed
+        relative_gain=levels.relative_gain[nearest],
+        u_gain=levels.gain[nearest] @ u[n:],
+        u_offset=levels.drift[nearest] @ u[:n] * (mask / pixels),  # an offset is alike in all pixels that are summed
     )
     covered_dn = _opening_dn(recording) - levels.step_dn / mask * float(fit.fraction.mean())
     return _known(
-        recording, found, offset_dn=every(levels.relative_offset) * levels.step_dn / pixels, covered_dn=covered_dn
+        recording, found, offset_dn=levels.relative_offset[nearest] * levels.step_dn / pixels, covered_dn=covered_dn
     )
 
 
@@ -96,9 +93,3 @@ def _opening_dn(recording: ReducedRecording) -> float:
     opening = recording.opening
     box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
     return float(recording.pixel_maps["mean_dn"][opening.mask[box]].mean())
-
-
-def _root(covariance: Array) -> Array:
-    """U with U U' = covariance, (n, n), whatever its rank."""
-    variance, axes = np.linalg.eigh(covariance)
-    return np.asarray(axes * np.sqrt(np.maximum(variance, 0.0)))

@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 
 from irtiming.physics import smooth_curve
+from irtiming.physics.covariance import generalised_inverse
 from irtiming.records.arrays import Array
 
 NONE = -1
@@ -44,10 +45,10 @@ class Levels:
         Shape (n,); the offset less its mean, and the gain over its mean, as fitted.
     contrast
         The gain's mean.
-    covariance
-        Shape (k + l, k + l); of the numbers of offset and gain, over the contrast.
-    weight
-        Shape (n,); Huber weights at the end.
+    design, weight
+        Shapes (n, m) and (n,); what was fitted, columns of constants, F, offset, gain and shapes, and Huber weights at the end.
+    u_value
+        Standard deviation of a value, over the contrast.
     criterion
         Bayesian information criterion, less is better; the constant of proportionality is that of the values.
     """
@@ -58,14 +59,22 @@ class Levels:
     offset_change: Array
     relative_gain: Array
     contrast: float
-    covariance: Array
+    design: Array
     weight: Array
+    u_value: float
     criterion: float
 
     @property
     def n_numbers(self) -> int:
         """Beside a constant offset and a constant gain."""
         return self.drift.shape[1] + self.gain.shape[1]
+
+    @property
+    def covariance(self) -> Array:
+        """Of the numbers of offset and gain, over the contrast, shape (k + l, k + l)."""
+        normal = np.einsum("ij,i,ik->jk", self.design, self.weight, self.design)
+        own = slice(2, 2 + self.n_numbers)
+        return np.asarray(generalised_inverse(normal)[own, own] * self.u_value**2)
 
 
 def choose(values: Array, moving: Array, *, shapes: Array, place: Array, shortest: int = 60) -> Levels:
@@ -160,9 +169,9 @@ class _Fixed:
             offset_change=drift @ amounts[2:n_drift],
             relative_gain=1 + gain @ amounts[n_drift : n_drift + gain.shape[1]] / amounts[1],
             contrast=float(amounts[1]),
-            covariance=_inverse(design, weight)[2 : n_drift + gain.shape[1], 2 : n_drift + gain.shape[1]]
-            * (deviance / max(n - size_of_model, 1) / amounts[1] ** 2),
+            design=design,
             weight=weight,
+            u_value=float(np.sqrt(deviance / max(n - size_of_model, 1)) / abs(amounts[1])),
             criterion=float(criterion),
         )
 
@@ -184,14 +193,6 @@ class _Fixed:
             near[max(0, at - _LEAST_STRETCH) : at + _LEAST_STRETCH] = True
         best[near] = 0.0
         return int(np.argmax(best)) if best.any() else None
-
-
-def _inverse(design: Array, weight: Array) -> Array:
-    """Of the normal equations' matrix, whatever its rank."""
-    scale = np.sqrt(np.einsum("ij,i,ij->j", design, weight, design))
-    scaled = design / np.where(scale > 0, scale, 1.0)
-    normal = np.linalg.pinv(np.einsum("ij,i,ik->jk", scaled, weight, scaled), rcond=1e-12, hermitian=True)
-    return np.asarray(normal / np.outer(scale, scale))
 
 
 def _centred(columns: Array) -> Array:

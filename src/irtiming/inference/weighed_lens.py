@@ -19,6 +19,7 @@ import numpy as np
 from irtiming.inference import tempered
 from irtiming.inference.lens_knowledge import CAMERA_NUMBERS, LensKnowledge
 from irtiming.physics import blurred_sector, lens
+from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.lens import Lens
 from irtiming.physics.projection import Projection, projection_of
 from irtiming.physics.warp import displacements
@@ -31,7 +32,6 @@ SLIGHT = ("distortion", "keystone_row", "keystone_column", "log_focal_length", "
 
 _RADIAL, _AROUND = 5, 7  # places in the sector: a cubic needs no more
 _UNEVEN = 3e-4  # of half a diagonal: what no such lens keeps to; OpenCV's tangential terms are as large
-_FLAT = 1e-11  # of the largest: sizes of axes along which an image says nothing
 
 
 @final
@@ -96,18 +96,10 @@ def weighed(best: Array, beside: Array, *, shape: SectorShape, known: LensKnowle
 
 def with_own_following(normal: Array, *, n_own: int) -> OwnNumbers:
     """A normal matrix, shape (n_own + n_warp, n_own + n_warp), parted; along some axes of the first it may say nothing."""
-    covariance = inverse(normal[:n_own, :n_own])
+    covariance = generalised_inverse(normal[:n_own, :n_own])
     follow = -covariance @ normal[:n_own, n_own:]
     return OwnNumbers(
         follow=follow, covariance=covariance, beside=normal[n_own:, n_own:] + normal[n_own:, :n_own] @ follow
-    )
-
-
-def inverse(normal: Array) -> Array:
-    """Of a normal matrix, shape (n, n), which may say nothing along some axes: there it is zero."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    return np.asarray(
-        np.linalg.pinv(normal / np.outer(scale, scale), rcond=_FLAT, hermitian=True) / np.outer(scale, scale)
     )
 
 

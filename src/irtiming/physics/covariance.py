@@ -4,6 +4,9 @@ import numpy as np
 
 from irtiming.records.arrays import Array
 
+FLAT = 1e-11
+"""Of the largest: sizes of axes along which a normal matrix says nothing."""
+
 
 def inverse(symmetric: Array) -> Array:
     """Inverse of a positive matrix whose rows have different units: scaled to a diagonal of ones first.
@@ -19,6 +22,42 @@ def inverse(symmetric: Array) -> Array:
     """
     scale = np.sqrt(np.diag(symmetric))
     return np.asarray(np.linalg.inv(symmetric / np.outer(scale, scale)) / np.outer(scale, scale), dtype=float)
+
+
+def generalised_inverse(symmetric: Array, *, flat: float = FLAT) -> Array:
+    """The same of a matrix that may say nothing along some axes: there it is zero.
+
+    Parameters
+    ----------
+    symmetric
+        Shape (n, n); a row and column may be zero.
+    flat
+        Size of such axes, over the largest.
+
+    Returns
+    -------
+    Shape (n, n).
+    """
+    scale = np.sqrt(np.maximum(np.diag(symmetric), 1e-300))
+    units = np.outer(scale, scale)
+    return np.asarray(np.linalg.pinv(symmetric / units, rcond=flat, hermitian=True) / units)
+
+
+def root(covariance: Array) -> Array:
+    """A matrix whose product with its transpose is this, which may be singular.
+
+    Parameters
+    ----------
+    covariance
+        Shape (n, n).
+
+    Returns
+    -------
+    Shape (n, n).
+    """
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    sizes, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(sizes, 0.0)))
 
 
 def hac_covariance(scores: Array, *, n_neighbours: int, is_circular: bool) -> Array:

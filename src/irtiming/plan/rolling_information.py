@@ -21,6 +21,7 @@ from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.inference.lens_knowledge import LensKnowledge
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
+from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import pixel_waves, row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.warp import WARP_NUMBERS
@@ -194,7 +195,7 @@ def one_run(run: RollingRun, *, model: WheelModel, angles: AngleErrors, image: I
     design[:, first_edge + 4 :] = effect @ _root(image.stays)
     matrix = design.T @ normal @ design
     shape = slice(n_own, n_own + n_shape)
-    matrix[shape, shape] += weighed_lens.inverse(image.noise + _LEAST * np.diag(np.diag(image.noise + image.stays)))
+    matrix[shape, shape] += generalised_inverse(image.noise + _LEAST * np.diag(np.diag(image.noise + image.stays)))
     sources = (*(source for source, _ in angles.common), *[EDGES] * 4, *[IMAGE] * n_shape)
     return run_information((*timing_names(run), *_SHAPE), sources, matrix=matrix)
 
@@ -360,7 +361,7 @@ def image_errors(
     normal, of_noise = _normal_and_noise(image, runs[0].camera, noise=noise.pooled)
     prior = np.zeros_like(normal)
     prior[-n_warp:, -n_warp:] = lens
-    inverse = weighed_lens.inverse(normal + prior)
+    inverse = generalised_inverse(normal + prior)
     own = np.r_[: len(_OPENING), len(normal) - n_warp : len(normal)]
     by_noise, stays = ((inverse @ part @ inverse)[np.ix_(own, own)] for part in (of_noise, normal - of_noise + prior))
     return [ImageErrors(noise=by_noise * (one / noise.pooled) ** 2, stays=stays) for one in noise.of_runs]

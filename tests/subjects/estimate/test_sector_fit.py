@@ -252,7 +252,7 @@ def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, 
     assert found.shape.blur_of_axes_px[1] ** 2 - camera.shape.blur_of_axes_px[1] ** 2 == pytest.approx(0.1, rel=0.3)
 
 
-def test_a_gain_that_is_not_quite_known_does_not_move_the_axle(plain, camera, lag, brute_rows, brute_frames, rig_with):
+def test_a_gain_that_is_not_quite_known_does_not_move_the_axle(camera, lag, brute_rows, brute_frames, rig_with):
     """Oracle: the sector of even levels; the gain goes as the wheel's fourth order, 2 u off what is known of it."""
     rows = brute_rows(camera, noise_dn=0.5, seed=3)
     wave = np.cos(4 * camera.omega * 0.033 * np.arange(400) + 1.0)
@@ -327,7 +327,7 @@ def test_phases_of_a_sector_err_together(camera):
     roi, shape = (10, 26, 20, 44), camera.shape
     good = np.ones((16, 24), bool)
     view = SimpleNamespace(good=good, roi=roi, shape=lambda _: shape)
-    images = SimpleNamespace(view=view, seen=2 * [SimpleNamespace(swayed=None)])
+    images = SimpleNamespace(view=view, seen=2 * [SimpleNamespace(swayed=())])
     n, first = good.size, sector_best.N_PRIORS
     found = sector_best._clusters(images, {}, first + 2 * 2 * n)
     assert np.all(found[:first] == -1)
