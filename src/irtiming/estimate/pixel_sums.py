@@ -278,6 +278,7 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
         made.fraction,
         shapes=made.small,
         place=(ticks - ticks[0]) / max(1, int(np.ptp(ticks))),
+        beside=True,
     )
     is_straight = found.n_numbers == 1 and given.levels.n_numbers == 1
     drift, gain = np.zeros((n_frames, found.drift.shape[1])), np.zeros((n_frames, found.gain.shape[1]))

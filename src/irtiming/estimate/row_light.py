@@ -51,11 +51,6 @@ class RowLight:
         beside = np.asarray(self.before - self.harmonics)
         return beside if np.abs(beside[:, 0]).sum() > _LEAST_LIGHT_PX2 else None
 
-    @property
-    def pixels(self) -> Array:
-        """How many pixels each row has in which the wheel turns, px^2, shape (n_row,)."""
-        return np.asarray(self.before[:, 0].real, dtype=float)
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -50,7 +50,7 @@ def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: A
             place = trigger_ticks / max(1, int(np.ptp(trigger_ticks[kept])))
             place = place - place[kept][0]
             found = drifting_levels.choose(
-                measured[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept]
+                measured[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept], beside=True
             )
             offsets.append(_over_all(found.drift, place, kept=kept, part=part))
             gains.append(_over_all(found.gain, place, kept=kept, part=part))

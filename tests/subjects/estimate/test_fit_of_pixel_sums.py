@@ -143,7 +143,7 @@ def _second_blade(theta):
 def test_a_warmer_blade_and_levels_that_sway_and_jump_leave_the_delay(recording):
     """Oracle: the delay that made the sums; a blade 1.2 % of the step warmer, offset and gain that sway by 3 % and jump once.
 
-    In units of its uncertainty, which is that of the noise alone to a few per cent.
+    In units of its uncertainty, which is that of the noise alone and a third more for the numbers of the curves.
     """
     t = (_triggers() - START) / CLOCK_HZ
     moments = t[:, None] + DELAY + WINDOW * (np.arange(300) + 0.5) / 300
@@ -154,7 +154,8 @@ def test_a_warmer_blade_and_levels_that_sway_and_jump_leave_the_delay(recording)
     plain, fit = (pixel_sums.fit(recording(share + noise), _model()) for share in (_sums(), swaying))
     u = np.sqrt(np.diag(fit.covariance_s2))
     assert np.all(np.abs(fit.edge_delay_s - DELAY) < 3 * u)
-    np.testing.assert_allclose(u, np.sqrt(np.diag(plain.covariance_s2)), rtol=0.1)
+    of_noise = np.sqrt(np.diag(plain.covariance_s2))
+    assert np.all((of_noise < u) & (u < 1.4 * of_noise))
     assert np.abs(np.array(fit.levels.jumps) - 600).min() < 3
     assert fit.blades == pytest.approx(0.012 / 0.994, abs=4 * fit.u_blades)
     assert fit.u_blades < 3e-5

@@ -325,16 +325,19 @@ def test_a_sway_is_told_from_the_wheel_where_frames_visit_its_angles_slowly(
     """Oracle: the camera's numbers; a quarter turn and a little from frame to frame, so that they go round once in the run.
 
     A sway of 2 % within the run then looks like the wheel: the first fit, which knows nothing of it, is far off. A gain moves the
-    rows' own levels as well, here by a share of their light that is another one in each row.
+    rows' own levels as well, here by a share of their light that is another one in each row; an offset is in all pixels that
+    are summed, the wheel before them or not, which are more in the upper rows.
     """
     camera = brute_bolometer(edge_delay_s=(2.31e-3, 2.29e-3, 2.3e-3, 2.32e-3), rate_hz=(0.25 + 1 / 400) / 0.033)
     truth = np.array([*camera.edge_delay_s, camera.time_constant_s])
     light = row_light.row_light(brute_rows(camera).rows.row_px, sector_of(camera), n_harmonics=HARMONICS)
     rows = brute_rows(camera)
+    summed = rows.opening.summed.copy()
+    summed[rows.rows.row_px[:12]] = True
+    rows = replace(rows, opening=replace(rows.opening, summed=summed))
     clean, time = rows.rows.row_sum_dn, np.arange(400) / 400
     gain, offset = 1 + 0.02 * np.sin(8 * time), 600 * 0.01 * np.cos(9 * time)
-    pixels = np.zeros(clean.shape[1])
-    pixels[light.is_lit] = light.pixels
+    pixels = summed[rows.rows.row_px].sum(axis=1)
     level = level_share * np.random.default_rng(4).standard_normal(clean.shape[1]) * np.ptp(clean, axis=0)
     swayed = gain[:, None] * (clean - clean.mean(axis=0) + level) + clean.mean(axis=0) + offset[:, None] * pixels
     rows = _noisy(replace(rows, rows=replace(rows.rows, row_sum_dn=swayed)), _white(20.0), seed=2)

@@ -60,14 +60,16 @@ def test_wild_values_bend_nothing():
 
 
 def test_the_covariance_of_the_amounts_is_their_scatter():
-    """Oracle: 400 draws of the noise about a line and a wave of the offset, and of the gain."""
+    """Oracle: 800 draws of the noise about a line of the offset and a parabola of the gain, cubics both."""
     line = PLACE - PLACE.mean()
-    columns = np.stack([line, WAVE - WAVE.mean()], axis=1)
     random, found = np.random.default_rng(5), []
-    for _ in range(400):
-        values = 0.2 + 3 * (0.01 * line + (1 + 0.02 * columns[:, 1]) * MOVING) + random.normal(0, NOISE, N)
+    for _ in range(800):
+        values = (
+            0.2 + 3 * (0.01 * line + (1 + 0.02 * (line**2 - np.mean(line**2))) * MOVING) + random.normal(0, NOISE, N)
+        )
         given = drifting_levels._Fixed(values=values, moving=MOVING, shapes=np.zeros((N, 0)), place=PLACE)
-        found.append(given._fitted(columns, columns, jumps=[]))
+        found.append(given.fitted(1, 1, jumps=()))
+    columns = found[0].drift
     offsets, gains = (
         np.array([np.linalg.lstsq(columns, one, rcond=None)[0] for one in curves])
         for curves in ([one.offset_change / one.contrast for one in found], [one.relative_gain - 1 for one in found])
@@ -77,3 +79,30 @@ def test_the_covariance_of_the_amounts_is_their_scatter():
     np.testing.assert_allclose(np.sqrt(np.diag(stated)), np.sqrt(np.diag(scatter)), rtol=0.12)
     u = np.sqrt(np.diag(scatter))
     np.testing.assert_allclose(stated / np.outer(u, u), scatter / np.outer(u, u), atol=0.15)
+
+
+def test_curves_that_stand_beside_a_result_leave_it_its_uncertainty():
+    """Oracle: a law: were the curves of the levels true, errors of what looks like a drift, over their u, would scatter by 1.
+
+    Levels are four random waves of 1 % at a noise of 0.03 %. With the curves that the criterion takes errors scatter by 2 u.
+    """
+    place, draws = np.arange(400) / 400, range(40)
+    moving = (np.sin(2 * np.pi * 41.3 * place) > 0).astype(float)
+    sought = np.cos(2 * np.pi * 2.6 * place + 1) * moving
+
+    def error_over_u(seed, *, beside):
+        random = np.random.default_rng(seed)
+        periods, heights = 0.3 * 10 ** random.uniform(0, 1, 4), random.standard_normal(4)
+        offset, gain = np.sin(2 * np.pi * (place[:, None] / periods + random.random((2, 1, 4)))) @ (periods * heights)
+        values = (
+            (1 + 0.01 * gain / np.ptp(gain)) * moving + 0.01 * offset / np.ptp(offset) + random.normal(0, 3e-4, 400)
+        )
+        found = drifting_levels.choose(values, moving, shapes=np.zeros((400, 0)), place=place, beside=beside)
+        design = np.column_stack([sought, np.ones(400), moving, found.drift, found.gain * moving[:, None]])
+        amounts = np.linalg.lstsq(design, values, rcond=None)[0]
+        variance = np.sum((values - design @ amounts) ** 2) / (400 - design.shape[1])
+        return amounts[0] / np.sqrt(np.linalg.pinv(design.T @ design)[0, 0] * variance)
+
+    beside, best = (np.sqrt(np.mean([error_over_u(seed, beside=one) ** 2 for seed in draws])) for one in (True, False))
+    assert 0.75 < beside < 1.25
+    assert best > 1.5
