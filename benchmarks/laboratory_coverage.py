@@ -8,6 +8,7 @@ interrupted goes on where it stopped, and more laboratories are added to those t
     .venv/bin/python benchmarks/laboratory_coverage.py --rigs 200 --camera microbolometer --speeds 2,3,5,8 --out bolo4.jsonl
     .venv/bin/python benchmarks/laboratory_coverage.py --rigs 40 --camera microbolometer --only filter --out filter.jsonl
     .venv/bin/python benchmarks/laboratory_coverage.py --rigs 40 --camera photon --only each --out alone.jsonl
+    .venv/bin/python benchmarks/laboratory_coverage.py --rigs 60 --camera microbolometer --lens pincushion --out pincushion.jsonl
 
 A laboratory is wrong without a word where a parameter is more than 4 u off and no finding is a doubt.
 """
@@ -30,7 +31,7 @@ from irtiming.twin import rig as rigs
 from irtiming.twin.random_laboratory import Wanted, draw, groups, recordings
 
 FAR_OFF = 4.0
-KEY = ("camera", "readout", "rows", "columns", "frames", "wheel_hz", "only", "seed")
+KEY = ("camera", "readout", "rows", "columns", "frames", "wheel_hz", "only", "lens", "seed")
 """What makes a laboratory another one."""
 
 
@@ -65,7 +66,8 @@ def one_rig(wanted: Wanted, seed: int) -> dict[str, object]:
 
 
 def key_of(line: dict[str, object]) -> str:
-    return json.dumps([line[name] for name in KEY])
+    """Of a laboratory; lines of before there were other lenses are of barrels."""
+    return json.dumps([line.get(name, "barrel" if name == "lens" else None) for name in KEY])
 
 
 def is_silently_wrong(line: dict[str, object]) -> bool:
@@ -121,7 +123,7 @@ def wanted_of(options: argparse.Namespace) -> list[Wanted]:
     rates = tuple(float(text) for text in options.speeds.split(","))
     return [
         Wanted(camera=options.camera, readout=options.readout, rows=options.rows, columns=options.columns,
-               frames=options.frames, wheel_hz=rates, only=one)
+               frames=options.frames, wheel_hz=rates, only=one, lens=options.lens)
         for one in only
     ]  # fmt: skip
 
@@ -156,6 +158,7 @@ def main() -> None:
     parser.add_argument(
         "--only", help="one defect alone, or none, or 'each' for one after the other; all at once if not given"
     )
+    parser.add_argument("--lens", choices=("barrel", "pincushion"), default="barrel", help="how lenses distort")
     parser.add_argument("--rigs", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0, help="of the first rig")
     parser.add_argument("--rows", type=int, default=120)
@@ -172,7 +175,7 @@ def main() -> None:
         defects = "all defects at once" if wanted.only is None else f"defect: {wanted.only}"
         print(
             f"\n{options.rigs} laboratories, {options.camera}, {options.speeds} Hz, {options.columns} x {options.rows} pixels, "
-            f"{options.frames} frames each, {defects}\n",
+            f"{options.frames} frames each, {options.lens} lenses, {defects}\n",
             flush=True,
         )
         print(table(tried(wanted, options, before)), flush=True)

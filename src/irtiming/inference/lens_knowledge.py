@@ -85,6 +85,11 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
         Of rig.toml.
     image
         Rows and columns of the whole image.
+
+    Raises
+    ------
+    GeometryError
+        If no lens that shows the whole image has the distortion that is stated.
     """
     unit, calibration = math.hypot(*image) / 2, camera.calibration
     if calibration is not None:
@@ -138,7 +143,15 @@ def _as_stated(camera: CameraOptics, *, image: tuple[int, ...]) -> Measured:
 def _in_half_diagonals(calibration: LensCalibration, unit: float) -> Measured:
     """k_1 of lengths over the focal length, for lengths over half a diagonal."""
     first, scale = calibration.coefficients[0], (unit / calibration.focal_length_px[0].value) ** 2
-    return Measured(first.value * scale, first.standard_uncertainty * scale)
+    k = Measured(first.value * scale, first.standard_uncertainty * scale)
+    if not lens.LOWEST <= k.value <= lens.HIGHEST:
+        raise GeometryError(
+            f"[camera] distortion_coefficients begin with {first.value:g}, at a focal length of "
+            f"{calibration.focal_length_px[0].value:g} px k1 must be from {lens.LOWEST / scale:.3f} to {lens.HIGHEST / scale:.3f}, "
+            "or the corners of the image have no place in the scene; check that camera_matrix and coefficients are of this "
+            "lens, in OpenCV's order, and region_origin_px of this image"
+        )
+    return k
 
 
 def _terms(calibration: LensCalibration, unit: float) -> LensTerms:

@@ -52,7 +52,8 @@ _ROW_S = (30e-6, 100e-6)
 class Wanted:
     """A kind of laboratory: camera, image, frames of each recording, one at each wheel rate, and the defect that is alone there.
 
-    ``only`` is None where all defects come at once.
+    ``only`` is None where all defects come at once; a lens shows the image's corners too near to the middle, as a barrel, or
+    too far from it.
     """
 
     camera: CameraType = "photon"
@@ -62,6 +63,7 @@ class Wanted:
     frames: int = 500
     wheel_hz: tuple[float, ...] = (3.0,)
     only: Group | None = None
+    lens: Literal["barrel", "pincushion"] = "barrel"
 
 
 def groups(camera: CameraType) -> tuple[Group, ...]:
@@ -90,6 +92,8 @@ def draw(wanted: Wanted, *, seed: int) -> SimulatedRig:
     timed = Tolerances(trigger_delay_s=0.0, bolometer_delay_s=0.0, time_constant_s=0.0, row_delay_s=0.0)
     rig = rigs.draw(_nominal(wanted, seed), seed=seed, tolerances=timed)
     defects = draw_defects(rig.scene, seed=seed, always=wanted.only is not None)
+    if wanted.lens == "pincushion" and defects.distortion is not None:
+        defects = replace(defects, distortion=-defects.distortion)
     if wanted.only is None or wanted.only == "shutter":
         rig = replace(rig, scene=with_self_correction(rig.scene, seed=seed, always=wanted.only is not None))
     if wanted.only is not None:

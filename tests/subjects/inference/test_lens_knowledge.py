@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from irtiming.errors import GeometryError
 from irtiming.inference import lens_knowledge
 from irtiming.records.rig import CameraOptics, LensCalibration, Measured
 
@@ -40,6 +41,24 @@ def test_a_calibration_counts_lengths_over_its_focal_length():
     assert (found.terms.tangential_row, found.terms.tangential_column) == (pytest.approx(0.001), pytest.approx(-0.002))
     assert found.terms.row_stretch == pytest.approx(1.02)
     assert found.known["lens_row_px"] == Measured(0.0, 0.0)
+
+
+@pytest.mark.parametrize(("first", "refused"), [(-0.55, False), (-0.57, True), (1.99, False), (2.01, True)])
+def test_a_calibration_of_no_lens_is_refused_with_what_k1_must_be(first, refused):
+    """Oracle: by hand; a barrel's corners have no place below k = -4/27; refused below -0.14, which is k1 = -0.56 here."""
+    calibration = LensCalibration(
+        focal_length_px=(Measured(500.0), Measured(500.0)),
+        centre_px=(Measured(199.5), Measured(149.5)),
+        coefficients=(Measured(first, 0.04), 0.0, 0.0, 0.0, 0.0),
+    )
+    if not refused:
+        assert (
+            lens_knowledge.knowledge(CameraOptics(calibration=calibration), image=_IMAGE).start["distortion"]
+            == first / 4
+        )
+        return
+    with pytest.raises(GeometryError, match=rf"begin with {first}, .* from -0\.560 to 2\.000.*region_origin_px"):
+        lens_knowledge.knowledge(CameraOptics(calibration=calibration), image=_IMAGE)
 
 
 def test_what_is_not_stated_is_as_wide_as_lenses_are():

@@ -101,6 +101,14 @@ def test_a_defect_comes_alone(camera: str) -> None:
         assert bool(moved) == (group not in ("none", "shutter")), group
 
 
+def test_a_pincushion_is_the_same_laboratory_with_the_other_distortion() -> None:
+    """Oracle: every other defect is equal; r_d = r_u (1 + k r_u^2) shows corners further out where k > 0."""
+    kind = Wanted(camera="microbolometer", **_SMALL)
+    barrel, pincushion = (defects_of(draw(replace(kind, lens=lens), seed=1).scene) for lens in ("barrel", "pincushion"))
+    assert barrel.distortion < 0
+    assert pincushion == replace(barrel, distortion=-barrel.distortion)
+
+
 def test_a_laboratory_is_recorded_at_each_speed() -> None:
     """Oracle: names, rates and frames; the same seed gives the same frames, another seed others."""
     kind = Wanted(camera="microbolometer", wheel_hz=(3.0, 5.0), **_SMALL)
