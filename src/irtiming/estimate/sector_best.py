@@ -59,8 +59,6 @@ def searched(
     )
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
     sector_limits.check(numbers, images.name)
-    if "distortion" in free:
-        sector_limits.check_lens(numbers, images.lens.start, name=images.name, columns=images.view.image[1])
     clusters = _clusters(images, numbers, residual.size)
     return Best(
         numbers=numbers,

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from irtiming.estimate import sector_best, sector_image, sector_images, sector_weighed
+from irtiming.estimate import sector_best, sector_image, sector_images, sector_limits, sector_weighed
 from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
 from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import SeenContrast, View
@@ -40,6 +40,7 @@ _FEWEST_PIXELS = 30
 _BORDER = 0.35  # about half of full contrast
 _ODD = 10  # times the standard deviation
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
+_STARTS = 3  # fits: seen with timing and noise that are not known yet, an image may look like any lens
 _LINEAR, _MOST_WEIGHINGS = 4.0, 4  # sum of squares by which an image may be bent; searches anew
 
 
@@ -47,7 +48,7 @@ def fit(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit | None = None,
     slopes: Slopes | None = None,
 ) -> SectorFit:  # fmt: skip
-    """Sector fitted to the contrast images of all recordings.
+    """Sector fitted to the contrast images of all recordings; the first fits are but starts, for which any lens will do.
 
     Parameters
     ----------
@@ -70,7 +71,10 @@ def fit(
         If the image shows no sector.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _as_it_is(images, _from(images, start, held=_held(recordings[0]), slopes=slopes), start=start)
+    best = _from(images, start, held=_held(recordings[0]), slopes=slopes)
+    if start is not None and start.n_rounds >= _STARTS:
+        _check_lens(images, best)
+    return _as_it_is(images, best, start=start)
 
 
 def settled(
@@ -84,6 +88,7 @@ def settled(
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     held = _held(recordings[0])
     best = _from(images, start, held=held, slopes=slopes)
+    _check_lens(images, best)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
@@ -118,6 +123,11 @@ def _from(images: Images, start: SectorFit | None, *, held: tuple[str, ...], slo
         return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0, slopes=slopes)
     begin = numbers_of(start)
     return sector_best.searched(images, begin=begin, held=held, n_before=start.n_rounds, slopes=slopes)
+
+
+def _check_lens(images: Images, best: Best) -> None:
+    if "distortion" in best.free:
+        sector_limits.check_lens(best.numbers, images.lens.start, name=images.name, columns=images.view.image[1])
 
 
 def _first_guess(images: Images) -> dict[str, float]:

@@ -145,11 +145,12 @@ def _in_half_diagonals(calibration: LensCalibration, unit: float) -> Measured:
     first, scale = calibration.coefficients[0], (unit / calibration.focal_length_px[0].value) ** 2
     k = Measured(first.value * scale, first.standard_uncertainty * scale)
     if not lens.LOWEST <= k.value <= lens.HIGHEST:
+        lowest, highest = lens.LOWEST / scale, lens.HIGHEST / scale
         raise GeometryError(
             f"[camera] distortion_coefficients begin with {first.value:g}, at a focal length of "
-            f"{calibration.focal_length_px[0].value:g} px k1 must be from {lens.LOWEST / scale:.3f} to {lens.HIGHEST / scale:.3f}, "
-            "or the corners of the image have no place in the scene; check that camera_matrix and coefficients are of this "
-            "lens, in OpenCV's order, and region_origin_px of this image"
+            f"{calibration.focal_length_px[0].value:g} px k1 must be from {lowest:.3f} to {highest:.3f}, "
+            "or corners of the image have no place in the scene; check that camera_matrix and coefficients are of this "
+            "lens, in the order of OpenCV, and region_origin_px of this image"
         )
     return k
 
