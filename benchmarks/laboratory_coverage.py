@@ -67,7 +67,8 @@ def one_rig(wanted: Wanted, seed: int) -> dict[str, object]:
 
 def key_of(line: dict[str, object]) -> str:
     """Of a laboratory; lines of before there were other lenses are of barrels."""
-    return json.dumps([line.get(name, "barrel" if name == "lens" else None) for name in KEY])
+    whole = {"lens": "barrel"} | line
+    return json.dumps([whole[name] for name in KEY])
 
 
 def is_silently_wrong(line: dict[str, object]) -> bool:

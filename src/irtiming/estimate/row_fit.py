@@ -211,7 +211,7 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
         return None
     undone, sway = _to_undo(start), start.sway
     if (undone > 0) == (start.undone > 0):
-        per_light = _pixels(rows, light) / light.harmonics[:, 0].real
+        per_light = rows.opening.n_summed(light.row_px) / light.harmonics[:, 0].real
         pixels = np.interp(start.row_px, light.row_px, per_light)  # lit rows may have changed
         sway = row_sway.chosen(start, trigger_ticks=rows.trigger_ticks, segment=rows.segment, pixels=pixels)
     apart = start.blades_apart or _is_beyond_doubt(start, BLADE)
@@ -244,10 +244,11 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         undone=undone,
     )
     sway = None if before is None else before.sway
+    pixels = rows.opening.n_summed(light.row_px)  # the wheel before them or not: an offset that sways is in all
     if before is not None and sway is not None:
         waves = harmonic_data.basis(angle, n_harmonics=model.n_harmonics)
         expected = (packed(row_sum.harmonics(model, before.timing)) @ waves).T
-        sums = row_sway.steadied(sums, expected, sway=sway.of(kept), pixels=_pixels(rows, light), stretches=stretches)
+        sums = row_sway.steadied(sums, expected, sway=sway.of(kept), pixels=pixels, stretches=stretches)
     window_s = rows.integration_time_s if _WINDOW in model.names else None
     return _Task(
         kept=kept,
@@ -257,15 +258,10 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         stretches=stretches,
         data=[harmonic_data.compress(angle[part], sums[part], n_harmonics=model.n_harmonics) for part in stretches],
         model=model,
-        pixels=_pixels(rows, light),
+        pixels=pixels,
         stated={} if window_s is None else {_WINDOW: window_s},
         signs=(-1 if rows.opening.blackbody_is_colder else 1,),
     )
-
-
-def _pixels(rows: ReducedRecording, light: RowLight) -> Array:
-    """How many pixels are summed in each row, the wheel before them or not: an offset that sways is in all, shape (n_row,)."""
-    return np.count_nonzero(rows.opening.summed[light.row_px], axis=1).astype(float)
 
 
 def _residuals(task: _Task, found: Solution, model: Array) -> tuple[Array, Array]:

@@ -71,9 +71,8 @@ def fit(
         If the image shows no sector.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    best = _from(images, start, held=_held(recordings[0]), slopes=slopes)
-    if start is not None and start.n_rounds >= _STARTS:
-        _check_lens(images, best)
+    is_first = start is None or start.n_rounds < _STARTS
+    best = _from(images, start, held=_held(recordings[0]), slopes=slopes, is_first=is_first)
     return _as_it_is(images, best, start=start)
 
 
@@ -88,7 +87,6 @@ def settled(
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     held = _held(recordings[0])
     best = _from(images, start, held=held, slopes=slopes)
-    _check_lens(images, best)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
@@ -116,18 +114,20 @@ def _held(recording: ReducedRecording) -> tuple[str, ...]:
     return () if camera(recording.camera_type, recording.readout_mode).readout.PARAMETERS else ("row_delay_s",)
 
 
-def _from(images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None) -> Best:
-    """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt."""
+def _from(
+    images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False
+) -> Best:
+    """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt.
+
+    One of the first fits may have any lens.
+    """
     if start is None:
         begin = _first_guess(images)
         return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0, slopes=slopes)
-    begin = numbers_of(start)
-    return sector_best.searched(images, begin=begin, held=held, n_before=start.n_rounds, slopes=slopes)
-
-
-def _check_lens(images: Images, best: Best) -> None:
-    if "distortion" in best.free:
+    best = sector_best.searched(images, begin=numbers_of(start), held=held, n_before=start.n_rounds, slopes=slopes)
+    if "distortion" in best.free and not is_first:
         sector_limits.check_lens(best.numbers, images.lens.start, name=images.name, columns=images.view.image[1])
+    return best
 
 
 def _first_guess(images: Images) -> dict[str, float]:

@@ -121,14 +121,14 @@ def choose(
     stiff = {(min(n, n_offset), min(n, n_gain)) for n in (0, 1, 4)} | {(n_offset, n_gain), (0, NONE)}
     jumping = [fixed.levels(*one) for one in sorted(stiff)]
     best = min([smooth, *jumping], key=lambda one: one.criterion)
-    is_straight = (best.n_offset, best.n_gain) == (0, NONE) and not best.jumps
-    if is_straight or not beside:
+    if not beside or best.n_numbers == 1:
         return best
     finest = 2 * values.size // shortest
     return fixed.fitted(_finer(best.n_offset, finest), _finer(best.n_gain, finest), jumps=best.jumps)
 
 
 def _finer(n_intervals: int, finest: int) -> int:
+    """Twice as many, two for a straight line, and a straight line for none."""
     return 0 if n_intervals == NONE else min(2 * max(1, n_intervals), finest)
 
 

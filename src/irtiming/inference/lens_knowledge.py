@@ -95,7 +95,7 @@ def knowledge(camera: CameraOptics, *, image: tuple[int, ...]) -> LensKnowledge:
     if calibration is not None:
         known = _placed(calibration.focal_length_px[0], calibration.centre_px, image=image)
         return LensKnowledge(
-            known=known | {"distortion": _in_half_diagonals(calibration, unit)}, terms=_terms(calibration, unit)
+            known=known | {"distortion": _as_calibrated(calibration, unit)}, terms=_terms(calibration, unit)
         )
     known = {
         "distortion": _as_stated(camera, image=image),
@@ -129,29 +129,33 @@ def _as_stated(camera: CameraOptics, *, image: tuple[int, ...]) -> Measured:
     """Distortion over half a diagonal, of that over half the image's width as rig.toml has it; or what lenses have."""
     if camera.distortion is None:
         return _USUAL_DISTORTION
-    scale = (math.hypot(*image) / image[1]) ** 2
-    k = Measured(camera.distortion.value * scale, camera.distortion.standard_uncertainty * scale)
-    if not lens.LOWEST <= k.value <= lens.HIGHEST:
-        lowest, highest = lens.LOWEST / scale, lens.HIGHEST / scale
-        raise GeometryError(
-            f"[camera] distortion = {camera.distortion.value:g} is not that of a lens that shows all of an image of "
-            f"{image[0]} x {image[1]} pixels; it must be from {lowest:.3f} to {highest:.3f}: k1 over half the image's width"
-        )
-    return k
+    return _in_half_diagonals(
+        camera.distortion,
+        (math.hypot(*image) / image[1]) ** 2,
+        must=f"[camera] distortion = {camera.distortion.value:g} is not that of a lens that shows all of an image of "
+        f"{image[0]} x {image[1]} pixels; it must be",
+        cure=": k1 over half the image's width",
+    )
 
 
-def _in_half_diagonals(calibration: LensCalibration, unit: float) -> Measured:
-    """k_1 of lengths over the focal length, for lengths over half a diagonal."""
-    first, scale = calibration.coefficients[0], (unit / calibration.focal_length_px[0].value) ** 2
-    k = Measured(first.value * scale, first.standard_uncertainty * scale)
+def _as_calibrated(calibration: LensCalibration, unit: float) -> Measured:
+    """The same, of k_1 of lengths over the focal length."""
+    first, focal_length_px = calibration.coefficients[0], calibration.focal_length_px[0].value
+    return _in_half_diagonals(
+        first,
+        (unit / focal_length_px) ** 2,
+        must=f"[camera] distortion_coefficients begin with {first.value:g}, at a focal length of {focal_length_px:g} px k1 "
+        "must be",
+        cure=", or corners of the image have no place in the scene; check that camera_matrix and coefficients are of this "
+        "lens, in the order of OpenCV, and region_origin_px of this image",
+    )
+
+
+def _in_half_diagonals(k1: Measured, scale: float, *, must: str, cure: str) -> Measured:
+    """Distortion over half a diagonal, of one over a length that is shorter by the root of the scale."""
+    k = Measured(k1.value * scale, k1.standard_uncertainty * scale)
     if not lens.LOWEST <= k.value <= lens.HIGHEST:
-        lowest, highest = lens.LOWEST / scale, lens.HIGHEST / scale
-        raise GeometryError(
-            f"[camera] distortion_coefficients begin with {first.value:g}, at a focal length of "
-            f"{calibration.focal_length_px[0].value:g} px k1 must be from {lowest:.3f} to {highest:.3f}, "
-            "or corners of the image have no place in the scene; check that camera_matrix and coefficients are of this "
-            "lens, in the order of OpenCV, and region_origin_px of this image"
-        )
+        raise GeometryError(f"{must} from {lens.LOWEST / scale:.3f} to {lens.HIGHEST / scale:.3f}{cure}")
     return k
 
 

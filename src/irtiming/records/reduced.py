@@ -85,6 +85,10 @@ class Opening:
     blackbody_is_colder: bool
     histogram: Histogram | None = None
 
+    def n_summed(self, row_px: Ticks) -> Array:
+        """How many pixels are summed in these rows, shape (n_row,): of each bad one another stands in."""
+        return self.summed[row_px].sum(axis=1).astype(float)
+
     @property
     def n_bad_pixels(self) -> int:
         """Bad pixels of the region of interest."""

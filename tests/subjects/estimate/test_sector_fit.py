@@ -160,7 +160,8 @@ def test_phases_of_two_speeds_may_differ(camera, brute_rows, rig_with):
 
 
 @pytest.mark.parametrize(
-    ("fit", "n_before", "refused"), [("fit", 1, False), ("fit", 2, False), ("fit", 3, True), ("settled", 1, True)]
+    ("fit", "n_before", "refused"),
+    [("fit", 1, False), ("fit", 2, False), ("fit", 3, True), ("settled", 1, True), ("fit_row_by_row", 1, True)],
 )
 def test_first_fits_may_have_any_lens(plain, camera, lag, brute_rows, rig_with, monkeypatch, fit, n_before, refused):
     """Oracle: by hand; where no lens centre is near enough, the fourth fit and the last one are refused, those before not.

@@ -34,7 +34,7 @@ class RowSums:
         self._rows = self.row_px - opening.roi[0]
         self._summed = WeightedRows(opening.weight[box], correct.within(opening.roi))
         self._mask = WeightedRows(mask_weight[box], correct.within(opening.roi))
-        self.n_summed = opening.summed[self.row_px].sum(axis=1).astype(float)
+        self.n_summed = opening.n_summed(self.row_px)
         self.n_mask = opening.mask[self.row_px].sum(axis=1).astype(float)
         self.summed_dn, self.mask_dn = np.zeros((2, n_frames, self.row_px.size))
 
