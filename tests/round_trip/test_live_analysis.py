@@ -3,6 +3,7 @@
 import os
 import signal
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from irtiming.archive.live.head import RecordingHead
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.measurement import analyse
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
+from irtiming.records.estimate import Estimate
+from irtiming.records.rig import Rig
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 from irtiming.session.analyst import Analyst, told_of
 from irtiming.session.live import FEWEST_FRAMES, LiveAnalysis, LiveEstimate
@@ -41,8 +44,13 @@ def finished(rig, tmp_path_factory):
     return paths
 
 
+@cache
+def _analysed(paths: tuple[Path, ...], measured: Rig) -> Estimate:
+    return analyse([reader.read(path) for path in paths], measured).result.estimate
+
+
 def _same(found: LiveEstimate, paths, rig) -> None:
-    expected = analyse([reader.read(path) for path in paths], rig.measured).result.estimate
+    expected = _analysed(tuple(paths), rig.measured)
     assert found.doubt == ""
     assert list(found.values.values()) == expected.values.tolist()
     assert [found.uncertainties[name] for name in expected.names] == expected.standard_uncertainties.tolist()
