@@ -104,6 +104,15 @@ def test_events_are_told_apart_and_named():
     )
 
 
+@pytest.mark.parametrize(("repeated", "kind"), [([60, 62, 63], "frozen"), ([60, 62], "closed")])
+def test_a_camera_is_frozen_where_most_frames_repeat(repeated, kind):
+    """Oracle: by hand; three of four frames and two of four."""
+    event, zone = np.zeros(80, bool), np.zeros(80, bool)
+    event[60:64] = zone[57:67] = True
+    found = events(event, zone, levels=_levels(80, repeated=repeated))
+    assert found == (ShutterEvent(first_frame=60, end_frame=64, kind=kind),)
+
+
 def test_an_event_may_reach_over_either_end():
     """Oracle: by hand; closed in the first four and the last three frames."""
     levels = _levels(50, quiet=dict.fromkeys([0, 1, 2, 3, 47, 48, 49], 60.0))

@@ -41,6 +41,7 @@ def test_each_frame_gets_its_own_strobe_edge_though_frames_are_lost():
     assert np.abs(_event_s(placed) - begun_s - 600e-6).max() < 0.6e-6
     assert _codes(placed) == ["strobe-pairing"]
     assert placed.events.period_s == pytest.approx(float(np.median(np.diff(begun_s))), rel=1e-8)
+    assert 0.08e-6 < np.std(placed.events.deviation_s) < 0.12e-6
     assert placing.placed(placed) is placed
 
 
