@@ -168,6 +168,21 @@ def test_a_cause_moves_the_result_as_a_fit_with_it_would():
     assert found.n_numbers == 1
 
 
+def test_later_rows_are_a_delay_and_a_row_delay(microbolometer):
+    """Oracle: by hand; all edges 1 s later are the delay 1 s later, and 1 s for each row leaves row 0 where it was."""
+    recording, rig = microbolometer
+    beside = diagnosis._of_rows(timing.estimate([recording], rig))
+    names = list(causes.fitted(beside.runs[0], lag_s=8e-3))
+    edges = np.array([name.startswith("edge") for name in names], float)
+    for_each_row = beside.runs[0].middle_px * edges + beside.runs[0].half_px * np.array(
+        [name == "row delay" for name in names]
+    )
+    moved = {name: (float(of @ edges), float(of @ for_each_row)) for name, of in beside.parameters.items()}
+    assert moved["trigger_delay"] == pytest.approx((1.0, 0.0), abs=1e-9)
+    assert moved["row_delay"] == pytest.approx((0.0, 1.0), abs=1e-9)
+    assert moved["time_constant"] == (0.0, 0.0)
+
+
 def test_what_a_recording_has_of_its_own_stands_beside_its_u():
     """Oracle: by hand; a memory of 0.06 known to 0.02 is 3 u from none, and without it the deviance is larger by 9."""
     estimate = Estimate(
