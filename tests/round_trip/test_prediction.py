@@ -54,7 +54,7 @@ def test_the_report_compares_and_the_result_can_be_planned_with(photon, tmp_path
 
 @pytest.mark.slow
 def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
-    """Oracle: the Fisher information of row sums and contrast image; tau is widened for residuals that hang together."""
+    """Oracle: the Fisher information of row sums and contrast image; the estimation judges the border by what it leaves over."""
     rig = twin.draw(with_wheel_speed(microbolometer_scene(120, 160), 3.0, samples=500), seed=1)
     done = analyse(twin.series(rig.scene, (0.0,), repeats=1, seed=1), rig.measured, extras=ALL_EXTRAS)
     estimate = done.best.estimate
@@ -64,7 +64,7 @@ def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
     assert (
         0.85 < stated["row_delay"] / found["row_delay"] < 1.25
     )  # the image fit distrusts phases at the border, the plan does not
-    assert 0.9 < stated["time_constant"] / found["time_constant"] < 1.3
+    assert 0.75 < stated["time_constant"] / found["time_constant"] < 1.1
     assert "Prediction and outcome" in certificate.report(done).page
 
 

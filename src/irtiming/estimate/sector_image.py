@@ -9,7 +9,7 @@ it need not be as warm as the wheel; and a smooth field over the ring, since the
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self, final
+from typing import final
 
 import numpy as np
 from scipy import ndimage
@@ -152,19 +152,6 @@ class Sharp:
     point: ComplexArray
     radius: Array
     along_px: Array
-
-    def exchanged(self, share: float, *, axis: int, away: int) -> Self:
-        """The same where each pixel exchanges that share of its light with those so many pixels away along an axis."""
-        weights = np.zeros(2 * away + 1)
-        weights[[0, away, -1]] = share / 2, -share, share / 2
-        change = ndimage.correlate1d(
-            self.sector.view(float).reshape(*self.sector.shape, 2), weights, axis=axis, mode="nearest"
-        )
-        return replace(self, sector=self.sector + change[..., 0] + 1j * change[..., 1])
-
-
-EXCHANGES = ((0, 1), (1, 1), (0, 2), (1, 2))
-"""Axes, and distances in px, of exchanges that turn a Gaussian blur into any that is a little different where it matters."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

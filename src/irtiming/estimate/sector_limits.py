@@ -7,10 +7,11 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.sector_image import GLARE_PX
+from irtiming.inference.lens_knowledge import U_GLARE
 from irtiming.physics import lens
 from irtiming.records.arrays import Array
 
-_U_GLARE, _U_GLARE_WIDTH = 0.03, 0.7  # priors: of the share, and of the width's logarithm
+_U_GLARE_WIDTH = 0.7  # prior: of the width's logarithm
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 _AT_LIMIT = 1e-3  # of the distortion
 
@@ -91,7 +92,7 @@ def off_usual(numbers: Mapping[str, float]) -> Array:
     inner = numbers["inner_radius_px"] - numbers["ring_inner_px"]
     outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
     margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
-    glare = numbers["glare"] / _U_GLARE, math.log(numbers["glare_px"] / GLARE_PX) / _U_GLARE_WIDTH
+    glare = numbers["glare"] / U_GLARE, math.log(numbers["glare_px"] / GLARE_PX) / _U_GLARE_WIDTH
     return np.array([*margins, numbers["plate_reflection"], *glare])
 
 

@@ -1,6 +1,6 @@
 """The sector with lens and tilt weighed: what the images say of a warp, and where that takes all numbers (`lens_and_tilt`)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -8,18 +8,18 @@ import numpy as np
 from irtiming.estimate import lens_and_tilt, sector_limits
 from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.estimate.sector_best import Best
-from irtiming.estimate.sector_image import EXCHANGES, Sharp
+from irtiming.estimate.sector_image import Sharp
 from irtiming.estimate.sector_images import N_PRIORS, Images
 from irtiming.estimate.sector_search import LIMITS
 from irtiming.inference.lens_knowledge import N_KNOWN
 from irtiming.inference.weighed_lens import SLIGHT
+from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 
 _OF_BLUR = ("blur_px", "blur_ellipticity", "glare", "glare_px")  # stay those of a Gaussian; `_reshaped` has the rest
 _WARP_STEP_PX = 0.02  # over which what a warp does is taken
-_U_SHARED = 0.1  # prior: of the share that is exchanged, beside a Gaussian blur
 
 
 @final
@@ -70,8 +70,11 @@ def weighed(images: Images, best: Best) -> Weighed:
 def _reshaped(images: Images, best: Best) -> list[Array]:
     """What a blur of another shape does to the residual, per standard uncertainty of what is known of it, shape (m,) each."""
     sharp = images.sharp(best.numbers)
-    exchanged = ([one.exchanged(_U_SHARED, axis=axis, away=away) for one in sharp] for axis, away in EXCHANGES)
-    return [_changed(images, best, numbers=best.numbers, sharp=there) for there in exchanged]
+    others = (
+        [replace(one, sector=exchanged(one.sector, U_EXCHANGED, axis=axis, away=away)) for one in sharp]
+        for axis, away in EXCHANGES
+    )
+    return [_changed(images, best, numbers=best.numbers, sharp=there) for there in others]
 
 
 def _changed(images: Images, best: Best, *, numbers: dict[str, float], sharp: list[Sharp]) -> Array:

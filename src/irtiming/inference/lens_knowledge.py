@@ -24,6 +24,9 @@ LENS_NUMBERS = ("distortion", "log_focal_length", "lens_row_px", "lens_column_px
 CAMERA_NUMBERS = (*LENS_NUMBERS, "tilt_row", "tilt_column", "axis_row_px", "axis_column_px", "quartic")
 """The same, both tilts, as sines, where the pinhole's axis lies beside the centre of the distortion, and OpenCV's k_2."""
 
+U_GLARE = 0.03
+"""Of the share of light that goes astray: makers of lenses state 1 to 3 %."""
+
 _USUAL_DISTORTION = Measured(0.0, 0.05)  # few lenses exceed twice that, over half a diagonal
 _TILT_U_RAD = math.radians(1.2)
 _QUARTIC_U = 0.02  # over half a diagonal: k_2 of a wide lens whose k is at the limit of what is usual

@@ -26,7 +26,7 @@ from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.prediction import AngleErrors, PredictedRelativeDelay, Prediction
 from irtiming.records.reduced import ReducedRecording
-from irtiming.records.row_timing import RowTimingFit
+from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
 _UNKNOWN_BORDER_RAD = 0.1
@@ -162,7 +162,7 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
     noises = [_pixel_noise(fit, rows) for fit in fits]
     runs = [
         RollingRun(
-            camera=_described(analysis, fit, noise_to_contrast=noise, gain_scatter=sector.gain_scatter),
+            camera=_described(analysis, fit, noise_to_contrast=noise, sector=sector),
             rows=rows,
             angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
             n_frames=fit.wheel_angle_rad.size,
@@ -201,13 +201,14 @@ def _window(analysis: Analysis, weights: Mapping[str, dict[str, float]]) -> dict
 
 
 def _described(
-    analysis: Analysis, fit: RowTimingFit, *, noise_to_contrast: float, gain_scatter: float
+    analysis: Analysis, fit: RowTimingFit, *, noise_to_contrast: float, sector: SectorFit
 ) -> PhotonCamera | Microbolometer:
     """The camera as one recording's fit shows it."""
     row_delay_s = None if analysis.readout_mode == "snapshot" else fit.row_delay_s
     shared: dict[str, Any] = {
         "noise_to_contrast": noise_to_contrast,
-        "gain_scatter": gain_scatter,
+        "gain_scatter": sector.gain_scatter,
+        "border_scatter": sector.border_scatter,
         "row_delay_s": row_delay_s,
     }
     if analysis.camera_type == "photon":

@@ -15,19 +15,21 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, final
 
 import numpy as np
+from scipy import ndimage
 
 from irtiming.inference import weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
-from irtiming.inference.lens_knowledge import LensKnowledge
+from irtiming.inference.lens_knowledge import U_GLARE, LensKnowledge
 from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
+from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import pixel_waves, row_sum
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import TURN
 from irtiming.plan.information import EDGES, RunInformation, run_information
-from irtiming.records.arrays import Array, ComplexArray, Ticks
+from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
@@ -37,16 +39,17 @@ IMAGE = "axle, mask and blur in the image"
 
 _HARMONICS = 64
 _LEAST_LIGHT_PX2 = 3.0
+_IN_LIGHT = 0.05  # px^2: what a pixel has that counts to the row for sure
 _ROWS = 50  # at least, that are looked at
 _BORDER_PX = 5.0  # that the reduction adds to both ends of a row, roughly
 _OPENING = (
     "axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-    "bisector_rad", "opening_angle_rad", "blur_px",
+    "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "glare",
 )  # fmt: skip
 _SHAPE = (*_OPENING, *WARP_NUMBERS)
 _STEPS = (
     dict.fromkeys(_OPENING, 3e-3)
-    | {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4}
+    | {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "glare": 1e-3}
     | dict.fromkeys(WARP_NUMBERS, 0.02)
 )
 _LEAST = 1e-6  # of a variance: what counts as none
@@ -80,7 +83,7 @@ def through(sector: SectorShape, known: LensKnowledge) -> SectorShape:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
-    """Rows in the light: image rows (n,), harmonics (n, M + 1) of their light, px^2, and changes (18, n, M + 1).
+    """Rows in the light: image rows (n,), harmonics (n, M + 1) of their light, px^2, and changes (20, n, M + 1).
 
     Of a high opening not every row is looked at; each then stands for ``weight`` rows.
     """
@@ -97,8 +100,9 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     Each pixel keeps its amount of light, which the contrast image shows: only where it lies changes.
     """
     roi = _around(sector)
-    rows = np.arange(roi[0], roi[1])
-    rows = rows[_light(sector, rows, n_harmonics=0)[:, 0].real > _LEAST_LIGHT_PX2]
+    light = _pixels(sector, roi)
+    summed = np.asarray(ndimage.maximum_filter1d(light > _IN_LIGHT, 2 * round(_BORDER_PX) + 1, axis=1))
+    rows = roi[0] + np.flatnonzero(light.sum(axis=1) > _LEAST_LIGHT_PX2)
     weight = max(1, rows.size // _ROWS)
     rows = rows[weight // 2 :: weight]
     changes = []
@@ -106,33 +110,41 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
         step = _STEPS[name]
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
         gained = (_pixels(ahead, roi) - _pixels(behind, roi))[rows - roi[0]]
-        moved = _light(ahead, rows, n_harmonics=n_harmonics) - _light(behind, rows, n_harmonics=n_harmonics)
+        moved = np.subtract(*(_light(one, rows, roi, summed, n_harmonics) for one in (ahead, behind)))
         change = moved - _of_pixels(sector, gained, rows=rows, roi=roi, n_harmonics=n_harmonics)
         changes.append(change / (2 * step))
-    light = _light(sector, rows, n_harmonics=n_harmonics)
-    return Rows(row_px=rows.astype(float), harmonics=light, changes=np.array(changes), weight=weight)
+    harmonics = _light(sector, rows, roi, summed, n_harmonics)
+    return Rows(row_px=rows.astype(float), harmonics=harmonics, changes=np.array(changes), weight=weight)
 
 
 def _pixels(sector: SectorShape, roi: _Roi) -> Array:
     """Light of each pixel of a region, px^2."""
     points = blurred_sector.light_points(sector)
     ones = np.ones(points.row_px.size, complex)
-    return np.asarray(blurred_sector.image(points, ones, blur_px=sector.blur_px, roi=roi).real, float)
+    sharp = blurred_sector.image(points, ones, blur_px=sector.blur_of_axes_px, roi=roi)
+    return np.asarray(blurred_sector.with_glare(sharp, sector).real, float)
 
 
 def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi, n_harmonics: int) -> ComplexArray:
     """Harmonics of rows whose pixels have so much light, (n_row, columns of the region), each about its own angle."""
-    angle, radius = (place[rows - roi[0]] for place in blurred_sector.pixel_places(sector, roi=roi))
-    return pixel_waves.by_row(light, angle, smear=_smear(radius, sector, 1), n_harmonics=n_harmonics)
+    here = rows - roi[0]
+    angle, _ = blurred_sector.pixel_places(sector, roi=roi)
+    return pixel_waves.by_row(light, angle[here], smear=_smear(sector, roi, 1)[here], n_harmonics=n_harmonics)
 
 
-def _smear(radius_px: Array, sector: SectorShape, order: int) -> Array:
-    return blurred_sector.pixel_smear(radius_px, blur_px=sector.blur_px, order=order)
+def _smear(sector: SectorShape, roi: _Roi, order: int) -> Array:
+    _, radius = blurred_sector.pixel_places(sector, roi=roi)
+    return blurred_sector.pixel_smear(radius, blur_px=blurred_sector.blur_across_px(sector, roi=roi), order=order)
 
 
-def _light(sector: SectorShape, rows: Ticks, *, n_harmonics: int) -> ComplexArray:
+def _light(sector: SectorShape, rows: Ticks, roi: _Roi, summed: Mask, n_harmonics: int) -> ComplexArray:
+    """Harmonics of rows that add up such pixels, (roi rows, roi columns)."""
     points = blurred_sector.light_points(sector, n_harmonics=n_harmonics)
-    return blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_px, n_harmonics=n_harmonics)
+    sharp = blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_of_axes_px[0], n_harmonics=n_harmonics)
+    if sector.glare == 0:
+        return sharp
+    wide = blurred_sector.glare_harmonics(sector, summed, roi=roi, n_harmonics=n_harmonics)
+    return (1 - sector.glare) * sharp + sector.glare * wide[rows - roi[0]]
 
 
 @final
@@ -154,7 +166,7 @@ class RollingRun:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ImageErrors:
-    """Covariances (18, 18) of the sector's numbers: from the noise of one run, and from gains and lens, which stays."""
+    """Covariances (20, 20) of the sector's numbers: from the noise of one run, and from gains and lens, which stays."""
 
     noise: Array
     stays: Array
@@ -224,7 +236,7 @@ def _timing_design(run: RollingRun) -> Array:
 
 
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
-    """Information (k, k) on the numbers of a row sum, s^-2, and their change (k, 18) per unit of the sector's numbers."""
+    """Information (k, k) on the numbers of a row sum, s^-2, and their change (k, 20) per unit of the sector's numbers."""
     rows, timing = _row_sums(run, model)
     whole, slopes = row_sum.linearised(rows, timing)
     light, n = run.rows.harmonics, len(rows.names)
@@ -282,14 +294,15 @@ def _real(harmonics: ComplexArray) -> Array:
 class SectorImage:
     """Image of the second harmonic about each pixel's own phase, at contrast 1, and its derivatives.
 
-    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (27, n), complex: to nine numbers of the opening, to
-    what else is unknown (row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it), and to
-    the nine of a warp.
+    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (33, n), complex: to 11 numbers of the opening, to
+    what else is unknown (row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it, the
+    blur's own shape), and to the nine of a warp; ``known`` (33,), the information on them without an image.
     """
 
     sector: SectorShape
     light: Array
     columns: ComplexArray
+    known: Array
 
 
 def sector_image(sector: SectorShape) -> SectorImage:
@@ -306,11 +319,16 @@ def sector_image(sector: SectorShape) -> SectorImage:
     down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
     fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
     columns = [*map(slope, _OPENING), down * image * 1j, image * 1j, image, phase - image]
-    columns += [*(field * phase for field in fields), *map(slope, WARP_NUMBERS)]
+    columns += [field * phase for field in fields]
+    columns += [exchanged(image, U_EXCHANGED, axis=axis, away=away) - image for axis, away in EXCHANGES]
+    known = np.zeros(len(columns) + len(WARP_NUMBERS))
+    known[_OPENING.index("glare")], known[len(columns) - len(EXCHANGES) : len(columns)] = U_GLARE**-2, 1.0
+    columns += map(slope, WARP_NUMBERS)
     return SectorImage(
         sector=sector,
         light=np.clip(np.abs(image), 0, 1).ravel(),
         columns=(np.array(columns) * phase.conj()).reshape(len(columns), -1),
+        known=known,
     )
 
 
@@ -391,12 +409,14 @@ def _noise_of(runs: Sequence[RollingRun], model: WheelModel) -> _Noise:
 
 def _normal_and_noise(image: SectorImage, camera: Camera, *, noise: float) -> tuple[Array, Array]:
     """Normal matrix of all numbers of the image, (n, n), and the part of it that the noise has."""
-    scatter = camera.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
-    columns = image.columns if camera.readout_mode == "rolling" else np.delete(image.columns, len(_OPENING), axis=0)
+    scatter = np.hypot(camera.gain_scatter * image.light, camera.border_scatter * 4 * image.light * (1 - image.light))
+    rolls = np.arange(len(image.columns)) == len(_OPENING)
+    own = np.flatnonzero(~rolls | (camera.readout_mode == "rolling"))
+    columns = image.columns[own]
     along = columns.real / np.hypot(noise, scatter)
     share = noise / np.hypot(noise, scatter)
     across = columns.imag @ columns.imag.T / noise**2
-    return along @ along.T + across, (along * share) @ (along * share).T + across
+    return along @ along.T + across + np.diag(image.known[own]), (along * share) @ (along * share).T + across
 
 
 def _around(sector: SectorShape) -> _Roi:
@@ -413,11 +433,12 @@ def _second_harmonic(sector: SectorShape, roi: _Roi) -> ComplexArray:
     """Image of exp(-2 i phi) over the sector; only its border is worked out point by point."""
     points = blurred_sector.border_points(sector)
     value = np.exp(-2j * (points.angle_rad + sector.bisector_rad))
-    border = blurred_sector.image(points, value, blur_px=sector.blur_px, roi=roi)
-    angle, radius = blurred_sector.pixel_places(sector, roi=roi)
-    smear = _smear(radius, sector, 2)
-    inside = smear * np.exp(-2j * (angle + sector.bisector_rad))
-    return np.where(blurred_sector.well_inside(sector, roi=roi), inside, border)
+    border = blurred_sector.image(points, value, blur_px=sector.blur_of_axes_px, roi=roi)
+    angle, _ = blurred_sector.pixel_places(sector, roi=roi)
+    even = angle + blurred_sector.even_angle_rad(sector, roi=roi)
+    inside = _smear(sector, roi, 2) * np.exp(-2j * (even + sector.bisector_rad))
+    sharp = np.where(blurred_sector.well_inside(sector, roi=roi), inside, border)
+    return blurred_sector.with_glare(sharp, sector)
 
 
 def _root(matrix: Array) -> Array:

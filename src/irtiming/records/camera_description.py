@@ -26,8 +26,9 @@ class PhotonCamera:
         Standard deviations of one timestamp of the control gate and of the camera's delay from frame to frame; of a snapshot.
     row_delay_s
         t_row, roughly, of a rolling camera; None for a snapshot.
-    gain_scatter
-        Standard deviation of the pixels' gains, which matters where rows are summed.
+    gain_scatter, border_scatter
+        Standard deviations of the pixels' gains and, as a share of the contrast, of pixels that the mask's border halves: masks
+        have burrs. They matter where rows are summed.
     """
 
     noise_to_contrast: float = 0.0042
@@ -37,6 +38,7 @@ class PhotonCamera:
     camera_jitter_s: float = 0.05e-6
     row_delay_s: float | None = None
     gain_scatter: float = 0.01
+    border_scatter: float = 0.01
 
     def __post_init__(self) -> None:
         _check(
@@ -67,8 +69,8 @@ class Microbolometer:
         As for a photon camera.
     time_constant_s, row_delay_s
         tau and t_row, roughly; no row delay makes it a snapshot camera.
-    gain_scatter
-        Standard deviation of the pixels' gains.
+    gain_scatter, border_scatter
+        As for a photon camera.
     """
 
     noise_to_contrast: float = 0.0078
@@ -76,6 +78,7 @@ class Microbolometer:
     time_constant_s: float = 4.8e-3
     row_delay_s: float | None = 38.8e-6
     gain_scatter: float = 0.01
+    border_scatter: float = 0.01
 
     def __post_init__(self) -> None:
         _check(

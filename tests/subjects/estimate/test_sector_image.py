@@ -10,6 +10,7 @@ from scipy.special import ndtr
 from irtiming.estimate import contrast_look, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import NUMBERS, View
+from irtiming.physics.blur_shape import exchanged
 from irtiming.physics.wheel_angle import wheel_angle_rad
 
 TURN = 2 * np.pi
@@ -204,7 +205,7 @@ def test_a_pixel_exchanges_light_with_two_others(axis, away):
     expected = 0.88 * sector
     for side in (-away, away):
         expected += 0.06 * np.roll(sector, side, axis=axis)
-    np.testing.assert_allclose(sharp.exchanged(0.12, axis=axis, away=away).sector, expected, atol=1e-12)
+    np.testing.assert_allclose(exchanged(sharp.sector, 0.12, axis=axis, away=away), expected, atol=1e-12)
 
 
 def test_a_pixel_sees_the_ring_with_its_own_width():

@@ -79,7 +79,7 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     at = np.array([0.0, 0, 0, 0, response_s, 0.0, 0.0, camera.row_delay_s or 0.0])
     steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-5, 1e-9])
     k = 8 if rolls else 7
-    normal, pull = np.zeros((k, k)), np.zeros((k, 18))
+    normal, pull = np.zeros((k, k)), np.zeros((k, 20))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
@@ -129,14 +129,16 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     def seen(shape):
         points = blurred_sector.light_points(shape)
         value = np.exp(-2j * (points.angle_rad + shape.bisector_rad))
-        return blurred_sector.image(points, value, blur_px=shape.blur_px, roi=roi)
+        sharp = blurred_sector.image(points, value, blur_px=shape.blur_of_axes_px, roi=roi)
+        wide = tuple(np.hypot(shape.blur_of_axes_px, shape.glare_px))
+        return (1 - shape.glare) * sharp + shape.glare * blurred_sector.image(points, value, blur_px=wide, roi=roi)
 
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
     phase = np.exp(-2j * (angle + sector.bisector_rad))
     light = seen(sector)
     np.testing.assert_allclose(image.light, np.clip(np.abs(light), 0, 1).ravel(), atol=2e-3)
     names = ("axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-             "bisector_rad", "opening_angle_rad", "blur_px")  # fmt: skip
+             "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "glare")  # fmt: skip
     for name, column in zip(names, image.columns, strict=False):
         step = 1e-3 if name.endswith("rad") else 1e-2
         ahead, behind = (seen(replace(sector, **{name: getattr(sector, name) + sign * step})) for sign in (1, -1))
@@ -145,7 +147,7 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     rows = np.linspace(-1, 1, roi[1] - roi[0])[:, None]
     turned = light * phase.conj()
     for column, expected in zip(
-        image.columns[9:13], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
+        image.columns[11:15], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
     ):
         np.testing.assert_allclose(column, expected.ravel(), atol=3e-3)
 
@@ -156,24 +158,30 @@ def test_the_images_errors_are_those_of_least_squares(run, image):
     point = wheel_harmonics.open_harmonics(MODEL, 2).sum(axis=0)[2]
     point *= first_order_lag.transfer(TURN * 5, CAMERA.time_constant_s, n_harmonics=2)[2]
     noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
-    scatter = CAMERA.gain_scatter * np.hypot(image.light, 4 * image.light * (1 - image.light))
-    along, n, columns = np.hypot(noise, scatter), image.light.size, image.columns[:18]
-    design = np.concatenate([columns.real / along, columns.imag / noise], axis=1).T
+    border = 4 * image.light * (1 - image.light)
+    scatter = np.hypot(CAMERA.gain_scatter * image.light, CAMERA.border_scatter * border)
+    along, columns = np.hypot(noise, scatter), image.columns[:24]
+    design = np.concatenate([columns.real / along, columns.imag / noise, np.diag(np.sqrt(image.known[:24]))], axis=1).T
     scale = np.linalg.norm(design, axis=0)
     random = np.random.default_rng(3)
-    drawn = random.normal(size=(300, 2 * n))
-    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:9] / scale[:9, None]
+    drawn = random.normal(size=(300, len(design)))
+    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:11] / scale[:11, None]
     expected = np.sqrt(np.mean(fitted**2, axis=1))
-    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:9], expected, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:11], expected, rtol=0.15)
+
+
+def _equal(run):
+    """The same with pixels of one gain and a mask without burrs."""
+    return replace(run, camera=replace(CAMERA, gain_scatter=0.0, border_scatter=0.0))
 
 
 def test_equal_pixels_leave_noise_alone(run, image):
-    """Oracle: without scatter of gains there is no such error, and noise goes with the root of the frames."""
-    even = replace(run, camera=replace(CAMERA, gain_scatter=0.0))
+    """Oracle: without scatter of gains, burrs and priors there is no such error, and noise goes with the root of the frames."""
+    even, image = _equal(run), replace(image, known=0 * image.known)
     found = _errors(even, image)
     longer = _errors(replace(even, n_frames=4000), image)
-    assert np.abs(found.stays[:9, :9]).max() < 1e-9
-    np.testing.assert_allclose(np.diag(found.noise)[:9], 4 * np.diag(longer.noise)[:9], rtol=1e-6)
+    assert np.abs(found.stays[:11, :11]).max() < 1e-9
+    np.testing.assert_allclose(np.diag(found.noise)[:11], 4 * np.diag(longer.noise)[:11], rtol=1e-6)
 
 
 def _predicted(run, image, *, n_runs=1, angles=ANGLES):
@@ -195,8 +203,8 @@ def test_many_runs_leave_the_angles_and_the_pixels_gains(run, image):
 
 
 def test_noise_falls_with_the_root_of_the_runs(run, image):
-    """Oracle: the law of means, where no pixel differs from another and all angles are known."""
-    even = replace(run, camera=replace(CAMERA, gain_scatter=0.0))
+    """Oracle: the law of means, where no pixel differs from another, nothing else tells the image, and all angles are known."""
+    even, image = _equal(run), replace(image, known=0 * image.known)
     exact = AngleErrors(common=(), edge_rad=0.0)
     one, many = (_predicted(even, image, n_runs=n, angles=exact) for n in (1, 25))
     for name in NAMES:
