@@ -23,7 +23,7 @@ _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, 
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
 _MISSED = 0.3  # of a step's change: slopes that foretell it worse are taken anew
-_SCALES = dict.fromkeys(NUMBERS, 1.0) | {
+SCALES: Mapping[str, float] = dict.fromkeys(NUMBERS, 1.0) | {
     "bisector_rad": 0.05,
     "opening_angle_rad": 0.05,
     "blur_px": 0.5,
@@ -42,6 +42,7 @@ _SCALES = dict.fromkeys(NUMBERS, 1.0) | {
     "ring_outer_px": 2.0,
     "plate_reflection": 0.3,
 }
+"""Of each number, roughly: by so much it is likely to move."""
 LIMITS: Mapping[str, tuple[float, float]] = {
     "inner_radius_px": (0.0, np.inf),
     "ring_inner_px": (0.0, np.inf),
@@ -110,7 +111,7 @@ def _search(
     n_before: int,
     slopes: Slopes | None,
 ) -> OptimizeResult:
-    scale = np.array([_SCALES[name] for name in free])
+    scale = np.array([SCALES[name] for name in free])
     low, high = np.array([LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
     course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
     return least_squares(

@@ -8,9 +8,9 @@ import numpy as np
 from irtiming.estimate import lens_and_tilt, sector_limits
 from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.estimate.sector_best import Best
-from irtiming.estimate.sector_image import Sharp
+from irtiming.estimate.sector_image import APART, Sharp
 from irtiming.estimate.sector_images import N_PRIORS, Images
-from irtiming.estimate.sector_search import LIMITS
+from irtiming.estimate.sector_search import LIMITS, SCALES
 from irtiming.inference.lens_knowledge import N_KNOWN
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
@@ -19,7 +19,8 @@ from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 
 _OF_BLUR = ("blur_px", "blur_ellipticity", "glare", "glare_px")  # stay those of a Gaussian; `_reshaped` has the rest
-_WARP_STEP_PX = 0.02  # over which what a warp does is taken
+_STEP = 1e-2  # of a number's scale, to either side, over which its slope is taken: those that a search ends with are too rough
+_WARP_STEP_PX = 0.02  # the same of a warp's
 
 
 @final
@@ -67,34 +68,32 @@ def weighed(images: Images, best: Best) -> Weighed:
     )
 
 
-def _reshaped(images: Images, best: Best) -> list[Array]:
+def _slope(images: Images, best: Best, name: str, *, sharp: list[Sharp]) -> Array:
+    """What a number does to the residual, per unit, shape (m,), from either side of it where it is not at a limit."""
+    step = _WARP_STEP_PX if name in WARP_NUMBERS else _STEP * SCALES[name]
+    low, high = LIMITS.get(name, (-np.inf, np.inf))
+    ends = [best.numbers | {name: min(max(best.numbers[name] + way * step, low), high)} for way in (-1, 1)]
+    behind, ahead = (images.residuals(one, sharp if name in APART else images.sharp(one)) for one in ends)
+    return np.asarray((ahead - behind) / (ends[1][name] - ends[0][name]))
+
+
+def _reshaped(images: Images, best: Best, *, sharp: list[Sharp]) -> list[Array]:
     """What a blur of another shape does to the residual, per standard uncertainty of what is known of it, shape (m,) each."""
-    sharp = images.sharp(best.numbers)
     others = (
         [replace(one, sector=exchanged(one.sector, U_EXCHANGED, axis=axis, away=away)) for one in sharp]
         for axis, away in EXCHANGES
     )
-    return [_changed(images, best, numbers=best.numbers, sharp=there) for there in others]
-
-
-def _changed(images: Images, best: Best, *, numbers: dict[str, float], sharp: list[Sharp]) -> Array:
-    """By how much images that are known to be sharp so, at these numbers, change the residual, shape (m,)."""
-    here = np.concatenate(images.misfit(numbers, sharp))
-    return np.concatenate([np.zeros(N_PRIORS), here - best.residual[N_PRIORS:]])
+    return [images.residuals(best.numbers, one) - best.residual for one in others]
 
 
 def _without_camera(images: Images, best: Best) -> ImageWord:
     """What the images say of the other numbers and of a warp, with what is known of lens and tilt left out."""
-    numbers, residual = best.numbers, best.residual
+    residual, sharp = best.residual, images.sharp(best.numbers)
     kept = np.ones(residual.size, bool)
     kept[N_PRIORS - N_KNOWN : N_PRIORS] = False
-
-    def warped(name: str) -> Array:
-        moved = {**numbers, name: numbers[name] + _WARP_STEP_PX}
-        return _changed(images, best, numbers=moved, sharp=images.sharp(moved)) / _WARP_STEP_PX
-
-    own = [one for name, one in zip(best.free, best.slopes.T, strict=True) if name not in SLIGHT]
-    jacobian = np.stack([*own, *_reshaped(images, best), *(warped(name) for name in WARP_NUMBERS)], axis=1)[kept]
+    own = [_slope(images, best, name, sharp=sharp) for name in best.free if name not in SLIGHT]
+    warped = [_slope(images, best, name, sharp=sharp) for name in WARP_NUMBERS]
+    jacobian = np.stack([*own, *_reshaped(images, best, sharp=sharp), *warped], axis=1)[kept]
     prior = np.eye(jacobian.shape[1])[len(own) : len(own) + len(EXCHANGES)]
     return ImageWord(
         residual=np.append(residual[kept], np.zeros(len(prior))),

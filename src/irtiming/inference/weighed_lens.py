@@ -2,7 +2,7 @@ r"""Lens and tilt weighed: not the best of them, but all that an image and prior
 
 Distortion, its centre, the focal length and two tilts act on the image by their products, so that quite unlike sets of them look
 nearly alike, and the best one, on the floor of a bent valley, says little of where the truth lies. But all of them do no more
-than displace the image a little (`physics.warp`), and in its nine numbers w the image is linear. So the contrast image says, with
+than displace places a little (`physics.warp`), and in its nine numbers w the image is linear. So the contrast image says, with
 the sector's other numbers y free to follow,
 
 .. math:: -2 \log L = (w - \hat w)^T N (w - \hat w),
@@ -114,7 +114,7 @@ class _Cameras:
         self.unit_px = now.lens.half_diagonal_px
         *self._places, area = blurred_sector.places(shape, n_radial=_RADIAL, n_around=_AROUND)
         self._taken_off = _taken_off(*self._places, area_px2=area, unit_px=self.unit_px)
-        self._before = np.concatenate(now.seen(*self._places))
+        self._image, self._before = now.seen(*self._places), np.concatenate(self._places)
 
     @property
     def n_free(self) -> int:
@@ -130,13 +130,11 @@ class _Cameras:
         """Numbers of the warp, shape (n, n_warp)."""
         numbers = {name: one[:, None] for name, one in self._numbers(units).items()}
         projection = self._projection(numbers)
-        row, column = projection.seen(*self._places)
-        middle = projection.lens.middle_px
+        (row, column), middle = self._image, projection.lens.middle_px
         below, beside = row - middle[0], column - middle[1]
         further = numbers["quartic"] * ((below**2 + beside**2) / self.unit_px**2) ** 2
-        row, column = row + below * further, column + beside * further
-        seen = np.concatenate(np.broadcast_arrays(row, column), axis=1)
-        return np.asarray((seen - self._before) @ self._taken_off.T)
+        places = projection.flat(row - below * further, column - beside * further)
+        return np.asarray((np.concatenate(np.broadcast_arrays(*places), axis=1) - self._before) @ self._taken_off.T)
 
     def estimate(self, units: Array) -> Estimate:
         """Mean and covariance of the draws; tilts as the keystones that they make."""

@@ -11,8 +11,8 @@ what turning by t leaves of the plane; a roll of the camera is in the direction 
 (`physics.lens`).
 
 Polar angles about the axle are those of (R - u_0 h^T) p: the keystone by itself moves no angle, but where the axle is off the
-lens centre it does, and foreshortening does, as the square of the tilt. On top of all that a warp may move places a little
-(`physics.warp`).
+lens centre it does, and foreshortening does, as the square of the tilt. What is taken for the place of an image point may be a
+little aside (`physics.warp`).
 """
 
 import math
@@ -51,20 +51,22 @@ class Projection:
 
     def seen(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         """Row and column in the image of places from the axle."""
-        row, column = self.lens.seen(*self._undistorted(down_px, right_px))
-        if self.warp.is_none:
-            return row, column
-        below, beside = self.warp.moved(down_px, right_px)
-        return row + below, column + beside
+        return self.lens.seen(*self._undistorted(*self._unwarped(down_px, right_px)))
 
     def flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Places from the axle, down and right, of points of the image; numbers or arrays that broadcast."""
         down, right = self._flat(row_px, column_px)
         if self.warp.is_none:
             return down, right
-        for _ in range(_UNWARPED):
+        below, beside = self.warp.moved(down, right)
+        return down + below, right + beside
+
+    def _unwarped(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
+        """Where places would be taken to lie without the warp."""
+        down, right = down_px, right_px
+        for _ in range(0 if self.warp.is_none else _UNWARPED):
             below, beside = self.warp.moved(down, right)
-            down, right = self._flat(row_px - below, column_px - beside)
+            down, right = down_px - below, right_px - beside
         return down, right
 
     def _flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
@@ -83,13 +85,11 @@ class Projection:
     def magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         """Of the image over the wheel's plane: least of any direction, or a little less, and that of areas.
 
-        A warp is too slight to matter to the least one; to areas it adds as if the rest were alike in all directions.
+        A warp is too slight to matter to the least one.
         """
-        least, area = self._magnification(down_px, right_px)
-        if self.warp.is_none:
-            return least, area
-        trace, product = self.warp.larger(down_px, right_px)
-        return least, area + np.sqrt(area) * trace + product
+        down, right = self._unwarped(down_px, right_px)
+        least, area = self._magnification(down, right)
+        return (least, area) if self.warp.is_none else (least, area / self.warp.larger(down, right))
 
     def _magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         least, area = self.lens.magnification(*self._undistorted(down_px, right_px))

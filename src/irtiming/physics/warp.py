@@ -1,14 +1,16 @@
-r"""A small displacement of the image beside what lens and tilt make: what their errors do together, in nine numbers.
+r"""A small displacement of places beside what lens and tilt make: what their errors do together, in nine numbers.
 
-A place p in the wheel's plane, (d, r) half diagonals of the image down and right from the axle, appears further down and right by
+A point of the image that lens and tilt have at p in the wheel's plane, (d, r) half diagonals of the image down and right from the
+axle, lies further down and right by
 
 .. math::
     \begin{pmatrix} a d + s r + q_1 d^2 + q_2 d r + q_3 r^2 + c d |p|^2 \\
     s d - a r + q_4 d^2 + q_5 d r + q_6 r^2 + c r |p|^2 \end{pmatrix}
 
-px. A lens that is a little off and a camera that is tilted move the image by just such cubics: tilt squeezes it along one
+px. A lens that is a little off and a camera that is tilted move places by just such cubics: tilt squeezes them along one
 direction (a, s) and makes the near side larger (q), distortion about a centre beside the axle has all of them. A shift, a turn
-and a scale are left out: those are the axle's place, the bisector and the radii.
+and a scale are left out: those are the axle's place, the bisector and the radii. In the plane, not in the image, an arc that a
+larger warp puts elsewhere takes another radius, and all else stays: the sector's numbers follow a warp along straight lines.
 """
 
 from dataclasses import dataclass
@@ -22,7 +24,7 @@ WARP_NUMBERS = (
     "warp_aspect_px", "warp_shear_px", "warp_down_by_down_px", "warp_down_by_both_px", "warp_down_by_right_px",
     "warp_right_by_down_px", "warp_right_by_both_px", "warp_right_by_right_px", "warp_radial_px",
 )  # fmt: skip
-"""Numbers of a `SectorShape` that displace the image: a, s, q_1 to q_6, c."""
+"""Numbers of a `SectorShape` that displace places in the wheel's plane: a, s, q_1 to q_6, c."""
 
 
 @final
@@ -39,7 +41,7 @@ class Warp:
         return not any(self.amounts_px)
 
     def moved(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        """By how much places from the axle appear further down and right, px; numbers or arrays that broadcast."""
+        """By how much places from the axle lie further down and right, px; numbers or arrays that broadcast."""
         d, r = down_px / self.unit_px, right_px / self.unit_px
         aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial = self.amounts_px
         ring = radial * (d * d + r * r)
@@ -48,8 +50,8 @@ class Warp:
             (shear + right_dd * d + right_dr * r) * d + (ring - aspect + right_rr * r) * r,
         )
 
-    def larger(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        """Trace and determinant of what it adds to the image's derivatives by place, px per px."""
+    def larger(self, down_px: Any, right_px: Any) -> Any:
+        """How much larger an area becomes that lies at places from the axle; numbers or arrays that broadcast."""
         d, r = down_px / self.unit_px, right_px / self.unit_px
         aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial = self.amounts_px
         square, both = radial * (d * d + r * r), 2 * radial * d * r
@@ -57,7 +59,7 @@ class Warp:
         across = shear + both + down_dr * d + 2 * down_rr * r
         along = shear + both + 2 * right_dd * d + right_dr * r
         by_right = -aspect + square + 2 * radial * r * r + right_dr * d + 2 * right_rr * r
-        return (by_down + by_right) / self.unit_px, (by_down * by_right - across * along) / self.unit_px**2
+        return (1 + by_down / self.unit_px) * (1 + by_right / self.unit_px) - across * along / self.unit_px**2
 
 
 def displacements(down_px: Array, right_px: Array, *, unit_px: float) -> Array:

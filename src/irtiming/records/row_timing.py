@@ -42,7 +42,7 @@ class SectorShape:
     what else is known of it. ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane
     appears shorter half a diagonal of the image further down, and further right; they come from a tilted camera
     (`physics.projection`), whose focal length is exp ``log_focal_length`` half diagonals. The ``warp_..._px`` are what moves
-    places of the image beside that (`physics.warp`): errors of lens and tilt together. Offsets, radii and angles are those
+    places in the plane beside that (`physics.warp`): errors of lens and tilt together. Offsets, radii and angles are those
     of the wheel's plane, a px of it being as large as one of the image at the axle. ``mirrored`` is true for a
     counterclockwise wheel: then columns are counted leftwards from the axle, and polar angles, bisector and column offset
     with them.
