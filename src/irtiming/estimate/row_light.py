@@ -8,7 +8,7 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
-from irtiming.physics.light import pixel_waves
+from irtiming.physics.light import pixel_waves, sector_rows
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
@@ -158,12 +158,7 @@ def shape_of(
 
 def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
-    shape, roi = sector.shape, sector.roi
-    points, (blur_px, _) = blurred_sector.light_points(shape, n_harmonics=n_harmonics), shape.blur_of_axes_px
-    inside = blurred_sector.row_harmonics(points, row_px, blur_px=blur_px, n_harmonics=n_harmonics)
-    if shape.glare != 0:
-        wide = blurred_sector.glare_harmonics(shape, sector.summed, roi=roi, n_harmonics=n_harmonics)
-        inside = (1 - shape.glare) * inside + shape.glare * wide[row_px - roi[0]]
+    inside = sector_rows.harmonics(sector.shape, row_px, summed=sector.summed, roi=sector.roi, n_harmonics=n_harmonics)
     lights = [
         (sector.ring, sector.ring_angle_rad),
         (sector.borrowed, sector.borrowed_angle_rad),

@@ -24,12 +24,12 @@ from irtiming.physics import blurred_sector, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
 from irtiming.physics.covariance import generalised_inverse
-from irtiming.physics.light import pixel_waves, row_sum
+from irtiming.physics.light import pixel_waves, row_sum, sector_rows
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import TURN
 from irtiming.plan.information import EDGES, RunInformation, run_information
-from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
+from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
@@ -105,16 +105,20 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     rows = roi[0] + np.flatnonzero(light.sum(axis=1) > _LEAST_LIGHT_PX2)
     weight = max(1, rows.size // _ROWS)
     rows = rows[weight // 2 :: weight]
+    here = rows - roi[0]
+    angle, smear = blurred_sector.pixel_places(sector, roi=roi)[0][here], _smear(sector, roi, 1)[here]
+
+    def harmonics(shape: SectorShape) -> ComplexArray:
+        return sector_rows.harmonics(shape, rows, summed=summed, roi=roi, n_harmonics=n_harmonics)
+
     changes = []
     for name in _SHAPE:
         step = _STEPS[name]
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        gained = (_pixels(ahead, roi) - _pixels(behind, roi))[rows - roi[0]]
-        moved = np.subtract(*(_light(one, rows, roi, summed, n_harmonics) for one in (ahead, behind)))
-        change = moved - _of_pixels(sector, gained, rows=rows, roi=roi, n_harmonics=n_harmonics)
-        changes.append(change / (2 * step))
-    harmonics = _light(sector, rows, roi, summed, n_harmonics)
-    return Rows(row_px=rows.astype(float), harmonics=harmonics, changes=np.array(changes), weight=weight)
+        gained = (_pixels(ahead, roi) - _pixels(behind, roi))[here]  # each pixel's light about its own angle
+        kept = pixel_waves.by_row(gained, angle, smear=smear, n_harmonics=n_harmonics)
+        changes.append((harmonics(ahead) - harmonics(behind) - kept) / (2 * step))
+    return Rows(row_px=rows.astype(float), harmonics=harmonics(sector), changes=np.array(changes), weight=weight)
 
 
 def _pixels(sector: SectorShape, roi: _Roi) -> Array:
@@ -125,26 +129,9 @@ def _pixels(sector: SectorShape, roi: _Roi) -> Array:
     return np.asarray(blurred_sector.with_glare(sharp, sector).real, float)
 
 
-def _of_pixels(sector: SectorShape, light: Array, *, rows: Ticks, roi: _Roi, n_harmonics: int) -> ComplexArray:
-    """Harmonics of rows whose pixels have so much light, (n_row, columns of the region), each about its own angle."""
-    here = rows - roi[0]
-    angle, _ = blurred_sector.pixel_places(sector, roi=roi)
-    return pixel_waves.by_row(light, angle[here], smear=_smear(sector, roi, 1)[here], n_harmonics=n_harmonics)
-
-
 def _smear(sector: SectorShape, roi: _Roi, order: int) -> Array:
     _, radius = blurred_sector.pixel_places(sector, roi=roi)
     return blurred_sector.pixel_smear(radius, blur_px=blurred_sector.blur_across_px(sector, roi=roi), order=order)
-
-
-def _light(sector: SectorShape, rows: Ticks, roi: _Roi, summed: Mask, n_harmonics: int) -> ComplexArray:
-    """Harmonics of rows that add up such pixels, (roi rows, roi columns)."""
-    points = blurred_sector.light_points(sector, n_harmonics=n_harmonics)
-    sharp = blurred_sector.row_harmonics(points, rows, blur_px=sector.blur_of_axes_px[0], n_harmonics=n_harmonics)
-    if sector.glare == 0:
-        return sharp
-    wide = blurred_sector.glare_harmonics(sector, summed, roi=roi, n_harmonics=n_harmonics)
-    return (1 - sector.glare) * sharp + sector.glare * wide[rows - roi[0]]
 
 
 @final
@@ -322,7 +309,8 @@ def sector_image(sector: SectorShape) -> SectorImage:
     columns += [field * phase for field in fields]
     columns += [exchanged(image, U_EXCHANGED, axis=axis, away=away) - image for axis, away in EXCHANGES]
     known = np.zeros(len(columns) + len(WARP_NUMBERS))
-    known[_OPENING.index("glare")], known[len(columns) - len(EXCHANGES) : len(columns)] = U_GLARE**-2, 1.0
+    known[_OPENING.index("glare")] = U_GLARE**-2
+    known[len(columns) - len(EXCHANGES) : len(columns)] = 1.0
     columns += map(slope, WARP_NUMBERS)
     return SectorImage(
         sector=sector,
@@ -410,8 +398,9 @@ def _noise_of(runs: Sequence[RollingRun], model: WheelModel) -> _Noise:
 def _normal_and_noise(image: SectorImage, camera: Camera, *, noise: float) -> tuple[Array, Array]:
     """Normal matrix of all numbers of the image, (n, n), and the part of it that the noise has."""
     scatter = np.hypot(camera.gain_scatter * image.light, camera.border_scatter * 4 * image.light * (1 - image.light))
-    rolls = np.arange(len(image.columns)) == len(_OPENING)
-    own = np.flatnonzero(~rolls | (camera.readout_mode == "rolling"))
+    own = np.arange(len(image.columns))
+    if camera.readout_mode == "snapshot":  # without a row delay
+        own = np.delete(own, len(_OPENING))
     columns = image.columns[own]
     along = columns.real / np.hypot(noise, scatter)
     share = noise / np.hypot(noise, scatter)
