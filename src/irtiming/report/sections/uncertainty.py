@@ -171,7 +171,8 @@ def compared(analysis: Analysis) -> Table:
             "Predicted: from the Fisher information of the model, with the noise of the frames as found, taken as "
             "white, and the rig's angle errors; no estimate takes part in it. A ratio of 1: all that the recordings "
             "hold was used. Above 1: residuals are correlated, runs scatter more than their noise, or the recordings "
-            "show something that noise and rig do not explain."
+            "show something that noise and rig do not explain. Below 1: the estimate knows something that the prediction "
+            "takes as unknown, or its uncertainty is too small."
         ),
     )
 
