@@ -5,7 +5,7 @@ import json
 import pytest
 
 from irtiming.archive.json_file import plain
-from irtiming.measurement import ALL_EXTRAS, analyse
+from irtiming.measurement import analyse
 from irtiming.report import certificate
 from irtiming.session.camera import Described, camera
 from irtiming.twin import rig as twin
@@ -22,7 +22,7 @@ def photon():
         for k, speed in enumerate((3.0, 12.0))
         for recording in twin.series(with_wheel_speed(rig.scene, speed, samples=400), (0.0,), repeats=1, seed=20 + k)
     ]
-    return analyse(recordings, rig.measured, extras=ALL_EXTRAS)
+    return analyse(recordings, rig.measured, extras=("prediction",))
 
 
 @pytest.mark.slow
@@ -56,7 +56,7 @@ def test_the_report_compares_and_the_result_can_be_planned_with(photon, tmp_path
 def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
     """Oracle: the Fisher information of row sums and contrast image; the estimation judges the border by what it leaves over."""
     rig = twin.draw(with_wheel_speed(microbolometer_scene(120, 160), 3.0, samples=500), seed=1)
-    done = analyse(twin.series(rig.scene, (0.0,), repeats=1, seed=1), rig.measured, extras=ALL_EXTRAS)
+    done = analyse(twin.series(rig.scene, (0.0,), repeats=1, seed=1), rig.measured, extras=("prediction",))
     estimate = done.best.estimate
     stated = dict(zip(estimate.names, estimate.standard_uncertainties, strict=True))
     found = {each.name: each.standard_uncertainty_s for each in done.prediction.uncertainties}

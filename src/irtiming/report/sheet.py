@@ -24,6 +24,7 @@ SERIES = ("#0b3c6f", "#2f7ec2", "#2f9e6e", "#d98200", "#b5306f", "#6a4fb3", "#7d
 """One colour per nominal delay, in order; distinguished by colour-blind readers too."""
 
 _MANY_POINTS = 600  # beyond, the points of a panel are embedded as a picture
+_SVG_DPI = 72  # points, in which an SVG file counts
 _STYLE: Any = {
     "font.family": "DejaVu Sans", "font.size": 8.5, "axes.titlesize": 9.5, "axes.titlelocation": "left",
     "axes.titleweight": "bold", "axes.edgecolor": FAINT, "axes.labelcolor": INK, "axes.linewidth": 0.7,
@@ -65,6 +66,7 @@ def svg(drawn: "Figure", *, title: str) -> str:
         _numbers_in_language(drawn)
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with mpl.rc_context(_STYLE | {"svg.hashsalt": title}):
+        _laid_out(drawn)
         drawn.savefig(text, format="svg", metadata=nothing, dpi=220)
     body = text.getvalue()
     body = body[body.index("<svg") :]
@@ -72,6 +74,18 @@ def svg(drawn: "Figure", *, title: str) -> str:
     label = title.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     body = re.sub(r' (?:width|height)="[\d.]+pt"', "", body, count=2)
     return body.replace("<svg", f'<svg role="img" aria-label="{label}" style="stroke-linejoin:round"', 1)
+
+
+def _laid_out(drawn: "Figure") -> None:
+    """Give axes their places, for which writing the figure would draw it a second time."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    layout = drawn.get_layout_engine()
+    if layout is not None:
+        FigureCanvasSVG(drawn)
+        drawn.dpi = _SVG_DPI
+        layout.execute(drawn)
+        drawn.set_layout_engine(None)
 
 
 def _numbers_in_language(drawn: "Figure") -> None:
