@@ -104,9 +104,12 @@ def fit_row_by_row(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit,
     slopes: Slopes | None = None,
 ) -> SectorFit:  # fmt: skip
-    """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`."""
+    """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`.
+
+    A rough search from where all else is settled: it is asked whether rows differ, and a step tells.
+    """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _as_it_is(images, _from(images, start, held=(), slopes=slopes), start=start)
+    return _as_it_is(images, _from(images, replace(start, n_rounds=0), held=(), slopes=slopes), start=start)
 
 
 def _held(recording: ReducedRecording) -> tuple[str, ...]:

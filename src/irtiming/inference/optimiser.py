@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from irtiming.errors import EstimationError
 from irtiming.records.arrays import Array
 
-_GAIN = 1e-9  # of the deviance
+_GAIN = 1e-4  # of the mean of a squared residual: what a hundredth of a standard uncertainty changes the deviance by
 _STEP = 1e-10  # of the parameters in units of the trust region
 _MOST_EVALUATIONS = 200
 _IN_A_ROW = 3  # evaluations
@@ -91,7 +91,7 @@ def minimise(
     start: Mapping[str, float],
     held: Collection[str] = (),
     lowest: Mapping[str, float] | None = None,
-    gain: float = _GAIN,
+    gain: float | None = None,
     enough: float = 0.0,
 ) -> Minimum:
     """Least squares in the numbers that are not held.
@@ -107,7 +107,8 @@ def minimise(
     lowest
         Least values of some.
     gain
-        Share of the deviance: the search ends where a step gains less.
+        Share of the deviance: the search ends where a step gains less; by default what a hundredth of a standard uncertainty
+        is worth.
     enough
         Deviance: the search also ends where three evaluations in a row gained less together; 0: it does not.
 
@@ -129,7 +130,8 @@ def minimise(
         return Minimum(
             start=dict(start), values=dict(start), free=(), at=remembered.at(begin), n_steps=1, decrement=0.0
         )
-    best = _searched(remembered, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=gain)
+    least = _GAIN / remembered.at(begin).residual.size if gain is None else gain
+    best = _searched(remembered, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=least)
     at = remembered.at(best)
     return Minimum(
         start=dict(start),

@@ -174,7 +174,7 @@ class _Given:
         for opening in _OPENINGS_RAD:
             for shift in TURN / 2 * np.arange(_SCAN) / _SCAN:
                 trial = dict.fromkeys(_EDGES, float(shift)) | {_OPENING: opening}
-                fraction = self.shapes(trial).fraction
+                fraction = self.passing(trial).opening.fraction
                 match = sign * float(beside @ (fraction - fraction.mean())) / max(float(fraction.std()), 1e-9)
                 best, numbers = (match, trial) if match > best else (best, numbers)
         return numbers
