@@ -18,7 +18,8 @@ from irtiming.records.estimate import Estimate
 from irtiming.records.rig import Rig
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
 from irtiming.session.analyst import Analyst, told_of
-from irtiming.session.live import FEWEST_FRAMES, LiveAnalysis, LiveEstimate
+from irtiming.session.live import FEWEST_FRAMES, LiveAnalysis
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 

@@ -18,7 +18,8 @@ from irtiming.cli.screen import say
 from irtiming.errors import InstrumentError
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
-from irtiming.session.live import LiveAnalysis, LiveEstimate
+from irtiming.session.live import LiveAnalysis
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.session.series import Attending, LiveAttendant, SeriesMade, SeriesReady
 from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
 from irtiming.units import counted, readable_time

@@ -16,7 +16,7 @@ from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.report import event_words
-from irtiming.session.live import LiveEstimate, nothing_known
+from irtiming.session.live_estimate import LiveEstimate, nothing_known
 
 _POLITENESS = 10
 

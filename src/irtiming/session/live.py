@@ -5,17 +5,16 @@ together with the finished recordings of the series. A look costs what an analys
 of them together at a few times the last. What the last look says of finished files is what `measurement.analyse` says.
 """
 
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self, final
+from typing import Literal, Self, final
 
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
+from irtiming.session.live_estimate import LiveEstimate, nothing_known
 
 FEWEST_FRAMES = 120
 """Below so many frames of a run nothing is looked at."""
@@ -26,40 +25,6 @@ APART = 1.4
 _PATIENCE_S = 60.0
 
 What = Literal["look", "keep"]
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class LiveEstimate:
-    """What is known so far, from so many frames of all recordings: values and standard uncertainties by name, s, or 1 of a share.
-
-    ``finding`` says why there is none, where there is none.
-    """
-
-    frames: int
-    values: Mapping[str, float]
-    uncertainties: Mapping[str, float]
-    finding: Finding | None = None
-
-    @property
-    def doubt(self) -> str:
-        """The finding as a line of text; empty where there is none."""
-        if self.finding is None:
-            return ""
-        return f"{self.finding.where}: {self.finding.what}" if self.finding.where else self.finding.what
-
-    def as_json(self) -> dict[str, Any]:
-        """The same as plain data."""
-        return {
-            "frames": self.frames,
-            "values": dict(self.values),
-            "uncertainties": dict(self.uncertainties),
-            "doubt": self.doubt,
-        }
-
-    def reaches(self, wished: Mapping[str, float]) -> bool:
-        """Whether every standard uncertainty that is wished for, by name in s, is reached; no wish never is."""
-        return bool(wished) and all(self.uncertainties.get(name, float("inf")) <= u for name, u in wished.items())
 
 
 @final
@@ -163,8 +128,3 @@ def _work(line: Connection, rig: Rig) -> None:
     from irtiming.session.analyst import answer_all
 
     answer_all(line, rig)
-
-
-def nothing_known(finding: Finding) -> LiveEstimate:
-    """No estimate, and why."""
-    return LiveEstimate(frames=0, values={}, uncertainties={}, finding=finding)

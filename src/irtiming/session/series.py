@@ -24,7 +24,8 @@ from irtiming.records.camera_frame import CameraIdentity
 from irtiming.records.rig import Rig
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.trigger_plan import PlannedRun
-from irtiming.session.live import LiveAnalysis, LiveEstimate
+from irtiming.session.live import LiveAnalysis
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.session.triggers import chosen_runs, triggers_of
 
 

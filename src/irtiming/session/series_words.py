@@ -7,7 +7,7 @@ from typing import Literal
 from irtiming.acquire.run_order import RunOutcome
 from irtiming.errors import InstrumentError
 from irtiming.report.rounding import value_text
-from irtiming.session.live import LiveEstimate
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.units import counted
 
 _SHARES = ("pixel_memory", "recursive_filter")

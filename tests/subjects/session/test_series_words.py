@@ -1,6 +1,6 @@
 """What is said while a series is recorded."""
 
-from irtiming.session.live import LiveEstimate
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.session.series_words import so_far
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.acquire.run_order import ENOUGH, INTERRUPTED
 from irtiming.archive.live.recording import COMPLETE
-from irtiming.session.live import LiveEstimate
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.session.series import LiveAttendant
 
 PLAN = SimpleNamespace(stop=SimpleNamespace(uncertainty_s=(("trigger_delay", 1e-6),)))

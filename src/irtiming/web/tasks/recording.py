@@ -20,7 +20,8 @@ from irtiming.records.series_plan import SeriesPlan
 from irtiming.records.timestamps import Timestamps
 from irtiming.records.trigger_plan import PlannedRun
 from irtiming.session import edges_seen, series
-from irtiming.session.live import LiveAnalysis, LiveEstimate
+from irtiming.session.live import LiveAnalysis
+from irtiming.session.live_estimate import LiveEstimate
 from irtiming.session.live_view import LiveView
 from irtiming.session.series import LiveAttendant, SeriesOrder
 from irtiming.session.series_words import WHEEL_REQUESTS, obey, of_run, so_far
