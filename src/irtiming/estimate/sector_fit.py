@@ -106,7 +106,7 @@ def fit_row_by_row(
 ) -> SectorFit:  # fmt: skip
     """The same with a row delay of its own, of a camera that is said to read all rows at once; see `fit`.
 
-    A rough search from where all else is settled: it is asked whether rows differ, and a step tells.
+    A search as rough as a first one, from where all else is settled: it is asked whether rows differ, and a step tells.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     return _as_it_is(images, _from(images, replace(start, n_rounds=0), held=(), slopes=slopes), start=start)

@@ -77,7 +77,7 @@ def svg(drawn: "Figure", *, title: str) -> str:
 
 
 def _laid_out(drawn: "Figure") -> None:
-    """Give axes their places, for which writing the figure would draw it a second time."""
+    """Give axes their places, with letters measured as SVG has them; writing a figure without draws it a second time for that."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     layout = drawn.get_layout_engine()

@@ -42,9 +42,8 @@ def test_a_search_ends_a_hundredth_of_a_standard_uncertainty_from_the_minimum(n)
     def decay(numbers):
         wave = np.exp(-numbers["rate"] * time) * 100 / np.sqrt(n)
         data = 2 * np.exp(-0.7 * time) * 100 / np.sqrt(n) + noise
-        slopes = np.stack(
-            [-wave, 0.9 * numbers["height"] * time * wave], axis=1
-        )  # a little wrong: it comes near in many steps
+        # slopes that are a little wrong, with which a search comes near in many steps
+        slopes = np.stack([-wave, 0.9 * numbers["height"] * time * wave], axis=1)
         return Linearised(residual=data - numbers["height"] * wave, jacobian=slopes)
 
     start = {"height": 1.0, "rate": 2.0}

@@ -1,8 +1,6 @@
-"""A reader of HTML that asks one thing: whether every tag that opens is closed, in order."""
+"""A reader of HTML that asks one thing: whether every tag that opens is closed, in order; <meta> alone need not be."""
 
 from html.parser import HTMLParser
-
-_VOID = {"meta", "br", "hr", "img", "link", "input"}
 
 
 class _Balance(HTMLParser):
@@ -13,7 +11,7 @@ class _Balance(HTMLParser):
         self.open, self.wrong = [], []
 
     def handle_starttag(self, tag, attrs):
-        if tag not in _VOID:
+        if tag != "meta":
             self.open.append(tag)
 
     def handle_endtag(self, tag):
@@ -24,9 +22,9 @@ class _Balance(HTMLParser):
         pass
 
 
-def are_balanced(page: str) -> bool:
-    """Whether a page's tags are."""
+def out_of_balance(page: str) -> tuple[list[str], list[str]]:
+    """Tags that ended out of turn, and those that were never closed; both empty where all is well."""
     reader = _Balance()
     reader.feed(page)
     reader.close()
-    return not reader.wrong and not reader.open
+    return reader.wrong, reader.open
