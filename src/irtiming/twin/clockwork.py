@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.signal import lfilter
+from numba import njit
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.twin.noise import generator
@@ -93,12 +93,23 @@ def _run_in(wander: SpeedWander, step_s: float) -> int:
 def _lag(wander: SpeedWander, rate: float, step_s: float, kicks: Array) -> Array:
     """Angle by which the wheel strays from its reference, rad: one value per random kick.
 
-    Step by step, s <- s - s dt / tau - lag dt / (rate lock^2) + kick and lag <- lag + rate s dt.
+    Step by step, s <- s - s dt / tau - lag dt / (rate lock^2) + kick and lag <- lag + rate s dt: two lags make the next.
     """
     keep = 1 - step_s / wander.correlation_time_s
     pull = (step_s / wander.lock_time_s) ** 2
     kick = wander.relative * math.sqrt(2 * step_s / wander.correlation_time_s)
-    return np.asarray(lfilter([rate * step_s * kick], [1.0, pull - 1 - keep, keep], kicks), dtype=np.float64)
+    return np.asarray(_stepped(kicks, rate * step_s * kick, (1 + keep - pull, keep)))
+
+
+@njit(cache=True, nogil=True)
+def _stepped(kicks: Array, size: float, keeps: tuple[float, float]) -> Array:
+    """From step to step: the first share of the value before, less the second of the one before that, and the kick."""
+    found = np.empty(kicks.size)
+    before, at = 0.0, 0.0
+    for k in range(kicks.size):
+        before, at = at, size * kicks[k] + (keeps[0] * at - keeps[1] * before)
+        found[k] = at
+    return found
 
 
 def _ripple(wander: SpeedWander, angle_rad: Array, advance_rad: float) -> Array:

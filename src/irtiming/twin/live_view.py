@@ -262,7 +262,7 @@ class _RowsViews:
         radiance = self._scene.radiance
         warmer_dn = radiance.level_dn(blackbody_k) - radiance.level_dn(radiance.blackbody_k)
         gains_dn = traced.gains_dn.copy()
-        gains_dn[:, 0] += traced.nodes.share * (traced.nodes.behind == 0) * np.float32(warmer_dn)
+        gains_dn[0] += traced.nodes.share * (traced.nodes.behind == 0) * np.float32(warmer_dn)
         blade = None if traced.blade is None else response_of(self._scene, rad_per_s, seen=SECOND_BLADE)
         return replace(traced, gains_dn=gains_dn, response=response_of(self._scene, rad_per_s), blade=blade)
 

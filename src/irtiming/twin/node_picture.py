@@ -52,7 +52,7 @@ class Response:
 class NodePicture:
     """A scene ready to be read row by row.
 
-    gains_dn (n_node, k), DN, is what its pixel gains when a node sees past the wheel; closed_dn (row, column), DN,
+    gains_dn (k, n_node), DN, is what its pixel gains when a node sees past the wheel; closed_dn (row, column), DN,
     what pixels give behind solid wheel. Where the blade between edges 2 and 3 is warmer, blade is the response to it, and
     the second of the gains what a pixel gains when a node sees it.
     """
@@ -94,7 +94,7 @@ def node_picture(scene: Scene, response: Response, *, span_rad: float, blade: Re
     return NodePicture(
         response=response,
         nodes=nodes,
-        gains_dn=np.stack(gains, axis=1),
+        gains_dn=np.stack(gains),
         closed_dn=closed,
         gate_rad=math.pi / 2 + scene.beams.beta_1_rad,
         blade=blade,
@@ -118,7 +118,9 @@ def read_rows(shot: NodePicture, wheel_angle_rad: Array, *, speed: float, out: V
     out[...] = shot.closed_dn
     nodes, angle = shot.nodes, np.asarray(wheel_angle_rad, dtype=np.float64) + shot.gate_rad
     responses = [shot.response] if shot.blade is None else [shot.response, shot.blade]
-    level = np.stack([one.level + speed * one.per_speed for one in responses], axis=1).astype(np.float32)
+    level = np.empty((len(responses), shot.response.level.size + 1), np.float32)
+    for one, at_speed in zip(responses, level, strict=True):
+        _at_speed(one.level, one.per_speed, speed, at_speed)
     _add_nodes_past_wheel(
         out.reshape(-1),
         (angle, level),
@@ -128,28 +130,46 @@ def read_rows(shot: NodePicture, wheel_angle_rad: Array, *, speed: float, out: V
 
 
 @njit(cache=True, nogil=True)
+def _at_speed(level: Level, per_speed: Level, speed: float, out: Weights) -> None:
+    """Levels of a wheel that was so much faster, relative; one more than there are, for rounding may lead to the turn's end."""
+    for cell in range(level.size):
+        out[cell] = level[cell] + speed * per_speed[cell]
+    out[level.size] = out[level.size - 1]
+
+
+@njit(cache=True, nogil=True)
 def _add_nodes_past_wheel(
     flat: Weights,
     wheel: tuple[Array, Weights],
     table: tuple[Indices, Array, Counts, Offsets, Weights],
     columns: int,
 ) -> None:
-    """Add to each live pixel what its nodes bring at the angle of its row; levels (n_cell + 1, k) and gains (n_node, k)."""
+    """Add to each live pixel what its nodes bring at the angle of its row; levels (k, n_cell + 2) and gains (k, n_node)."""
     angle, level = wheel
     pixel, reference, first_node, offset, gain = table
-    cells = level.shape[0] - 1
+    cells = level.shape[1] - 2
     per_rad = cells / (2 * math.pi)
     for live in range(pixel.size):
         middle = (angle[pixel[live] // columns] - reference[live]) * per_rad
         middle -= math.floor(middle / cells) * cells
+        first, end = first_node[live], first_node[live + 1]
         total = 0.0
-        for node in range(first_node[live], first_node[live + 1]):
-            place = middle - offset[node] * per_rad
-            if place < 0:
-                place += cells
-            elif place >= cells:
-                place -= cells
-            cell = min(int(place), cells - 1)
-            for k in range(level.shape[1]):
-                total += gain[node, k] * (level[cell, k] + (place - cell) * (level[cell + 1, k] - level[cell, k]))
+        for k in range(level.shape[0]):
+            total += _looked_up(level[k], (middle, per_rad), offset[first:end], gain[k, first:end])
         flat[pixel[live]] += total
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc"})  # the order of the sum is free: several nodes at once
+def _looked_up(level: Weights, place: tuple[float, float], offset: Offsets, gain: Weights) -> float:
+    """Gains times levels, between two of which it is straight, of one pixel's nodes, which lie off the middle."""
+    cells, (middle, per_rad) = level.size - 2, place
+    total = 0.0
+    for node in range(offset.size):
+        at = middle - offset[node] * per_rad
+        if at < 0:
+            at += cells
+        elif at >= cells:
+            at -= cells
+        cell = int(at)
+        total += gain[node] * (level[cell] + (at - cell) * (level[cell + 1] - level[cell]))
+    return total

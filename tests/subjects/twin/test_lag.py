@@ -156,7 +156,7 @@ def test_light_of_each_row_comes_from_where_the_blur_takes_it(scene: Scene) -> N
     beyond = (np.arange(shape[0])[:, None] - line + np.array([[[0.5]], [[-0.5]]])) / optics.blur_px
     dealt = (ndtr(beyond[0]) - ndtr(beyond[1])) / 1600
     lit_line, lit_phi = np.nonzero(inside)[0], phi[inside]
-    gain = shot.gains_dn[shot.nodes.behind == 0].sum() / shot.nodes.share[shot.nodes.behind == 0].sum()
+    gain = shot.gains_dn[0, shot.nodes.behind == 0].sum() / shot.nodes.share[shot.nodes.behind == 0].sum()
     errors, slopes = [], []
     for theta in (1.2, 1.9, 2.6, 3.3, 4.3):
         light = [
@@ -211,7 +211,7 @@ def test_wide_and_narrow_gathering_see_the_same(scene: Scene) -> None:
     shot, lag_rad = _lagging_picture(scene, _RATE * _TAU_S), _RATE * _TAU_S
     fine = trace_nodes(scene, lag_rad / 1280)
     gain = fine.share * (scene.radiance.dn_per_k * (scene.radiance.blackbody_k - scene.radiance.wheel_k))
-    finer = replace(shot, nodes=fine, gains_dn=np.where(fine.behind == 0, gain, 0).astype(np.float32)[:, None])
+    finer = replace(shot, nodes=fine, gains_dn=np.where(fine.behind == 0, gain, 0).astype(np.float32)[None])
     assert fine.offset_rad.size > 1.5 * shot.nodes.offset_rad.size
     for theta in np.linspace(0, 6, 13):
         one, other, later = (np.empty((120, 160), np.float32) for _ in range(3))
