@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorFit
 
@@ -54,7 +54,7 @@ def light_of_pixels(sector: SectorFit, orders: Ticks, *, row_px: Ticks, column_p
     inside = blurred_sector.well_inside(shape, roi=roi)
     every = np.concatenate([[0], orders])
     even = _even(every, angle, reach)
-    points = blurred_sector.border_points(shape)
+    points = sector_points.border_points(shape)
     waves = np.exp(-1j * np.multiply.outer(every, points.angle_rad))
     border = blurred_sector.images(points, waves, blur_px=shape.blur_of_axes_px, roi=roi)
     lit = [blurred_sector.with_glare(one, shape) for one in np.where(inside, even, border)]

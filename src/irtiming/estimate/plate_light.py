@@ -6,7 +6,7 @@ Beside it there are the mask plate and an uneven wheel; glare carries light from
 import numpy as np
 from scipy.special import ndtr
 
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.row_timing import SectorFit
 
@@ -59,7 +59,7 @@ def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, A
     """
     row0, row1, column0, column1 = sector.roi
     shape = sector.shape
-    points = blurred_sector.glare_points(shape, n_harmonics=_FINE_GLARE)
+    points = sector_points.glare_points(shape, n_harmonics=_FINE_GLARE)
     kept = blurred_sector.glare_kept(points, summed[row0:row1, column0:column1], shape=shape, roi=sector.roi).sum(
         axis=1
     )

@@ -17,8 +17,8 @@ from scipy.special import ndtr
 
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
-from irtiming.physics import blurred_sector
-from irtiming.physics.blurred_sector import LightPoints
+from irtiming.physics import blurred_sector, sector_points
+from irtiming.physics.sector_points import LightPoints
 from irtiming.physics.smooth_field import SmoothField
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.row_timing import LensTerms, SectorShape
@@ -88,7 +88,7 @@ class Fitted:
     ``misfit`` (2 n_good + n_basis,) holds the deviations of the good pixels along and across their phase, and of the field from
     its prior, over their uncertainties; ``left_dn`` (roi rows, roi columns) those along the phase, measured minus model, DN.
     ``full_dn`` is a pixel wholly in the light, ``plate`` the plate's contrast as a share of it, ``field`` (roi rows, roi
-    columns) the smooth one where the wheel turns, with its ``coverage``, and ``unevenness`` its standard deviation over the ring.
+    columns) the smooth one where the wheel turns, with its ``coverage``, and ``ring`` the share of each good pixel in the ring.
     """
 
     misfit: Array
@@ -97,7 +97,13 @@ class Fitted:
     plate: float
     field: Array
     coverage: Array
-    unevenness: float
+    ring: Array
+
+    @property
+    def unevenness(self) -> float:
+        """Standard deviation of the field over the ring's good pixels."""
+        mean = float(np.average(self.field, weights=self.ring))
+        return float(np.sqrt(np.average((self.field - mean) ** 2, weights=self.ring)))
 
 
 @final
@@ -217,7 +223,7 @@ def fitted(
         plate=float(found[1] / found[0]),
         field=field / found[0],
         coverage=cover / parts.size,
-        unevenness=_unevenness(field / found[0], np.maximum(parts.ring * good, 0.0)),
+        ring=np.maximum(parts.ring * good, 0.0),
     )
 
 
@@ -241,7 +247,7 @@ class _Places:
 def _places(shape: SectorShape, view: View) -> _Places:
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     return _Places(
-        border=blurred_sector.border_points(shape),
+        border=sector_points.border_points(shape),
         middle_rad=angle + blurred_sector.even_angle_rad(shape, roi=view.roi),
         smear_rad=blurred_sector.angular_reach(shape, roi=view.roi),
         inside=blurred_sector.well_inside(shape, roi=view.roi),
@@ -261,7 +267,7 @@ def sharp(looks: Sequence[Look], numbers: Mapping[str, float], *, view: View) ->
     ):  # each point as if read in the row in which it is seen
         points = places.border
         value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
-        values.append(value * np.exp(-2j * row_turn * points.row_px))
+        values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
     borders = blurred_sector.images(places.border, np.array(values), blur_px=shape.blur_of_axes_px, roi=view.roi)
     found = []
     for look, (turn, row_turn), border in zip(looks, turns, borders, strict=True):
@@ -297,12 +303,6 @@ def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
     return replace(look, turn_rad=look.turn_rad + own / 2)
 
 
-def _unevenness(field: Array, ring: Array) -> float:
-    """Standard deviation of the field over the ring's good pixels."""
-    mean = float(np.average(field, weights=ring))
-    return float(np.sqrt(np.average((field - mean) ** 2, weights=ring)))
-
-
 def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, blur_px: Array) -> Array:
     """Share of the ring that the cutouts sweep in each pixel at these radii, blurred along them, shape (roi rows, columns)."""
 
@@ -320,7 +320,7 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, bl
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
-    points = blurred_sector.light_points(shape)
+    points = sector_points.light_points(shape)
     without = blurred_sector.image(points, 1 + 1j * points.angle_rad, blur_px=shape.blur_of_axes_px, roi=view.roi)
     both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag

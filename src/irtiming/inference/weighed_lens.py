@@ -18,7 +18,7 @@ import numpy as np
 
 from irtiming.inference import tempered
 from irtiming.inference.lens_knowledge import CAMERA_NUMBERS, LensKnowledge
-from irtiming.physics import blurred_sector, lens
+from irtiming.physics import lens, sector_points
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.lens import Lens
 from irtiming.physics.projection import Projection, projection_of
@@ -112,7 +112,7 @@ class _Cameras:
         self._free = [name for name in CAMERA_NUMBERS if known.prior(name).standard_uncertainty > 0]
         now = projection_of(shape)
         self.unit_px = now.lens.half_diagonal_px
-        *self._places, area = blurred_sector.places(shape, n_radial=_RADIAL, n_around=_AROUND)
+        *self._places, area = sector_points.places(shape, n_radial=_RADIAL, n_around=_AROUND)
         self._taken_off = _taken_off(*self._places, area_px2=area, unit_px=self.unit_px)
         self._image, self._before = now.seen(*self._places), np.concatenate(self._places)
 

@@ -22,156 +22,32 @@ angle, which the wheel's harmonics see as the weight's own Fourier coefficients.
 """
 
 import math
-from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
-from irtiming.errors import GeometryError
 from irtiming.physics import gaussian_spread
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
+from irtiming.physics.sector_points import (
+    LightPoints,
+    Sector,
+    glare_points,
+    half_turn,
+    sector_of,
+    sense,
+    widths_with_glare,
+)
 from irtiming.physics.wheel_harmonics import later
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
-_NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
-_MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
-_MOST_NODES = 5000  # of a quadrature: the sharpest opening that fills 4000 pixels asks for fewer
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
 """Of the sector's border; the wheel's edges come to the first radial edge first."""
-
-_DIRECTIONS = 33  # in the sector, among which its sharpest are sought
-_LOOKS = 9  # along either arc for the largest magnification
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LightPoints:
-    """Nodes and weights of a quadrature over the sector.
-
-    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2). ``gap_rad`` is the
-    widest between neighbours of one radius.
-    """
-
-    row_px: Array
-    column_px: Array
-    angle_rad: Array
-    area_px2: Array
-    gap_rad: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Nodes:
-    """Quadrature over the sector in the flat plane, from the axle, columns counted in the wheel's sense; shapes (n,), px.
-
-    ``depth`` is the distance to the nearest side.
-    """
-
-    down: Array
-    across: Array
-    area: Array
-    depth: Array
-    gap_rad: float
-
-
-def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
-    """Gauss-Legendre nodes in radius and angle, close enough for the blur and for the highest order that is asked for."""
-    return _in_image(shape, _nodes(shape, n_harmonics=n_harmonics))
-
-
-def border_points(shape: SectorShape) -> LightPoints:
-    """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
-    nodes = _nodes(shape)
-    least, larger = projection_of(shape).magnification(nodes.down, _sense(shape) * nodes.across)
-    near = nodes.depth * least < 2 * (REACH * max(shape.blur_of_axes_px) + 1)
-    few = replace(
-        nodes, down=nodes.down[near], across=nodes.across[near], area=nodes.area[near], depth=nodes.depth[near]
-    )
-    return _in_image(shape, few, magnification=larger if np.isscalar(larger) else larger[near])
-
-
-def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
-    """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
-    narrower = min(_widths_with_glare(shape))
-    return _in_image(shape, _nodes(replace(shape, blur_px=narrower, blur_ellipticity=0.0), n_harmonics=n_harmonics))
-
-
-def _widths_with_glare(shape: SectorShape) -> tuple[float, float]:
-    """Standard deviations over rows and over columns of the light that goes astray: blur and glare together."""
-    rows, columns = shape.blur_of_axes_px
-    return math.hypot(rows, shape.glare_px), math.hypot(columns, shape.glare_px)
-
-
-def places(shape: SectorShape, *, n_radial: int, n_around: int) -> tuple[Array, Array, Array]:
-    """Places in the sector in the wheel's plane: down and right from the axle (px), and the area of each (px^2).
-
-    ``n_radial`` and ``n_around`` Gauss-Legendre nodes in radius and in angle; three arrays of shape (n_radial n_around,).
-    """
-    nodes = _grid(shape, n_radial=n_radial, n_around=n_around)
-    return nodes.down, _sense(shape) * nodes.across, nodes.area
-
-
-def _nodes(shape: SectorShape, *, n_harmonics: int = 0) -> _Nodes:
-    width, angle = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad
-    wide = _widest(shape, projection_of(shape))
-    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))
-    for_waves = math.ceil(angle / 2 * n_harmonics) + _MORE_NODES
-    return _grid(
-        shape,
-        n_radial=max(8, math.ceil(width / along)),
-        n_around=max(for_waves, math.ceil(angle * shape.outer_radius_px / across)),
-    )
-
-
-def _grid(shape: SectorShape, *, n_radial: int, n_around: int) -> _Nodes:
-    half_width = (shape.outer_radius_px - shape.inner_radius_px) / 2
-    half_angle = shape.opening_angle_rad / 2
-    radial, radial_weight = _gauss_legendre(n_radial)
-    around, around_weight = _gauss_legendre(n_around)
-    radius = shape.inner_radius_px + half_width * (1 + radial)
-    polar = shape.bisector_rad + half_angle * around
-    to_edge = np.sin(np.minimum(half_angle * (1 - np.abs(around)), np.pi / 2))
-    to_arc = half_width * (1 - np.abs(radial))
-    return _Nodes(
-        down=shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
-        across=shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel(),
-        area=np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
-        depth=np.minimum(np.multiply.outer(radius, to_edge), to_arc[:, None]).ravel(),
-        gap_rad=math.pi * half_angle / around.size,  # in the middle, where Gauss-Legendre nodes are widest apart
-    )
-
-
-def _sharpest(shape: SectorShape) -> tuple[float, float]:
-    """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show."""
-    polar = shape.bisector_rad + shape.opening_angle_rad * np.linspace(-0.5, 0.5, _DIRECTIONS)
-    rows, columns = np.square(shape.blur_of_axes_px)
-    along = rows * np.sin(polar) ** 2 + columns * np.cos(polar) ** 2
-    return math.sqrt(along.min()), math.sqrt((rows + columns - along).min())
-
-
-def _in_image(shape: SectorShape, nodes: _Nodes, *, magnification: Any = None) -> LightPoints:
-    """Places in the image, and areas there; ``magnification`` is that of areas, if known."""
-    projection, right = projection_of(shape), _sense(shape) * nodes.across
-    row, column = projection.seen(nodes.down, right)
-    larger = projection.magnification(nodes.down, right)[1] if magnification is None else magnification
-    angle = np.arctan2(nodes.down, nodes.across) - shape.bisector_rad
-    return LightPoints(
-        row_px=row,
-        column_px=column,
-        angle_rad=np.mod(angle + np.pi, 2 * np.pi) - np.pi,
-        area_px2=nodes.area * larger,
-        gap_rad=nodes.gap_rad,
-    )
-
-
-def _sense(shape: SectorShape) -> float:
-    """In which columns are counted from the axle: rightwards or leftwards."""
-    return -1.0 if shape.mirrored else 1.0
 
 
 @lru_cache(maxsize=16)
@@ -183,33 +59,6 @@ def _flat_pixels(projection: Projection, roi: tuple[int, int, int, int]) -> tupl
     down, right = np.broadcast_arrays(*projection.flat(*_pixels(roi)))
     least, _ = projection.magnification(down, right)
     return down, right, np.broadcast_to(least, down.shape)
-
-
-def _from_axle(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
-    """Places of the region's pixels in the wheel's plane, counted from the axle in the wheel's sense."""
-    down, right, _ = _flat_pixels(projection_of(shape), roi)
-    return down, _sense(shape) * right
-
-
-def _widest(shape: SectorShape, projection: Projection) -> float:
-    """Magnification that no place of the sector exceeds, or next to none."""
-    radius = np.array([[shape.inner_radius_px], [shape.outer_radius_px]])
-    polar = shape.bisector_rad + shape.opening_angle_rad / 2 * np.linspace(-1, 1, _LOOKS)
-    down = shape.offset_row_px + radius * np.sin(polar)
-    right = _sense(shape) * (shape.offset_column_px + radius * np.cos(polar))
-    least, area = projection.magnification(down, right)
-    return max(1.0, float(np.max(area / least)))
-
-
-@lru_cache(maxsize=256)
-def _gauss_legendre(n: int) -> tuple[Array, Array]:
-    """Nodes and weights; a search asks for the same few numbers of them hundreds of times."""
-    if n > _MOST_NODES:
-        raise GeometryError(
-            f"a sector that is {n} times as wide as its blur lets through was tried, at most {_MOST_NODES} can be: the image "
-            "shows no such opening; check [wheel] rotation, that the image is not mirrored, and that frames have their triggers"
-        )
-    return np.polynomial.legendre.leggauss(n)
 
 
 def pixel_smear(radius_px: Array, *, blur_px: Array | float, order: int | Ticks) -> Array:
@@ -258,7 +107,7 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
 def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
     down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    return down, _sense(shape) * right
+    return down, sense(shape) * right
 
 
 @lru_cache(maxsize=16)
@@ -307,21 +156,40 @@ def _depth_px(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
 def _depths_px(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
     """The same for each side, shape (4, roi rows, roi columns)."""
     down, right, least = _flat_pixels(projection_of(shape), roi)
-    down, across = down - shape.offset_row_px, _sense(shape) * right - shape.offset_column_px
-    radius = np.hypot(down, across)
-    off = np.mod(np.arctan2(down, across) - shape.bisector_rad + np.pi, 2 * np.pi) - np.pi
-    first, second = (
-        radius * np.sin(np.clip(shape.opening_angle_rad / 2 + way * off, -np.pi / 2, np.pi / 2)) for way in (1, -1)
-    )
-    depths = np.stack([radius - shape.inner_radius_px, shape.outer_radius_px - radius, first, second])
-    return np.asarray(depths * least)
+    depths = _depths(down.ravel(), right.ravel(), least.ravel(), sector_of(shape))
+    return np.asarray(depths.reshape(len(SIDES), *down.shape))
+
+
+@njit(cache=True, nogil=True)
+def _depths(down: Array, right: Array, least: Array, sector: Sector) -> Array:
+    """See _depths_px; places from the axle and least magnifications (n,), depths (4, n)."""
+    out = np.empty((4, down.size))
+    (inner, outer), quarter = sector.radii_px, math.pi / 2
+    for k in range(down.size):
+        below, across = down[k] - sector.offset_px[0], sector.sense * right[k] - sector.offset_px[1]
+        radius = math.hypot(below, across)
+        off = half_turn(math.atan2(below, across) - sector.bisector_rad)
+        out[0, k], out[1, k] = (radius - inner) * least[k], (outer - radius) * least[k]
+        out[2, k] = radius * math.sin(min(max(sector.half_angle_rad + off, -quarter), quarter)) * least[k]
+        out[3, k] = radius * math.sin(min(max(sector.half_angle_rad - off, -quarter), quarter)) * least[k]
+    return out
 
 
 def pixel_places(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Polar angle from the bisector (rad) and distance from the axle (flat px) of pixels, shape (roi rows, roi columns)."""
-    down, across = _from_axle(shape, roi)
-    angle = np.arctan2(down, across) - shape.bisector_rad
-    return np.mod(angle + np.pi, 2 * np.pi) - np.pi, np.hypot(down, across)
+    down, right, _ = _flat_pixels(projection_of(shape), roi)
+    angle, radius = _polar(down.ravel(), right.ravel(), sector_of(shape))
+    return angle.reshape(down.shape), radius.reshape(down.shape)
+
+
+@njit(cache=True, nogil=True)
+def _polar(down: Array, right: Array, sector: Sector) -> Any:
+    """See pixel_places; places from the axle (n,), angles and distances (2, n)."""
+    out = np.empty((2, down.size))
+    for k in range(down.size):
+        out[0, k] = half_turn(math.atan2(down[k], sector.sense * right[k]) - sector.bisector_rad)
+        out[1, k] = math.hypot(down[k], right[k])
+    return out
 
 
 def image(
@@ -404,7 +272,7 @@ def glare_harmonics(
 
 def glare_kept(points: LightPoints, summed: Mask, *, shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
     """Part of the glare of each point of light that falls into summed pixels, by their row: shape (n, roi rows)."""
-    over_rows, over_columns = _widths_with_glare(shape)
+    over_rows, over_columns = widths_with_glare(shape)
     into_row = _shares(points.row_px, roi[:2], over_rows)
     return np.asarray(into_row * (_shares(points.column_px, roi[2:], over_columns) @ summed.T.astype(float)))
 

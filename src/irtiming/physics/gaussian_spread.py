@@ -84,7 +84,7 @@ def _deposit(row: Array, column: Array, light: Array, blur: tuple[float, float],
         _along_axis(column[k], first, last, blur[1], across)
         for part in range(n):
             for i in range(first_row, last_row + 1):
-                along, line = light[k, part] * down[i - first_row], out[part, i, first : last + 1]
-                for j in range(line.size):
-                    line[j] += along * across[j]
+                along = light[k, part] * down[i - first_row]
+                for j in range(last - first + 1):
+                    out[part, i, first + j] += along * across[j]
     return out

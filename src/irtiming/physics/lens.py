@@ -17,10 +17,11 @@ pixels act in the image.
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 from irtiming.records.arrays import Array
 from irtiming.records.row_timing import LensTerms
@@ -31,6 +32,21 @@ LOWEST, HIGHEST = -0.14, 0.5
 _TURNING, _FARTHEST = -4 / 27, 1.5  # k r_d^2 where r_d stops growing with r_u, and r_u / r_d there
 _MOST_STEPS = 40
 _NO_TERMS = LensTerms()
+
+Place: TypeAlias = tuple[Any, Any]
+"""Down and across, numbers or arrays that broadcast."""
+
+
+@final
+class Coefficients(NamedTuple):
+    """k, k_2, k_3, p_1, p_2 and f_y / f_x; k may be an array."""
+
+    distortion: Any
+    quartic: float
+    sextic: float
+    tangential_row: float
+    tangential_column: float
+    row_stretch: float
 
 
 @final
@@ -67,13 +83,9 @@ class Lens:
         """Where points of the flat plane appear; numbers or arrays that broadcast, px."""
         if self.is_straight:
             return row_px, column_px
-        down, across, square = self._from_middle(row_px, column_px)
-        factor = 1 + square * (self.distortion + square * (self.terms.quartic + square * self.terms.sextic))
-        aside_down, aside_across = self._tangential(down, across)
-        return (
-            self.middle_px[0] + (down * factor + aside_down) * self.terms.row_stretch,
-            self.middle_px[1] + across * factor + aside_across,
-        )
+        unit, (row, column) = self.half_diagonal_px, self.middle_px
+        down, across = bent(((row_px - row) / unit, (column_px - column) / unit), self.coefficients)
+        return row + unit * down, column + unit * across
 
     def flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Where points of the image lie in the flat plane; numbers or arrays that broadcast, px."""
@@ -81,7 +93,8 @@ class Lens:
             return row_px, column_px
         if self.terms != _NO_TERMS:
             return self._flat_by_search(row_px, column_px)
-        down, across, square = self._from_middle(row_px, column_px)
+        down, across = row_px - self.middle_px[0], column_px - self.middle_px[1]
+        square = (down**2 + across**2) / self.half_diagonal_px**2
         factor = _flattening(np.atleast_1d(np.asarray(self.distortion * square, dtype=float)).ravel())
         factor = factor.reshape(np.shape(square)) if np.ndim(square) else float(factor[0])
         return self.middle_px[0] + down * factor, self.middle_px[1] + across * factor
@@ -92,9 +105,7 @@ class Lens:
             return 1.0, 1.0
         unit = self.half_diagonal_px
         down, across = np.broadcast_arrays((row_px - self.middle_px[0]) / unit, (column_px - self.middle_px[1]) / unit)
-        least, area = _magnifications(
-            down.ravel(), across.ravel(), _coefficients(self.distortion, self.terms), self.terms.row_stretch
-        )  # fmt: skip
+        least, area = _magnifications(down.ravel(), across.ravel(), self.coefficients)
         return least.reshape(down.shape), area.reshape(down.shape)
 
     def _flat_by_search(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
@@ -102,73 +113,90 @@ class Lens:
         down, across, distortion = (
             np.asarray(one, dtype=float)
             for one in np.broadcast_arrays(
-                (row_px - self.middle_px[0]) / self.terms.row_stretch / unit,
+                (row_px - self.middle_px[0]) / unit,
                 (column_px - self.middle_px[1]) / unit,
                 self.distortion,
             )
         )
-        y, x = _flat_points(down.ravel(), across.ravel(), distortion.ravel(), _coefficients(0.0, self.terms))
+        y, x = _flat_points(
+            down.ravel(), across.ravel(), distortion.ravel(), self.coefficients._replace(distortion=0.0)
+        )
         if down.ndim == 0:
             return self.middle_px[0] + unit * float(y[0]), self.middle_px[1] + unit * float(x[0])
         return self.middle_px[0] + unit * y.reshape(down.shape), self.middle_px[1] + unit * x.reshape(down.shape)
 
-    def _tangential(self, down: Any, across: Any) -> tuple[Any, Any]:
-        """By how much a lens that is not centred moves points of the flat plane down and across, px."""
-        first, second = (p / self.half_diagonal_px for p in (self.terms.tangential_row, self.terms.tangential_column))
-        if first == 0 and second == 0:
-            return 0.0, 0.0
-        square, mixed = down**2 + across**2, 2 * down * across
-        return first * (square + 2 * down**2) + second * mixed, first * mixed + second * (square + 2 * across**2)
-
-    def _from_middle(self, row_px: Any, column_px: Any) -> tuple[Any, Any, Any]:
-        """Distances down and across, px, and the square of the whole distance in half diagonals."""
-        down, across = row_px - self.middle_px[0], column_px - self.middle_px[1]
-        return down, across, (down**2 + across**2) / self.half_diagonal_px**2
-
-
-def _coefficients(distortion: float, terms: LensTerms) -> Array:
-    return np.array([distortion, terms.quartic, terms.sextic, terms.tangential_row, terms.tangential_column])
+    @property
+    def coefficients(self) -> Coefficients:
+        """Of the polynomials of `bent`."""
+        terms = self.terms
+        return Coefficients(
+            distortion=self.distortion,
+            quartic=terms.quartic,
+            sextic=terms.sextic,
+            tangential_row=terms.tangential_row,
+            tangential_column=terms.tangential_column,
+            row_stretch=terms.row_stretch,
+        )
 
 
-@njit(cache=True, nogil=True)
-def _slopes(y: Any, x: Any, of: Array) -> Any:
-    """Derivatives of y_d to y and x, then of x_d to y and x; half diagonals."""
+@register_jitable
+def bent(place: Place, of: Coefficients) -> Place:
+    """(y_d, x_d) of a point (y, x) of the flat plane, half diagonals, with the rows' stretch."""
+    y, x = place
     square = y * y + x * x
-    factor = 1 + square * (of[0] + square * (of[1] + square * of[2]))
-    growth = 2 * (of[0] + square * (2 * of[1] + 3 * square * of[2]))
-    yy = factor + y * y * growth + 6 * of[3] * y + 2 * of[4] * x
-    xx = factor + x * x * growth + 2 * of[3] * y + 6 * of[4] * x
-    mixed = y * x * growth + 2 * of[3] * x + 2 * of[4] * y
-    return yy, mixed, mixed, xx
+    factor = 1 + square * (of.distortion + square * (of.quartic + square * of.sextic))
+    first, second = of.tangential_row, of.tangential_column
+    return (
+        (y * factor + first * (square + 2 * y * y) + 2 * second * y * x) * of.row_stretch,
+        x * factor + 2 * first * y * x + second * (square + 2 * x * x),
+    )
 
 
 @njit(cache=True, nogil=True)
-def _magnifications(y: Array, x: Array, of: Array, row_stretch: float) -> Any:
-    """Least magnification of any direction and that of areas, shape (2, n), at points in half diagonals, shapes (n,)."""
+def _slopes(place: Place, of: Coefficients) -> Any:
+    """Derivatives of y_d to y and x, then of x_d to y and x; half diagonals."""
+    y, x = place
+    square, first, second = y * y + x * x, of.tangential_row, of.tangential_column
+    factor = 1 + square * (of.distortion + square * (of.quartic + square * of.sextic))
+    growth = 2 * (of.distortion + square * (2 * of.quartic + 3 * square * of.sextic))
+    yy = factor + y * y * growth + 6 * first * y + 2 * second * x
+    xx = factor + x * x * growth + 2 * first * y + 6 * second * x
+    mixed = y * x * growth + 2 * first * x + 2 * second * y
+    return yy * of.row_stretch, mixed * of.row_stretch, mixed, xx
+
+
+@njit(cache=True, nogil=True)
+def magnified(place: Place, of: Coefficients) -> Any:
+    """Least magnification of any direction and that of areas at a point of the flat plane, half diagonals."""
+    yy, yx, xy, xx = _slopes(place, of)
+    area = yy * xx - yx * xy
+    whole = yy * yy + yx * yx + xy * xy + xx * xx
+    largest = math.sqrt((whole + math.sqrt(max(whole * whole - 4 * area * area, 0.0))) / 2)
+    return abs(area) / largest, area
+
+
+@njit(cache=True, nogil=True)
+def _magnifications(y: Array, x: Array, of: Coefficients) -> Any:
+    """See magnified; points of shapes (n,), magnifications of shape (2, n)."""
     out = np.empty((2, y.size))
     for k in range(y.size):
-        yy, yx, xy, xx = _slopes(y[k], x[k], of)
-        yy, yx = yy * row_stretch, yx * row_stretch
-        area = yy * xx - yx * xy
-        whole = yy * yy + yx * yx + xy * xy + xx * xx
-        largest = math.sqrt((whole + math.sqrt(max(whole * whole - 4 * area * area, 0.0))) / 2)
-        out[0, k], out[1, k] = abs(area) / largest, area
+        out[0, k], out[1, k] = magnified((y[k], x[k]), of)
     return out
 
 
 @njit(cache=True, nogil=True)
-def _flat_points(down: Array, across: Array, distortion: Array, terms: Array) -> Any:
+def _flat_points(down: Array, across: Array, distortion: Array, other: Coefficients) -> Any:
     """Newton's method for the point (y, x) that appears at (down, across), shapes (n,); half diagonals."""
-    out, of = np.empty((2, down.size)), terms.copy()
+    out = np.empty((2, down.size))
     for k in range(down.size):
-        of[0] = distortion[k]
+        of = Coefficients(
+            distortion[k], other.quartic, other.sextic, other.tangential_row, other.tangential_column, other.row_stretch
+        )
         y, x = down[k], across[k]
         for _ in range(_MOST_STEPS):
-            square = y * y + x * x
-            factor = 1 + square * (of[0] + square * (of[1] + square * of[2]))
-            off_y = y * factor + of[3] * (square + 2 * y * y) + 2 * of[4] * y * x - down[k]
-            off_x = x * factor + 2 * of[3] * y * x + of[4] * (square + 2 * x * x) - across[k]
-            yy, yx, xy, xx = _slopes(y, x, of)
+            seen_y, seen_x = bent((y, x), of)
+            off_y, off_x = seen_y - down[k], seen_x - across[k]
+            yy, yx, xy, xx = _slopes((y, x), of)
             whole = yy * xx - yx * xy
             if whole < 0.05:  # beyond the turning point there is no such point
                 break

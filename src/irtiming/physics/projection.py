@@ -18,12 +18,14 @@ little aside (`physics.warp`).
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias, final
+from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
+from numba import njit
+from numba.extending import register_jitable
 
-from irtiming.physics.lens import Lens
-from irtiming.physics.warp import WARP_NUMBERS, Warp
+from irtiming.physics.lens import Coefficients, Lens, Place, bent, magnified
+from irtiming.physics.warp import WARP_NUMBERS, Warp, displaced, enlarged
 from irtiming.records.row_timing import SectorShape
 
 _Matrix: TypeAlias = tuple[tuple[Any, Any], tuple[Any, Any]]
@@ -95,10 +97,9 @@ class Projection:
         least, area = self.lens.magnification(*self._undistorted(down_px, right_px))
         if not np.any(self.keystone_per_px):
             return least, area
-        shrunk = 1 + self.keystone_per_px[0] * down_px + self.keystone_per_px[1] * right_px
-        (a, b), (c, d) = self._about_axle
-        whole = a * d - b * c
-        return least * np.minimum(1.0, whole) / np.maximum(shrunk, 1.0) ** 2, area * whole / (shrunk * shrunk * shrunk)
+        smaller = _shrunk((down_px, right_px), self.keystone_per_px)
+        whole = _whole(self._about_axle)
+        return least * np.minimum(1.0, whole) / np.maximum(smaller, 1.0) ** 2, area * whole / smaller**3
 
     @property
     def tilt(self) -> tuple[Any, Any]:
@@ -135,9 +136,81 @@ class Projection:
     def _undistorted(self, down: Any, right: Any) -> tuple[Any, Any]:
         if not np.any(self.keystone_per_px):
             return self._axle[0] + down, self._axle[1] + right
-        (a, b), (c, d) = self._about_axle
-        shrunk = 1 + self.keystone_per_px[0] * down + self.keystone_per_px[1] * right
-        return self._axle[0] + (a * down + b * right) / shrunk, self._axle[1] + (c * down + d * right) / shrunk
+        below, beside = _tilted((down, right), self._about_axle, self.keystone_per_px)
+        return self._axle[0] + below, self._axle[1] + beside
+
+    @cached_property
+    def compiled(self) -> "Eye":
+        """The same for compiled code; of one camera."""
+        return Eye(
+            axle_px=self._axle,
+            keystone_per_px=self.keystone_per_px,
+            about_axle=self._about_axle,
+            middle_px=self.lens.middle_px,
+            unit_px=self.warp.unit_px,
+            coefficients=self.lens.coefficients,
+            warp=tuple(one / self.warp.unit_px for one in self.warp.amounts_px),
+            rounds=0 if self.warp.is_none else _UNWARPED,
+        )
+
+
+@final
+class Eye(NamedTuple):
+    """A camera's view for compiled code, as of `Projection`.
+
+    ``axle_px`` is the undistorted place of the axle, ``unit_px`` half the diagonal, in which the ``warp`` is; ``rounds`` how
+    often what it does is taken back.
+    """
+
+    axle_px: tuple[float, float]
+    keystone_per_px: tuple[float, float]
+    about_axle: _Matrix
+    middle_px: tuple[float, float]
+    unit_px: float
+    coefficients: Coefficients
+    warp: tuple[float, ...]
+    rounds: int
+
+
+@register_jitable
+def _shrunk(place: Place, keystone: tuple[Any, Any]) -> Any:
+    """Denominator of the projection."""
+    return 1 + keystone[0] * place[0] + keystone[1] * place[1]
+
+
+@register_jitable
+def _whole(matrix: _Matrix) -> Any:
+    """Determinant."""
+    return matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]
+
+
+@register_jitable
+def _tilted(place: Place, about_axle: _Matrix, keystone: tuple[Any, Any]) -> Place:
+    """Where a place from the axle appears undistorted, from where the axle does."""
+    (down, right), ((a, b), (c, d)) = place, about_axle
+    smaller = _shrunk(place, keystone)
+    return (a * down + b * right) / smaller, (c * down + d * right) / smaller
+
+
+@njit(cache=True, nogil=True)
+def seen_by(eye: Eye, place_px: tuple[float, float]) -> tuple[float, float, float, float]:
+    """Row and column in the image of a place down and right from the axle, and the magnification there: least, and of areas."""
+    unit = eye.unit_px
+    straight = (place_px[0] / unit, place_px[1] / unit)
+    place = straight
+    for _ in range(eye.rounds):
+        below, beside = displaced(place, eye.warp)
+        place = (straight[0] - below, straight[1] - beside)
+    from_axle = (place[0] * unit, place[1] * unit)
+    below, beside = _tilted(from_axle, eye.about_axle, eye.keystone_per_px)
+    flat = ((eye.axle_px[0] + below - eye.middle_px[0]) / unit, (eye.axle_px[1] + beside - eye.middle_px[1]) / unit)
+    least, area = magnified(flat, eye.coefficients)
+    smaller, whole = _shrunk(from_axle, eye.keystone_per_px), _whole(eye.about_axle)
+    least, area = least * min(1.0, whole) / max(smaller, 1.0) ** 2, area * whole / smaller**3
+    if eye.rounds:
+        area /= enlarged(place, eye.warp)
+    row, column = bent(flat, eye.coefficients)
+    return eye.middle_px[0] + unit * row, eye.middle_px[1] + unit * column, least, area
 
 
 def projection_of(shape: SectorShape) -> Projection:

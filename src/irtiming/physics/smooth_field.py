@@ -6,6 +6,7 @@ small matrices.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self, final
 
 import numpy as np
@@ -46,11 +47,18 @@ class SmoothField:
     def products(self, weight: Array) -> Array:
         """Sum over the pixels of each two basis functions times a weight of shape (r, c); shape (n, n)."""
         n_rows, n_columns = len(self.along_rows), len(self.along_columns)
-        by_row = weight @ _pairs(self.along_columns).T
-        both = _pairs(self.along_rows) @ by_row
+        both = self._row_pairs @ (weight @ self._column_pairs.T)
         return np.asarray(
             both.reshape(n_rows, n_rows, n_columns, n_columns).transpose(0, 2, 1, 3).reshape(self.size, self.size)
         )
+
+    @cached_property
+    def _row_pairs(self) -> Array:
+        return _pairs(self.along_rows)
+
+    @cached_property
+    def _column_pairs(self) -> Array:
+        return _pairs(self.along_columns)
 
     def at(self, heights: Array) -> Array:
         """The field that the basis functions make with heights of shape (n,); shape (r, c)."""

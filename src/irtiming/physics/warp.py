@@ -17,7 +17,9 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
+from numba.extending import register_jitable
 
+from irtiming.physics.lens import Place
 from irtiming.records.arrays import Array
 
 WARP_NUMBERS = (
@@ -42,24 +44,35 @@ class Warp:
 
     def moved(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         """By how much places from the axle lie further down and right, px; numbers or arrays that broadcast."""
-        d, r = down_px / self.unit_px, right_px / self.unit_px
-        aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial = self.amounts_px
-        ring = radial * (d * d + r * r)
-        return (
-            (aspect + ring + down_dd * d) * d + (shear + down_dr * d + down_rr * r) * r,
-            (shear + right_dd * d + right_dr * r) * d + (ring - aspect + right_rr * r) * r,
-        )
+        return displaced((down_px / self.unit_px, right_px / self.unit_px), self.amounts_px)
 
     def larger(self, down_px: Any, right_px: Any) -> Any:
         """How much larger an area becomes that lies at places from the axle; numbers or arrays that broadcast."""
-        d, r = down_px / self.unit_px, right_px / self.unit_px
-        aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial = self.amounts_px
-        square, both = radial * (d * d + r * r), 2 * radial * d * r
-        by_down = aspect + square + 2 * radial * d * d + 2 * down_dd * d + down_dr * r
-        across = shear + both + down_dr * d + 2 * down_rr * r
-        along = shear + both + 2 * right_dd * d + right_dr * r
-        by_right = -aspect + square + 2 * radial * r * r + right_dr * d + 2 * right_rr * r
-        return (1 + by_down / self.unit_px) * (1 + by_right / self.unit_px) - across * along / self.unit_px**2
+        shares = tuple(one / self.unit_px for one in self.amounts_px)
+        return enlarged((down_px / self.unit_px, right_px / self.unit_px), shares)
+
+
+@register_jitable
+def displaced(place: Place, amounts: tuple[float, ...]) -> Place:
+    """By how much a place (d, r), half diagonals, lies further down and right, in the unit of the amounts."""
+    (d, r), (aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial) = place, amounts
+    ring = radial * (d * d + r * r)
+    return (
+        (aspect + ring + down_dd * d) * d + (shear + down_dr * d + down_rr * r) * r,
+        (shear + right_dd * d + right_dr * r) * d + (ring - aspect + right_rr * r) * r,
+    )
+
+
+@register_jitable
+def enlarged(place: Place, shares: tuple[float, ...]) -> Any:
+    """How much larger an area about a place (d, r) becomes, from amounts in half diagonals, too."""
+    (d, r), (aspect, shear, down_dd, down_dr, down_rr, right_dd, right_dr, right_rr, radial) = place, shares
+    square, both = radial * (d * d + r * r), 2 * radial * d * r
+    by_down = aspect + square + 2 * radial * d * d + 2 * down_dd * d + down_dr * r
+    across = shear + both + down_dr * d + 2 * down_rr * r
+    along = shear + both + 2 * right_dd * d + right_dr * r
+    by_right = -aspect + square + 2 * radial * r * r + right_dr * d + 2 * right_rr * r
+    return (1 + by_down) * (1 + by_right) - across * along
 
 
 def displacements(down_px: Array, right_px: Array, *, unit_px: float) -> Array:

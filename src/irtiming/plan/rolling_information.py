@@ -20,7 +20,7 @@ from scipy import ndimage
 from irtiming.inference import weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.inference.lens_knowledge import U_GLARE, LensKnowledge
-from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics import blurred_sector, sector_points, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
 from irtiming.physics.covariance import generalised_inverse
@@ -123,7 +123,7 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
 
 def _pixels(sector: SectorShape, roi: _Roi) -> Array:
     """Light of each pixel of a region, px^2."""
-    points = blurred_sector.light_points(sector)
+    points = sector_points.light_points(sector)
     ones = np.ones(points.row_px.size, complex)
     sharp = blurred_sector.image(points, ones, blur_px=sector.blur_of_axes_px, roi=roi)
     return np.asarray(blurred_sector.with_glare(sharp, sector).real, float)
@@ -410,7 +410,7 @@ def _normal_and_noise(image: SectorImage, camera: Camera, *, noise: float) -> tu
 
 def _around(sector: SectorShape) -> _Roi:
     """Region of the image that holds the opening and some of the plate around it."""
-    points, edge = blurred_sector.light_points(sector), 2 * (5 * sector.blur_px + 2)
+    points, edge = sector_points.light_points(sector), 2 * (5 * sector.blur_px + 2)
     rows, columns = points.row_px, points.column_px
     return (
         max(0, int(rows.min() - edge)), int(rows.max() + edge) + 1,
@@ -420,7 +420,7 @@ def _around(sector: SectorShape) -> _Roi:
 
 def _second_harmonic(sector: SectorShape, roi: _Roi) -> ComplexArray:
     """Image of exp(-2 i phi) over the sector; only its border is worked out point by point."""
-    points = blurred_sector.border_points(sector)
+    points = sector_points.border_points(sector)
     value = np.exp(-2j * (points.angle_rad + sector.bisector_rad))
     border = blurred_sector.image(points, value, blur_px=sector.blur_of_axes_px, roi=roi)
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)

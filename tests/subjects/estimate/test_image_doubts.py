@@ -8,7 +8,7 @@ import pytest
 from scipy import special
 
 from irtiming.estimate import image_doubts
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.rig import CameraOptics, Measured
 
@@ -20,7 +20,7 @@ def sector(brute_bolometer, sector_of):
 
 
 def _light(shape, blur_px):
-    points = blurred_sector.light_points(replace(shape, blur_px=0.5))
+    points = sector_points.light_points(replace(shape, blur_px=0.5))
     return blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=(0, 40, 0, 70)).real
 
 

@@ -8,7 +8,7 @@ import pytest
 from irtiming.estimate import lens_and_tilt
 from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.inference import lens_knowledge, weighed_lens
-from irtiming.physics import blurred_sector
+from irtiming.physics import sector_points
 from irtiming.physics.projection import projection_of
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.rig import CameraOptics
@@ -50,7 +50,7 @@ def test_a_displacement_is_that_of_the_projection():
     numbers = {name: float(one[0]) for name, one in cameras._numbers(units).items()}
     other = replace(SHAPE, **{name: numbers[name] for name in weighed_lens.SLIGHT})
     warped = replace(SHAPE, **dict(zip(WARP_NUMBERS, cameras.warp(units)[0].tolist(), strict=True)))
-    down, right, _ = blurred_sector.places(SHAPE, n_radial=5, n_around=7)
+    down, right, _ = sector_points.places(SHAPE, n_radial=5, n_around=7)
     off = np.subtract(projection_of(other).seen(down, right), projection_of(warped).seen(down, right))
     z, seen = down + 1j * right, off[0] + 1j * off[1]
     basis = np.column_stack([np.ones(z.size), z])

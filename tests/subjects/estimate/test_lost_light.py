@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import plate_light
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -25,7 +25,7 @@ class _Sector:
 
 def _kept(shape, summed):
     """Light of a sector that its glare leaves in the summed pixels, px^2: its sharp image, spread, added up."""
-    points = blurred_sector.light_points(shape)
+    points = sector_points.light_points(shape)
     sharp = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_of_axes_px, roi=ROI)
     return points.area_px2.sum(), float(
         (blurred_sector.with_glare(sharp, replace(shape, glare=1.0)).real * summed).sum()

@@ -9,7 +9,7 @@ import pytest
 from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.inference.optimiser import minimise
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.physics.warp import WARP_NUMBERS
@@ -49,7 +49,7 @@ def _six(fit):
 def _light_of(numbers, light, camera):
     """The same rows in the light of another sector."""
     shape = shape_of(dict(zip(SHAPE_NUMBERS, numbers, strict=True)), False, image=(camera.rows, camera.columns))
-    points, (over_rows, _) = blurred_sector.light_points(shape), shape.blur_of_axes_px
+    points, (over_rows, _) = sector_points.light_points(shape), shape.blur_of_axes_px
     harmonics = blurred_sector.row_harmonics(points, light.row_px, blur_px=over_rows, n_harmonics=HARMONICS)
     return replace(light, harmonics=(1 - shape.glare) * harmonics)
 

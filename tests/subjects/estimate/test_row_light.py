@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, changes, row_light, shape_of
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.response.first_order_lag import HARMONICS
 
 
@@ -39,7 +39,7 @@ def test_rows_of_a_bare_sector_are_those_of_the_blurred_sector(sector, bare):
     """Oracle: `physics.blurred_sector`, itself tested by counting; rows with the light of three pixels."""
     found = bare[False]
     whole = blurred_sector.row_harmonics(
-        blurred_sector.light_points(sector.shape), ROWS, blur_px=sector.shape.blur_px, n_harmonics=HARMONICS
+        sector_points.light_points(sector.shape), ROWS, blur_px=sector.shape.blur_px, n_harmonics=HARMONICS
     )
     lit = whole[:, 0].real > 3
     assert 20 < lit.sum() < ROWS.size
@@ -76,7 +76,7 @@ def test_plate_is_seen_beside_the_opening(sector, bare):
         outer_radius_px=shape.outer_radius_px + 2,
         opening_angle_rad=6.0,
     )
-    points = blurred_sector.light_points(wider)
+    points = sector_points.light_points(wider)
     ring = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=sector.roi).real
     angle, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
     seen = row_light(ROWS, replace(sector, plate=-0.05, ring=-0.05 * ring, ring_angle_rad=angle), n_harmonics=HARMONICS)
@@ -123,11 +123,11 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
         return (light(high) - light(low)) / (2 * by)
 
     def light(of):
-        points, over_rows = blurred_sector.light_points(of), of.blur_px * (1 - of.blur_ellipticity)
+        points, over_rows = sector_points.light_points(of), of.blur_px * (1 - of.blur_ellipticity)
         sharp = blurred_sector.row_harmonics(points, found.row_px, blur_px=over_rows, n_harmonics=20)
         wide_px = float(np.hypot(over_rows, of.glare_px))
         wide = blurred_sector.row_harmonics(
-            blurred_sector.light_points(replace(of, blur_px=1.0)), found.row_px, blur_px=wide_px, n_harmonics=20
+            sector_points.light_points(replace(of, blur_px=1.0)), found.row_px, blur_px=wide_px, n_harmonics=20
         )
         return (1 - of.glare) * sharp + of.glare * wide
 
@@ -155,6 +155,6 @@ def test_a_tilted_camera_s_rows_see_the_light_that_was_counted(brute_bolometer):
     angle, light = camera.light
     rows, order = np.arange(8, 28), np.arange(13)
     expected = np.exp(-1j * np.outer(order, angle)) @ light.sum(axis=2)
-    points = blurred_sector.light_points(camera.shape, n_harmonics=12)
+    points = sector_points.light_points(camera.shape, n_harmonics=12)
     found = blurred_sector.row_harmonics(points, rows, blur_px=camera.blur_px, n_harmonics=12)
     np.testing.assert_allclose(found, expected[:, rows].T, atol=3e-4 * np.abs(expected[0]).max())

@@ -11,7 +11,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate import row_timing
 from irtiming.estimate.harmonic_data import basis, compress, packed
 from irtiming.estimate.row_timing import solve
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BESIDE, BLADE, EDGE_DELAYS, RowSum, harmonics, linearised, timing_names
 from irtiming.physics.wheel import exposed_fraction, wheel_model
@@ -42,7 +42,7 @@ def _model(n_harmonics=M, **change):
     )
     rows = np.arange(8, 28, 2)
     light = blurred_sector.row_harmonics(
-        blurred_sector.light_points(shape), rows, blur_px=shape.blur_px, n_harmonics=n_harmonics
+        sector_points.light_points(shape), rows, blur_px=shape.blur_px, n_harmonics=n_harmonics
     )
     values = {
         "camera": BOLOMETER,
@@ -336,7 +336,7 @@ def test_without_lag_a_row_shows_the_exposed_fraction_of_its_light():
     """Oracle: the limit tau -> 0; `physics.wheel` for each ray of the row, an opening of no width, weighted by its light."""
     n = 1024
     model = _model(n)
-    shape_points = blurred_sector.light_points(
+    shape_points = sector_points.light_points(
         SectorShape(
             axle_row_px=35.2,
             axle_column_px=31.3,

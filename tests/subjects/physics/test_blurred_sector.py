@@ -10,18 +10,16 @@ from scipy.stats import norm
 from irtiming.physics.blurred_sector import (
     angular_reach,
     blur_across_px,
-    border_points,
     even_angle_rad,
     glare_harmonics,
-    glare_points,
     image,
-    light_points,
     pixel_places,
     pixel_smear,
     row_harmonics,
     well_inside,
     with_glare,
 )
+from irtiming.physics.sector_points import border_points, glare_points, light_points
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.physics import blurred_sector, wheel_harmonics
+from irtiming.physics import blurred_sector, sector_points, wheel_harmonics
 from irtiming.physics.response import first_order_lag
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import wheel_model
@@ -127,7 +127,7 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     roi = rolling_information._around(sector)
 
     def seen(shape):
-        points = blurred_sector.light_points(shape)
+        points = sector_points.light_points(shape)
         value = np.exp(-2j * (points.angle_rad + shape.bisector_rad))
         sharp = blurred_sector.image(points, value, blur_px=shape.blur_of_axes_px, roi=roi)
         wide = tuple(np.hypot(shape.blur_of_axes_px, shape.glare_px))
@@ -226,7 +226,7 @@ def test_a_lens_that_draws_the_opening_larger_hides_no_row(monkeypatch, distorti
     """Oracle: the image of all rows; those with the light of three pixels or more, of an opening of 6000."""
     monkeypatch.setattr(rolling_information, "_SHAPE", ("blur_px",))  # whose changes are made: one is enough
     bent = replace(rolling_information.sector_of(Microbolometer(opening_pixels=6000.0), 1.309), distortion=distortion)
-    points, columns = blurred_sector.light_points(bent), (-bent.image_columns, 2 * bent.image_columns)
+    points, columns = sector_points.light_points(bent), (-bent.image_columns, 2 * bent.image_columns)
     lit = blurred_sector.image(
         points, np.ones(points.row_px.size, complex), blur_px=bent.blur_px, roi=(0, bent.image_rows, *columns)
     )

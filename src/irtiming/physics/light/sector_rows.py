@@ -1,6 +1,6 @@
 """The light of a blurred sector in the sums over rows, with its glare."""
 
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.arrays import ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import SectorShape
 
@@ -23,7 +23,7 @@ def harmonics(
     n_harmonics
         Highest order M.
     """
-    points, (blur_px, _) = blurred_sector.light_points(shape, n_harmonics=n_harmonics), shape.blur_of_axes_px
+    points, (blur_px, _) = sector_points.light_points(shape, n_harmonics=n_harmonics), shape.blur_of_axes_px
     inside = blurred_sector.row_harmonics(points, rows, blur_px=blur_px, n_harmonics=n_harmonics)
     if shape.glare == 0:
         return inside

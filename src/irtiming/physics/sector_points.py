@@ -1,0 +1,192 @@
+"""Where the light of a blurred sector comes from: places in the mask opening, and where they appear in the image.
+
+A quadrature: Gauss-Legendre nodes in radius and in angle, close enough for the blur. `physics.blurred_sector` defines the
+sector, and makes images of these points.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, NamedTuple, final
+
+import numpy as np
+from numba import njit
+
+from irtiming.errors import GeometryError
+from irtiming.physics.gaussian_spread import REACH
+from irtiming.physics.projection import Eye, projection_of, seen_by
+from irtiming.records.arrays import Array
+from irtiming.records.row_timing import SectorShape
+
+_NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
+_MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
+_MOST_NODES = 5000  # of a quadrature: the sharpest opening that fills 4000 pixels asks for fewer
+_DIRECTIONS = 33  # in the sector, among which its sharpest are sought
+_LOOKS = 9  # along either arc for the largest magnification
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LightPoints:
+    """Nodes and weights of a quadrature over the sector.
+
+    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2). ``gap_rad`` is the
+    widest between neighbours of one radius.
+    """
+
+    row_px: Array
+    column_px: Array
+    angle_rad: Array
+    area_px2: Array
+    gap_rad: float
+
+
+def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
+    """Gauss-Legendre nodes in radius and angle, close enough for the blur and for the highest order that is asked for."""
+    return _points(shape, n_harmonics=n_harmonics, within_px=math.inf)
+
+
+def border_points(shape: SectorShape) -> LightPoints:
+    """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
+    return _points(shape, n_harmonics=0, within_px=2 * (REACH * max(shape.blur_of_axes_px) + 1))
+
+
+def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
+    """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
+    narrower = min(widths_with_glare(shape))
+    return light_points(replace(shape, blur_px=narrower, blur_ellipticity=0.0), n_harmonics=n_harmonics)
+
+
+def widths_with_glare(shape: SectorShape) -> tuple[float, float]:
+    """Standard deviations over rows and over columns of the light that goes astray: blur and glare together."""
+    rows, columns = shape.blur_of_axes_px
+    return math.hypot(rows, shape.glare_px), math.hypot(columns, shape.glare_px)
+
+
+def places(shape: SectorShape, *, n_radial: int, n_around: int) -> tuple[Array, Array, Array]:
+    """Places in the sector in the wheel's plane: down and right from the axle (px), and the area of each (px^2).
+
+    ``n_radial`` and ``n_around`` Gauss-Legendre nodes in radius and in angle; three arrays of shape (n_radial n_around,).
+    """
+    half_width, half_angle = (shape.outer_radius_px - shape.inner_radius_px) / 2, shape.opening_angle_rad / 2
+    (radial, radial_weight), (around, around_weight) = _gauss_legendre(n_radial), _gauss_legendre(n_around)
+    radius, polar = shape.inner_radius_px + half_width * (1 + radial), shape.bisector_rad + half_angle * around
+    return (
+        shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
+        sense(shape) * (shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()),
+        np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
+    )
+
+
+def sense(shape: SectorShape) -> float:
+    """In which columns are counted from the axle: rightwards or leftwards."""
+    return -1.0 if shape.mirrored else 1.0
+
+
+@final
+class Sector(NamedTuple):
+    """Its numbers in the wheel's plane, and in which sense columns are counted, for compiled code; as of `SectorShape`."""
+
+    offset_px: tuple[float, float]
+    radii_px: tuple[float, float]
+    bisector_rad: float
+    half_angle_rad: float
+    sense: float
+
+
+def sector_of(shape: SectorShape) -> Sector:
+    """The part of a shape that lies in the wheel's plane."""
+    return Sector(
+        offset_px=(shape.offset_row_px, shape.offset_column_px),
+        radii_px=(shape.inner_radius_px, shape.outer_radius_px),
+        bisector_rad=shape.bisector_rad,
+        half_angle_rad=shape.opening_angle_rad / 2,
+        sense=sense(shape),
+    )
+
+
+@njit(cache=True, nogil=True)
+def half_turn(angle: float) -> float:
+    """The same angle in [-pi, pi)."""
+    return angle - 2 * math.pi * math.floor((angle + math.pi) / (2 * math.pi))
+
+
+def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightPoints:
+    """Nodes that lie less than so deep below the border, in the image."""
+    eye = projection_of(shape).compiled
+    sector = sector_of(shape)
+    wide = max(1.0, _widest(sector, eye))
+    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))
+    for_waves = math.ceil(sector.half_angle_rad * n_harmonics) + _MORE_NODES
+    width, around_px = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad * shape.outer_radius_px
+    n_around = max(for_waves, math.ceil(around_px / across))
+    radial, around = _gauss_legendre(max(8, math.ceil(width / along))), _gauss_legendre(n_around)
+    row, column, angle, area = _nodes(radial, around, sector, eye, within_px)
+    return LightPoints(
+        row_px=row,
+        column_px=column,
+        angle_rad=angle,
+        area_px2=area,
+        gap_rad=math.pi * sector.half_angle_rad / n_around,  # in the middle, where the nodes are widest apart
+    )
+
+
+def _sharpest(shape: SectorShape) -> tuple[float, float]:
+    """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show."""
+    polar = shape.bisector_rad + shape.opening_angle_rad * np.linspace(-0.5, 0.5, _DIRECTIONS)
+    rows, columns = np.square(shape.blur_of_axes_px)
+    along = rows * np.sin(polar) ** 2 + columns * np.cos(polar) ** 2
+    return math.sqrt(along.min()), math.sqrt((rows + columns - along).min())
+
+
+@lru_cache(maxsize=256)
+def _gauss_legendre(n: int) -> tuple[Array, Array]:
+    """Nodes and weights; a search asks for the same few numbers of them hundreds of times."""
+    if n > _MOST_NODES:
+        raise GeometryError(
+            f"a sector that is {n} times as wide as its blur lets through was tried, at most {_MOST_NODES} can be: the image "
+            "shows no such opening; check [wheel] rotation, that the image is not mirrored, and that frames have their triggers"
+        )
+    return np.polynomial.legendre.leggauss(n)
+
+
+@njit(cache=True, nogil=True)
+def _widest(sector: Sector, eye: Eye) -> float:
+    """Magnification that no place of the sector exceeds, or next to none."""
+    widest = 0.0
+    for radius in sector.radii_px:
+        for k in range(_LOOKS):
+            polar = sector.bisector_rad + sector.half_angle_rad * (2 * k / (_LOOKS - 1) - 1)
+            down = sector.offset_px[0] + radius * math.sin(polar)
+            across = sector.offset_px[1] + radius * math.cos(polar)
+            _, _, least, area = seen_by(eye, (down, sector.sense * across))
+            widest = max(widest, area / least)
+    return widest
+
+
+@njit(cache=True, nogil=True)
+def _nodes(radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sector, eye: Eye, within: float) -> Any:
+    """Row, column, polar angle from the bisector and area in the image of each node that is not too deep; shape (4, n).
+
+    Nodes and weights in radius and angle are those between -1 and 1; the depth is the distance to the nearest side.
+    """
+    (place, weight), (turn, turn_weight) = radial, around
+    half_width = (sector.radii_px[1] - sector.radii_px[0]) / 2
+    sine, cosine, to_edge = np.empty(turn.size), np.empty(turn.size), np.empty(turn.size)
+    for j in range(turn.size):
+        polar = sector.bisector_rad + sector.half_angle_rad * turn[j]
+        sine[j], cosine[j] = math.sin(polar), math.cos(polar)
+        to_edge[j] = math.sin(min(sector.half_angle_rad * (1 - abs(turn[j])), math.pi / 2))
+    out, used = np.empty((4, place.size * turn.size)), 0
+    for i in range(place.size):
+        radius, to_arc = sector.radii_px[0] + half_width * (1 + place[i]), half_width * (1 - abs(place[i]))
+        for j in range(turn.size):
+            down, across = sector.offset_px[0] + radius * sine[j], sector.offset_px[1] + radius * cosine[j]
+            row, column, least, larger = seen_by(eye, (down, sector.sense * across))
+            if min(radius * to_edge[j], to_arc) * least >= within:
+                continue
+            out[0, used], out[1, used] = row, column
+            out[2, used] = half_turn(math.atan2(down, across) - sector.bisector_rad)
+            out[3, used] = radius * weight[i] * half_width * turn_weight[j] * sector.half_angle_rad * larger
+            used += 1
+    return out[:, :used]
