@@ -7,8 +7,6 @@ gates, the camera's, and the computer's.
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import gammainc
 
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.frame_events import FrameEvent
@@ -53,6 +51,9 @@ def delay_s(free: FreeRunning, *, exposed_after_s: float) -> float:
 
 def usual_latency_s(free: FreeRunning) -> float:
     """Median of the time from a frame's begin to its arrival, s: of the mixture of usual ways and hiccups."""
+    from scipy.optimize import brentq  # which takes half a second to load, and most rigs have another camera
+    from scipy.special import gammainc
+
     hiccups_s = np.linspace(0.0, free.hiccup_s, 2001)
 
     def share_before(late_s: Any) -> Any:

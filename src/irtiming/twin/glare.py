@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.fft import irfft2, next_fast_len, rfft2
+from numpy.fft import irfft2, rfft2
 
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.twin.noise import Values
@@ -106,9 +106,13 @@ def veil_of(optics: Optics, *, rows_columns: tuple[int, int]) -> Veil | None:
         return None
     table = tail_table(optics)
     margin = table.shape[0] // 2
-    size = (
-        next_fast_len(rows_columns[0] + 4 * margin, real=True),
-        next_fast_len(rows_columns[1] + 4 * margin, real=True),
-    )
+    size = (_fast_length(rows_columns[0] + 4 * margin), _fast_length(rows_columns[1] + 4 * margin))
     spectrum = rfft2(table.astype(np.float32), s=size)
     return Veil(share=optics.glare_share, margin_px=margin, size=size, spectrum=spectrum)
+
+
+def _fast_length(n: int) -> int:
+    """Least length from this one on that has no prime factor above 5: its Fourier transform is quick."""
+    while 30 ** n.bit_length() % n:
+        n += 1
+    return n
