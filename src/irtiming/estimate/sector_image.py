@@ -15,8 +15,10 @@ import numpy as np
 from scipy import ndimage
 from scipy.special import ndtr
 
+from irtiming.estimate import sector_linear
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
+from irtiming.estimate.sector_linear import Linear, Solved
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.sector_points import LightPoints
 from irtiming.physics.smooth_field import SmoothField
@@ -89,8 +91,10 @@ class Fitted:
     its prior, over their uncertainties; ``left_dn`` (roi rows, roi columns) those along the phase, measured minus model, DN.
     ``full_dn`` is a pixel wholly in the light, ``plate`` the plate's contrast as a share of it, ``field`` (roi rows, roi
     columns) the smooth one where the wheel turns, with its ``coverage``, and ``ring`` the share of each good pixel in the ring.
+    ``solved`` is what was linear.
     """
 
+    solved: Solved
     misfit: Array
     left_dn: Array
     full_dn: float
@@ -187,43 +191,36 @@ def fitted(
     across, imaginary; ``known`` the `sharp` image, made with numbers that differ only where they are `APART`.
     """
     parts = _parts(look, numbers, view, known=known)
-    lit, beside = parts.lit, parts.ring - parts.lit
-    cover = parts.ring - numbers["plate_reflection"] * beside.real
-    along: Array = view.good / np.square(u_dn.real)
-    across: Array = view.good / np.square(u_dn.imag)
-    levels = np.array([lit, beside, *parts.swayed])
-    light = np.asarray(lit.real, dtype=float)
-    mean = view.field.sums(light) / light.sum()  # an even field is the contrast, which lies where the light does
-
-    def told(image: Array) -> Array:
-        """Weighted sums of the field's terms, counted from their mean over the light, times an image along the phase."""
-        weighted = along * cover * image
-        return np.asarray(view.field.sums(weighted) - mean * weighted.sum())
-
-    mixed = np.array([told(np.asarray(level.real, dtype=float)) for level in levels])
-    weighted = np.array([level.real * along + 1j * (level.imag * across) for level in levels])
-    level_level = np.einsum("kij,lij->kl", weighted.conj(), levels).real
-    seen_level = np.einsum("kij,ij->k", weighted.conj(), parts.seen).real
-    plain = view.field.sums(along * cover**2)
-    total = float(np.sum(along * cover**2))
-    field_field = view.field.products(along * cover**2) - np.outer(mean, plain) - np.outer(plain - total * mean, mean)
-    contrast, n = abs(seen_level[0] / level_level[0, 0]), len(levels)
-    prior = np.concatenate(
-        [[0.0, 0.0], np.full(n - 2, 1 / contrast), np.full(mean.size, 1 / (view.field_prior * contrast))]
-    )
-    normal = np.block([[level_level, mixed], [mixed.T, field_field]]) + np.diag(prior**2)
-    found = np.linalg.solve(normal, np.concatenate([seen_level, told(np.asarray(parts.seen.real, dtype=float))]))
-    field = view.field.at(found[n:]) - found[n:] @ mean
-    off = np.einsum("k,kij->ij", found[:n], levels) + field * cover - parts.seen
-    good = view.good
+    solved = sector_linear.solved(_linear(parts, numbers, view, u_dn=u_dn), parts.seen, field_prior=view.field_prior)
+    found, field = solved.found, solved.linear.field(solved.found)
     return Fitted(
-        misfit=np.concatenate([(off.real / u_dn.real)[good], (off.imag / u_dn.imag)[good], (prior * found)[2:]]),
-        left_dn=-off.real / parts.size,
+        solved=solved,
+        misfit=solved.misfit,
+        left_dn=-solved.off.real / parts.size,
         full_dn=float(found[0]),
         plate=float(found[1] / found[0]),
         field=field / found[0],
-        coverage=cover / parts.size,
-        ring=np.maximum(parts.ring * good, 0.0),
+        coverage=solved.linear.cover / parts.size,
+        ring=np.maximum(parts.ring * view.good, 0.0),
+    )
+
+
+def change(
+    fit: Fitted, look: Look, *, numbers: Mapping[str, float], view: View, u_dn: ComplexArray, known: Sharp | None = None
+) -> Array:
+    """By how much the misfit of a fit differs at numbers nearby, to first order, shape as `Fitted` has it; see `fitted`."""
+    parts = _parts(look, numbers, view, known=known)
+    return fit.solved.change(_linear(parts, numbers, view, u_dn=u_dn), parts.seen)
+
+
+def _linear(parts: _Parts, numbers: Mapping[str, float], view: View, *, u_dn: ComplexArray) -> Linear:
+    beside = parts.ring - parts.lit
+    return Linear(
+        levels=np.array([parts.lit, beside, *parts.swayed]),
+        cover=parts.ring - numbers["plate_reflection"] * beside.real,
+        basis=view.field,
+        good=view.good,
+        u_dn=u_dn,
     )
 
 

@@ -10,6 +10,7 @@ from irtiming.estimate import contrast_look, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import SeenContrast, Sharp, View
+from irtiming.estimate.sector_search import Change
 from irtiming.inference import lens_knowledge
 from irtiming.inference.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.physics import blurred_sector
@@ -58,6 +59,26 @@ class Images:
     def sharp(self, numbers: Mapping[str, float]) -> list[Sharp]:
         """The sector without glare in each image."""
         return sector_image.sharp(self.seen, numbers, view=self.view)
+
+    def nearby(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Change:
+        """By how much residuals differ, to first order, at numbers beside these, from numbers and sharp images there."""
+        every = list(zip(self.seen, self.u_dn, strict=True))
+        fits = [
+            sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known)
+            for (look, u), known in zip(every, sharp, strict=True)
+        ]
+
+        def change(moved: Mapping[str, float], shown: Sequence[Sharp]) -> Array:
+            return np.concatenate([
+                sector_limits.off_usual(moved) - sector_limits.off_usual(numbers),
+                self.lens.off(moved) - self.lens.off(numbers),
+                *(
+                    sector_image.change(fit, look, numbers=moved, view=self.view, u_dn=u, known=known)
+                    for fit, (look, u), known in zip(fits, every, shown, strict=True)
+                ),
+            ])  # fmt: skip
+
+        return change
 
     def misfit(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Array]:
         """Deviations of each image from the model, over their uncertainties, as of `sector_image.Fitted`, shapes (m,)."""

@@ -12,6 +12,8 @@ from irtiming.physics import lens
 from irtiming.records.arrays import Array
 
 Numbers: TypeAlias = Mapping[str, float]
+Change: TypeAlias = Callable[[Numbers, Sequence[Sharp]], Array]
+"""What residuals differ by at other numbers, from their sharp images; shape (m,)."""
 
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _MOST_ELLIPTIC = 0.6
@@ -61,9 +63,13 @@ LIMITS: Mapping[str, tuple[float, float]] = {
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Misfit:
-    """What is to be made small: residuals at some numbers, shape (m,), from the sharp images that belong to them."""
+    """What is to be made small: residuals at some numbers, shape (m,), from the sharp images that belong to them.
+
+    ``nearby`` gives what they change by beside a place, to first order.
+    """
 
     residuals: Callable[[Numbers, Sequence[Sharp]], Array]
+    nearby: Callable[[Numbers, Sequence[Sharp]], Change]
     sharp: Callable[[Numbers], Sequence[Sharp]]
 
 
@@ -179,13 +185,13 @@ class _Course:
         return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
 
     def _differences(self, at: Array, names: Sequence[str]) -> Array:
-        columns = []
+        columns, change = [], self.misfit.nearby(self._numbers(at), self.known)
         for name in names:
             k = self.free.index(name)
             step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
             moved = {**self._numbers(at), name: float(at[k] + step)}
             known = self.known if name in APART else self.misfit.sharp(moved)
-            columns.append((self.misfit.residuals(moved, known) - self.here) / step)
+            columns.append(change(moved, known) / step)
         return np.stack(columns, axis=1)
 
     def _numbers(self, at: Array) -> dict[str, float]:

@@ -1,0 +1,78 @@
+"""What is linear in a contrast image, against one large matrix that is written out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import sector_linear
+from irtiming.estimate.sector_linear import Linear
+from irtiming.physics.smooth_field import SmoothField
+
+ROWS, COLUMNS, N_LEVELS, PRIOR = 12, 15, 3, 0.3
+
+
+@pytest.fixture
+def linear():
+    """Light in the middle, a plate about it and a sway, before a field; two pixels are dead, and each has its own noise."""
+    rng = np.random.default_rng(5)
+    row, column = np.mgrid[:ROWS, :COLUMNS]
+    light = 1 / (1 + np.exp(np.hypot(row - 5.5, column - 7) - 4))
+    levels = np.array([light, 1 - light, 0.2 * light]) * np.exp(0.1j * rng.standard_normal((N_LEVELS, ROWS, COLUMNS)))
+    good = np.ones((ROWS, COLUMNS), bool)
+    good[3, 4] = good[7, 9] = False
+    return Linear(
+        levels=levels,
+        cover=0.5 + 0.5 * light,
+        basis=SmoothField.over(np.arange(ROWS, dtype=float), np.arange(COLUMNS, dtype=float), steps=2),
+        good=good,
+        u_dn=rng.uniform(0.5, 2.0, (2, ROWS, COLUMNS))[0] + 1j * rng.uniform(0.5, 2.0, (ROWS, COLUMNS)),
+    )
+
+
+def _written_out(one):
+    """Terms of all good pixels along and across their phase over their uncertainties, shape (2 n_good, n)."""
+    light = one.levels[0].real
+    bases = [np.outer(a, b) for a in one.basis.along_rows for b in one.basis.along_columns]
+    fields = [one.cover * (base - np.sum(light * base) / light.sum()) for base in bases]
+    terms = [*one.levels, *(field.astype(complex) for field in fields)]
+    return np.array([
+        np.concatenate([(term.real / one.u_dn.real)[one.good], (term.imag / one.u_dn.imag)[one.good]]) for term in terms
+    ]).T  # fmt: skip
+
+
+def _image(one, seed):
+    rng = np.random.default_rng(seed)
+    noise = one.u_dn.real * rng.standard_normal((ROWS, COLUMNS)) + 1j * one.u_dn.imag * rng.standard_normal(
+        (ROWS, COLUMNS)
+    )
+    return 100 * one.levels[0] + 7 * one.levels[1] + noise
+
+
+def test_amounts_are_those_of_a_matrix_that_is_written_out(linear):
+    """Oracle: NumPy's least squares with a row for each pixel and each amount that is known beforehand."""
+    image = _image(linear, 1)
+    found = sector_linear.solved(linear, image, field_prior=PRIOR)
+    design = _written_out(linear)
+    seen = np.concatenate([(image.real / linear.u_dn.real)[linear.good], (image.imag / linear.u_dn.imag)[linear.good]])
+    contrast = abs(seen @ design[:, 0] / (design[:, 0] @ design[:, 0]))
+    known = np.array([0, 0, 1 / contrast, *[1 / (PRIOR * contrast)] * linear.basis.size])
+    rows = np.concatenate([design, np.diag(known)[2:]])
+    expected = np.linalg.lstsq(rows, np.concatenate([seen, np.zeros(known.size - 2)]))[0]
+    assert found.found == pytest.approx(expected, rel=1e-8, abs=1e-8)
+    assert found.misfit == pytest.approx(rows @ expected - np.concatenate([seen, np.zeros(known.size - 2)]), abs=1e-7)
+
+
+def test_the_change_beside_a_place_is_that_of_a_second_solution(linear):
+    """Oracle: amounts solved for anew with light that lies elsewhere; what is left out goes as the noise, a hundredth here."""
+    image = _image(linear, 1)
+    here = sector_linear.solved(linear, image, field_prior=PRIOR)
+    step = 1e-4 * np.roll(linear.levels[0], 1, axis=0)
+    moved = replace(linear, levels=linear.levels + np.array([step, -step, 0.2 * step]), cover=linear.cover + 1e-5)
+    exact = sector_linear.solved(moved, image, field_prior=PRIOR).misfit - here.misfit
+    off = here.change(moved, image) - exact
+    assert np.linalg.norm(exact) > 1e-3
+    assert np.linalg.norm(off) < 0.03 * np.linalg.norm(exact)
+    turned = here.change(linear, image * np.exp(1e-5j))
+    again = sector_linear.solved(linear, image * np.exp(1e-5j), field_prior=PRIOR).misfit - here.misfit
+    assert turned == pytest.approx(again, abs=0.02 * np.abs(again).max())
