@@ -285,9 +285,11 @@ def _mean(timings: list[dict[str, float]]) -> Timing:
 def _are_settled(
     earlier: tuple[RowTimingFit, ...], before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]
 ) -> bool:
-    """Whether the rows' numbers stay, or go to and fro between two places that are near each other."""
+    """Whether the rows' numbers stay for two rounds, for one may be chance, or go to and fro between two places that are near."""
     move = _move(before, now)
-    return move <= _AGREED or (move <= _NEAR and _move(earlier, now) <= _AGREED)
+    if move <= _AGREED:
+        return _move(earlier, before) <= _AGREED
+    return move <= _NEAR and _move(earlier, now) <= _AGREED
 
 
 def _move(before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> float:

@@ -1,5 +1,7 @@
 """Contrast image and row sums in turns, on frames that were summed point by point in the time domain."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -135,3 +137,22 @@ def test_rounds_that_go_to_and_fro_by_less_than_the_noise_give_a_result(rows, ri
     monkeypatch.setattr(rolling_camera, "_AGREED", -1.0)
     found = timing.estimate([rows], rig()).found.result.estimate
     assert np.max(np.abs(found.values - usual.values) / usual.standard_uncertainties) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("places", "is_settled"),
+    [
+        ((3.0, 0.0, 0.04), False),  # it had come far: that it stays this time may be chance
+        ((0.04, 0.0, 0.04), True),
+        ((0.3, 0.0, 0.31), True),  # to and fro
+        ((0.3, 0.0, 0.2), False),
+        ((2.0, 0.0, 2.0), False),  # between two places that are not near
+    ],
+)
+def test_rounds_end_when_numbers_stay_or_go_to_and_fro(places, is_settled):
+    """Oracle: places in standard uncertainties, by hand: 0.05 is to stay, 1 is near."""
+    rounds = [
+        (SimpleNamespace(timing={"row_delay": at}, estimate=SimpleNamespace(names=("row_delay",), u=lambda _: 1.0)),)
+        for at in places
+    ]
+    assert rolling_camera._are_settled(*rounds) == is_settled
