@@ -5,7 +5,7 @@ import pytest
 
 from irtiming.physics import projection
 from irtiming.physics.warp import WARP_NUMBERS, Warp, displacements
-from irtiming.records.row_timing import SectorShape
+from irtiming.records.row_timing import LensTerms, SectorShape
 
 UNIT = 100.0
 AMOUNTS = (0.3, -0.2, 0.5, -0.4, 0.1, 0.2, 0.6, -0.3, 0.7)
@@ -45,6 +45,25 @@ def test_a_warped_image_comes_back_and_its_areas_are_its_slopes(bent):
     )
     area = by_down[0] * by_right[1] - by_down[1] * by_right[0]
     np.testing.assert_allclose(seen.magnification(down, right)[1], area, rtol=1e-6)
+
+
+@pytest.mark.parametrize("warped", [False, True])
+@pytest.mark.parametrize(
+    "bent",
+    [
+        {},
+        {"distortion": -0.06, "keystone_row": 0.01, "log_focal_length": 1.0, "lens_column_px": 4.0},
+        {"distortion": 0.05, "lens_terms": LensTerms(quartic=-0.02, tangential_row=3e-3, row_stretch=1.02)},
+    ],
+)
+def test_compiled_code_sees_the_same(bent, warped):
+    """Oracle: the same camera for whole arrays, which is tried against a pinhole and against differences above."""
+    amounts = dict(zip(WARP_NUMBERS, AMOUNTS, strict=True)) if warped else {}
+    camera = projection.projection_of(_shape(**amounts, **bent))
+    down, right = np.random.default_rng(6).uniform(-50, 50, (2, 12))
+    one_by_one = np.array([projection.seen_by(camera.compiled, place) for place in zip(down, right, strict=True)]).T
+    at_once = np.array(np.broadcast_arrays(*camera.seen(down, right), *camera.magnification(down, right)))
+    np.testing.assert_allclose(one_by_one, at_once, rtol=1e-12)
 
 
 def test_many_cameras_at_once_are_each_of_them():
