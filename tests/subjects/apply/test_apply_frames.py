@@ -1,6 +1,7 @@
 """`irtiming apply frames` from file to file: films of a moving scene in recordings, and what is refused."""
 
 import json
+import os
 
 import h5py
 import numpy as np
@@ -185,7 +186,7 @@ class _Quiet:
         pass
 
 
-def test_the_page_makes_what_the_commands_make(tmp_path, recording, told):
+def test_the_page_makes_what_the_commands_make(tmp_path, recording, told, monkeypatch):
     """Oracle: the files of `irtiming apply frames` and `irtiming apply time`, with results at two frame rates."""
     results = []
     for number, period_s in enumerate((20e-3, 50e-3)):
@@ -202,6 +203,7 @@ def test_the_page_makes_what_the_commands_make(tmp_path, recording, told):
     order = ApplyOrder(
         result=first, source=recording, out=tmp_path / "b.nxs", series=(other,), times=tmp_path / "b.csv"
     )
+    monkeypatch.setattr(os, "nice", lambda _: 0)  # the tests after this one share the process
     done = applying.apply(_Quiet(), order)
     assert done["n_written"] < done["n_frames"]
     with h5py.File(tmp_path / "a.nxs") as made, h5py.File(tmp_path / "b.nxs") as again:
