@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.estimate.pixel_harmonics import sums_with_waves
+from irtiming.estimate.pixel_harmonics import Leak, sums_with_waves
 from irtiming.physics import wheel_waves
 from irtiming.records.pixel_waves import PixelWaves
 
@@ -38,3 +38,13 @@ def test_harmonics_and_noise_are_those_of_the_pixels():
     spread = made.noise(leak)
     assert np.sqrt(np.mean(spread[:200] ** 2)) == pytest.approx(3.0, rel=0.03)
     assert np.sqrt(np.mean(spread[200:] ** 2)) == pytest.approx(12.0, rel=0.03)
+
+
+def test_the_leak_of_a_pixel_anywhere_is_the_sum_of_its_orders():
+    """Oracle: sum of a_m exp(-i m phi) exp(-m^2 s^2 / 2), term by term; angles between those of a table, and three reaches."""
+    rng = np.random.default_rng(6)
+    spectrum = (rng.standard_normal((3, 30)) + 1j * rng.standard_normal((3, 30))) / (1 + np.arange(30)) ** 2
+    angle, reach = rng.uniform(-TURN, 2 * TURN, 90), np.repeat([0.01, 0.05, 0.2], 30)
+    order = np.arange(30)[:, None]
+    shown = np.exp(-1j * order * angle) * np.exp(-0.5 * (order * reach) ** 2)
+    np.testing.assert_allclose(Leak(spectrum=spectrum).of(angle, reach), (spectrum @ shown).real, atol=3e-6)
