@@ -40,3 +40,12 @@ def test_slopes_are_those_of_the_image(seen):
         apart = images.residuals(ahead, images.sharp(ahead)) - images.residuals(behind, images.sharp(behind))
         expected = apart[PRIORS:] / (2 * step)
         assert np.linalg.norm(column[of_image] - expected) < 4e-3 * np.linalg.norm(expected), name
+
+
+def test_the_image_of_the_weighed_lens_is_nearly_what_slopes_foretell(seen):
+    """Oracle: a law: so near the best an image is straight, and what is left beside its slopes is little of what noise leaves."""
+    images, best = seen
+    last = sector_weighed.weighed(images, best)
+    there = images.residuals(last.numbers, images.sharp(last.numbers))
+    assert np.linalg.norm(there[PRIORS:] - best.residual[PRIORS:]) > 0.1  # it did move
+    assert 0 <= last.beside_linear < 0.01 * np.sum(best.residual**2)
