@@ -217,3 +217,17 @@ def test_a_pixel_sees_the_ring_with_its_own_width():
     within = radius[..., None] + (np.arange(200) + 0.5) / 200 - 0.5
     exact = (ndtr((within - 10) / 0.7) * ndtr((30 - within) / 0.7)).mean(axis=-1)
     np.testing.assert_allclose(found, exact, atol=2e-3)
+
+
+def test_model_and_residual_are_the_measured_contrast(camera, brute_rows, lag):
+    """Oracle: the image itself, along its phase over a lit pixel; in one place pixels respond by up to 10 % more."""
+    gain = 1 + 0.1 * np.exp(-0.5 * ((np.arange(36)[:, None] - 25.0) ** 2 + (np.arange(64) - 22.0) ** 2) / 15.0**2)
+    rows = brute_rows(camera, gain=gain)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
+    view, numbers, along = _view(rows), _numbers(camera), _along(rows, look)
+    seen = sector_image.contrast([look], numbers, view=view, u_dn=[along])
+    (sharp,) = sector_image.sharp([look], numbers, view=view)
+    shown = (look.projection * sharp.point.conj()).real / np.abs(sharp.point) ** 2
+    full_dn = sector_image.fitted(look, numbers, view=view, u_dn=along).full_dn
+    np.testing.assert_allclose(seen.model + seen.residual, shown / full_dn, atol=6e-3)
+    assert np.ptp(seen.over_ring) > 0.05
