@@ -70,3 +70,19 @@ def test_an_image_that_says_nothing_leaves_what_is_known():
     assert found.camera.u("distortion") == pytest.approx(0.05, rel=0.15)
     assert found.camera.u("lens_column_px") == pytest.approx(3.2, rel=0.15)
     np.testing.assert_allclose(found.moved[:3], 0.0, atol=1e-9)
+
+
+def test_a_keystone_is_a_tilt_over_the_focal_length():
+    """Oracle: by hand, h = t / f in half diagonals, for a camera that is tilted about both axes and has a long lens."""
+    cameras = weighed_lens._Cameras(SHAPE, known=KNOWN)
+    free = [name for name in weighed_lens.CAMERA_NUMBERS if KNOWN.prior(name).standard_uncertainty > 0]
+    units = np.zeros((1, cameras.n_free))
+    amounts = {"tilt_row": 1.5, "tilt_column": -0.7, "log_focal_length": 1.2}
+    units[0, [free.index(name) for name in amounts]] = list(amounts.values())
+    tilt_row, tilt_column, log_length = (
+        KNOWN.prior(name).value + by * KNOWN.prior(name).standard_uncertainty for name, by in amounts.items()
+    )
+    numbers = cameras._numbers(units)
+    assert numbers["keystone_row"][0] == pytest.approx(tilt_row / np.exp(log_length))
+    assert numbers["keystone_column"][0] == pytest.approx(tilt_column / np.exp(log_length))
+    assert np.exp(log_length) > 2
