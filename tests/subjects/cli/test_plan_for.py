@@ -92,7 +92,8 @@ def test_every_camera_can_be_planned_for(run, tmp_path, kind, readout):
     """Oracle: by hand; a rolling camera has a row delay to ask for, and a snapshot has none."""
     out, rows = tmp_path / "plan.json", ("--for", "row_delay=1us", "--row-delay", "30 us")
     words = (
-        "--camera", kind, "--readout", readout, "--opening-pixels", 1200, "--for", "trigger_delay=1ms", "--wheel-hz", 5, "--json", out,
+        "--camera", kind, "--readout", readout, "--opening-pixels", 1200,
+        "--for", "trigger_delay=1ms", "--wheel-hz", 5, "--json", out,
     )  # fmt: skip
     done = run(*words, *(rows if readout == "rolling" else ()))
     assert done.exit_code == 0, done.output
