@@ -55,9 +55,8 @@ def searched(
     stays = (*images.lens.held, *WARP_NUMBERS, *held)
     free = [name for name in NUMBERS if name not in stays]
     found = sector_search.searched(
-        Misfit(residuals=images.residuals, nearby=images.nearby, sharp=images.sharp), begin, free=free, n_before=n_before,
-        slopes=slopes,
-    )  # fmt: skip
+        Misfit(at=images.at, sharp=images.sharp), begin, free=free, n_before=n_before, slopes=slopes
+    )
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
     sector_limits.check(numbers, images.name)
     clusters = _clusters(images, numbers, residual.size)

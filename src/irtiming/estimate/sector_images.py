@@ -9,8 +9,8 @@ import numpy as np
 from irtiming.estimate import contrast_look, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS
-from irtiming.estimate.sector_image import SeenContrast, Sharp, View
-from irtiming.estimate.sector_search import Change
+from irtiming.estimate.sector_image import Fitted, SeenContrast, Sharp, View
+from irtiming.estimate.sector_search import Place
 from irtiming.inference import lens_knowledge
 from irtiming.inference.lens_knowledge import N_KNOWN, LensKnowledge
 from irtiming.physics import blurred_sector
@@ -48,9 +48,21 @@ class Images:
 
     def residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
         """What is known of the numbers beforehand, shape (N_PRIORS,), and then the misfit of all images."""
-        return np.concatenate([
-            sector_limits.off_usual(numbers), self.lens.off(numbers), *self.misfit(numbers, sharp)
-        ])  # fmt: skip
+        return self.at(numbers, sharp).residual
+
+    def at(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
+        """Residuals at these numbers, from the sharp images there, and what they change by beside them, to first order."""
+        every, fits = list(zip(self.seen, self.u_dn, strict=True)), self._fitted(numbers, sharp)
+        before = self._off_known(numbers)
+
+        def change(moved: Mapping[str, float], shown: Sequence[Sharp]) -> Array:
+            changes = [
+                sector_image.change(fit, look, numbers=moved, view=self.view, u_dn=u, known=known)
+                for fit, (look, u), known in zip(fits, every, shown, strict=True)
+            ]
+            return np.concatenate([self._off_known(moved) - before, *changes])
+
+        return Place(residual=np.concatenate([before, *(fit.misfit for fit in fits)]), change=change)
 
     def contrast(self, numbers: Mapping[str, float]) -> SeenContrast:
         """What the images say of each pixel beyond the model with these numbers."""
@@ -60,32 +72,18 @@ class Images:
         """The sector without glare in each image."""
         return sector_image.sharp(self.seen, numbers, view=self.view)
 
-    def nearby(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Change:
-        """By how much residuals differ, to first order, at numbers beside these, from numbers and sharp images there."""
-        every = list(zip(self.seen, self.u_dn, strict=True))
-        fits = [
-            sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known)
-            for (look, u), known in zip(every, sharp, strict=True)
-        ]
-
-        def change(moved: Mapping[str, float], shown: Sequence[Sharp]) -> Array:
-            return np.concatenate([
-                sector_limits.off_usual(moved) - sector_limits.off_usual(numbers),
-                self.lens.off(moved) - self.lens.off(numbers),
-                *(
-                    sector_image.change(fit, look, numbers=moved, view=self.view, u_dn=u, known=known)
-                    for fit, (look, u), known in zip(fits, every, shown, strict=True)
-                ),
-            ])  # fmt: skip
-
-        return change
-
     def misfit(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Array]:
         """Deviations of each image from the model, over their uncertainties, as of `sector_image.Fitted`, shapes (m,)."""
+        return [fit.misfit for fit in self._fitted(numbers, sharp)]
+
+    def _fitted(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> list[Fitted]:
         return [
-            sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known).misfit
+            sector_image.fitted(look, numbers, view=self.view, u_dn=u, known=known)
             for look, u, known in zip(self.seen, self.u_dn, sharp, strict=True)
         ]
+
+    def _off_known(self, numbers: Mapping[str, float]) -> Array:
+        return np.concatenate([sector_limits.off_usual(numbers), self.lens.off(numbers)])
 
 
 def of(

@@ -62,14 +62,19 @@ LIMITS: Mapping[str, tuple[float, float]] = {
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """Residuals at some numbers, shape (m,), and what they ``change`` by beside them, to first order."""
+
+    residual: Array
+    change: Change
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Misfit:
-    """What is to be made small: residuals at some numbers, shape (m,), from the sharp images that belong to them.
+    """What is to be made small: residuals ``at`` some numbers, from the sharp images that belong to them."""
 
-    ``nearby`` gives what they change by beside a place, to first order.
-    """
-
-    residuals: Callable[[Numbers, Sequence[Sharp]], Array]
-    nearby: Callable[[Numbers, Sequence[Sharp]], Change]
+    at: Callable[[Numbers, Sequence[Sharp]], Place]
     sharp: Callable[[Numbers], Sequence[Sharp]]
 
 
@@ -149,8 +154,8 @@ class _Course:
     def residuals(self, at: Array) -> Array:
         self.at, numbers = at.copy(), self._numbers(at)
         self.known = self.misfit.sharp(numbers)
-        self.here = self.misfit.residuals(numbers, self.known)
-        return self.here
+        self.place = self.misfit.at(numbers, self.known)
+        return self.place.residual
 
     def slopes(self, at: Array) -> Array:
         """Shape (m, n_free)."""
@@ -159,13 +164,13 @@ class _Course:
         found = self._updated(self._kept(at))
         self.kept.matrix = self._differences(at, self.free) if found is None else found
         self.kept.names = tuple(self.free)
-        self.before = self.at, self.here
+        self.before = self.at, self.place.residual
         return self.kept.matrix
 
     def _kept(self, at: Array) -> Array | None:
         """Those from the place before, with those that are not among them taken here; None where there are none."""
         slopes = self.kept.matrix
-        if slopes is None or len(slopes) != self.here.size or not set(self.kept.names) <= set(self.free):
+        if slopes is None or len(slopes) != self.place.residual.size or not set(self.kept.names) <= set(self.free):
             return None
         added = [name for name in self.free if name not in self.kept.names]
         if added:
@@ -177,7 +182,7 @@ class _Course:
         """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not."""
         if slopes is None or self.before is None:
             return slopes
-        step, change = self.at - self.before[0], self.here - self.before[1]
+        step, change = self.at - self.before[0], self.place.residual - self.before[1]
         missed = change - slopes @ step
         if not np.linalg.norm(missed) <= _MISSED * np.linalg.norm(change):
             return None
@@ -185,13 +190,13 @@ class _Course:
         return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
 
     def _differences(self, at: Array, names: Sequence[str]) -> Array:
-        columns, change = [], self.misfit.nearby(self._numbers(at), self.known)
+        columns = []
         for name in names:
             k = self.free.index(name)
             step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
             moved = {**self._numbers(at), name: float(at[k] + step)}
             known = self.known if name in APART else self.misfit.sharp(moved)
-            columns.append(change(moved, known) / step)
+            columns.append(self.place.change(moved, known) / step)
         return np.stack(columns, axis=1)
 
     def _numbers(self, at: Array) -> dict[str, float]:

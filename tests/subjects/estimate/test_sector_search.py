@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate.sector_image import Sharp
-from irtiming.estimate.sector_search import Change, Misfit, Slopes, searched
+from irtiming.estimate.sector_search import Misfit, Place, Slopes, searched
 from irtiming.records.arrays import Array
 
 FREE = ("axle_row_px", "axle_column_px", "inner_radius_px")
@@ -25,10 +25,11 @@ class _Curve:
             self.asked += 1
             return ()
 
-        return Misfit(residuals=self._residuals, nearby=self._nearby, sharp=sharp)
+        return Misfit(at=self._at, sharp=sharp)
 
-    def _nearby(self, here: Mapping[str, float], sharp: Sequence[Sharp]) -> Change:
-        return lambda there, _: self._residuals(there, ()) - self._residuals(here, sharp)
+    def _at(self, here: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
+        residual = self._residuals(here, sharp)
+        return Place(residual=residual, change=lambda there, _: self._residuals(there, ()) - residual)
 
     def _residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
         a, b, c = (numbers[name] - TRUE[name] for name in FREE)
