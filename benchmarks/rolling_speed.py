@@ -49,13 +49,11 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
     whole_s = time.perf_counter() - begin
     seen = found.recordings[0]
     light = row_light.row_light(seen.row_sums.row_px, found.sectors[0], n_harmonics=HARMONICS)
-    wheel, of_shape = (
-        found.geometry.model,
-        {name: getattr(found.fits[0], name) for name in ("shape_names", "shape_effect")},
-    )
+    wheel, known = found.geometry.model, found.fits[0]
 
     def exact() -> object:
-        fit = replace(row_fit.fit(seen, wheel, light=light), **of_shape)
+        fit = row_fit.fit(seen, wheel, light=light)
+        fit = replace(fit, shape_names=known.shape_names, shape_effect=known.shape_effect)
         return timing.of_row_fits([fit], found.geometry, sectors=found.sectors, n_rows=rows)
 
     equal = wheel_geometry.geometry(found.recordings, rig.measured, slots="equal", off_axle_mask=False)

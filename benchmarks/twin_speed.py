@@ -53,9 +53,8 @@ def open_share(scene: Scene, row: Array, column: Array, *, theta_rad: Array, pla
     cosine, sine = math.cos(optics.roll_rad), math.sin(optics.roll_rad)
     x, y = right * cosine + down * sine, down * cosine - right * sine
     away = np.hypot(x - mask.centre_x_m, y - mask.centre_y_m)
-    along = (x - mask.centre_x_m) * math.cos(mask.centre_angle_rad) + (y - mask.centre_y_m) * math.sin(
-        mask.centre_angle_rad
-    )
+    right, up = math.cos(mask.centre_angle_rad), math.sin(mask.centre_angle_rad)
+    along = (x - mask.centre_x_m) * right + (y - mask.centre_y_m) * up
     is_opening = (away >= mask.inner_radius_m) & (away <= mask.outer_radius_m)
     is_opening &= along >= away * math.cos(mask.opening_angle_rad / 2)
     radius = np.hypot(x, y)
@@ -113,10 +112,8 @@ def main() -> None:
 
     shot, rng = picture(cooled), np.random.default_rng(1)
     full_scale = 2.0**cooled.detector.bits - 1
-    frame, theta = (
-        np.empty_like(shot.closed_dn),
-        1.0 + cooled.timing.integration_time_s * 6 * math.pi * np.linspace(0, 1, _INSTANTS),
-    )
+    frame = np.empty_like(shot.closed_dn)
+    theta = 1.0 + cooled.timing.integration_time_s * 6 * math.pi * np.linspace(0, 1, _INSTANTS)
     expose(shot, theta, out=frame)
     among = shot.table.pixel[(frame - shot.closed_dn).ravel()[shot.table.pixel] > 1]
     pixels = np.sort(rng.choice(among, min(options.pixels, among.size), replace=False))

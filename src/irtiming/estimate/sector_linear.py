@@ -2,7 +2,7 @@ r"""What is linear in a contrast image: levels, of which the first is the light,
 
 They are solved for wherever the search for all other numbers stands (`estimate.sector_image`), by weighted least squares with
 a prior. How the misfit r = W (A x - s) changes beside a place then takes no second solution: with x held there, the change of
-W (A x - s) less what other levels would have of it (Kaufman 1975, a variable projection's slopes),
+W (A x - s) less what other levels would have of it (Kaufman's slopes, as of `inference.variable_projection`),
 
 .. math:: \Delta r \approx (1 - P)\, \Delta[W (A x - s)],
 

@@ -122,7 +122,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
     summed
         Pixels that are summed, shape (row, column).
     """
-    shape, sense = sector.shape, -1.0 if sector.shape.mirrored else 1.0
+    shape = sector.shape
     seen_bisector = np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad
     bisector = float(np.angle(np.exp(1j * seen_bisector)))
     row0, row1, column0, column1 = sector.roi
@@ -148,7 +148,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         u_centre_px=max(sector.u("axle_row_px"), sector.u("axle_column_px")),
         bisector_rad=bisector,
         u_bisector_rad=sector.u("bisector_rad"),
-        mean_angle_rad=float(bisector + sense * shift),
+        mean_angle_rad=float(bisector + shape.sense * shift),
         u_off_axle_rad=float(np.hypot(u_shift, _NOT_SKEW * uneven)),
         edge_miss_px=(float(-high), float(-low)) if shape.mirrored else (float(low), float(high)),
         u_edge_miss_px=float(max(u_low, u_high)),

@@ -38,7 +38,6 @@ from irtiming.physics.sector_points import (
     glare_points,
     half_turn,
     sector_of,
-    sense,
     widths_with_glare,
 )
 from irtiming.physics.wheel_harmonics import later
@@ -107,7 +106,7 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
 def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
     """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
     down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    return down, sense(shape) * right
+    return down, shape.sense * right
 
 
 @lru_cache(maxsize=16)

@@ -73,14 +73,9 @@ def places(shape: SectorShape, *, n_radial: int, n_around: int) -> tuple[Array, 
     radius, polar = shape.inner_radius_px + half_width * (1 + radial), shape.bisector_rad + half_angle * around
     return (
         shape.offset_row_px + np.multiply.outer(radius, np.sin(polar)).ravel(),
-        sense(shape) * (shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()),
+        shape.sense * (shape.offset_column_px + np.multiply.outer(radius, np.cos(polar)).ravel()),
         np.multiply.outer(radius * radial_weight * half_width, around_weight * half_angle).ravel(),
     )
-
-
-def sense(shape: SectorShape) -> float:
-    """In which columns are counted from the axle: rightwards or leftwards."""
-    return -1.0 if shape.mirrored else 1.0
 
 
 @final
@@ -101,7 +96,7 @@ def sector_of(shape: SectorShape) -> Sector:
         radii_px=(shape.inner_radius_px, shape.outer_radius_px),
         bisector_rad=shape.bisector_rad,
         half_angle_rad=shape.opening_angle_rad / 2,
-        sense=sense(shape),
+        sense=shape.sense,
     )
 
 

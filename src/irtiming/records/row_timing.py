@@ -85,6 +85,11 @@ class SectorShape:
         """Standard deviations of the blur over rows and over columns."""
         return self.blur_px * (1 - self.blur_ellipticity), self.blur_px * (1 + self.blur_ellipticity)
 
+    @property
+    def sense(self) -> float:
+        """In which columns are counted from the axle, that polar angles go the wheel's way: 1 rightwards, -1 leftwards."""
+        return -1.0 if self.mirrored else 1.0
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)

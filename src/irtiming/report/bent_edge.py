@@ -70,14 +70,13 @@ def edges(analysis: Analysis, fit: RowTimingFit, *, wheel_angle_rad: float, roll
     read_s = fit.row_delay_s * (row if rolling else np.full(row.size, middle)) - np.log(2) * fit.timing.get(
         "time_constant", 0.0
     )
-    sense = -1.0 if shape.mirrored else 1.0
     found = []
     for edge, delay in zip(model.cutout_edges_rad, fit.edge_delay_s, strict=True):
         polar = wheel_angle_rad + omega * (delay + read_s) + model.opening_coordinate_rad - edge
         polar = np.mod(polar + np.pi, 2 * np.pi) - np.pi
         direction = polar + shape.bisector_rad
         radius = (row - shape.axle_row_px) / np.sin(direction)
-        column = shape.axle_column_px + sense * radius * np.cos(direction)
+        column = shape.axle_column_px + shape.sense * radius * np.cos(direction)
         inside = (np.abs(polar) < shape.opening_angle_rad / 2) & (radius > shape.inner_radius_px)
         inside &= radius < shape.outer_radius_px
         if inside.any():

@@ -43,10 +43,8 @@ def _written_out(one):
 
 def _image(one, seed):
     rng = np.random.default_rng(seed)
-    noise = one.u_dn.real * rng.standard_normal((ROWS, COLUMNS)) + 1j * one.u_dn.imag * rng.standard_normal(
-        (ROWS, COLUMNS)
-    )
-    return 100 * one.levels[0] + 7 * one.levels[1] + noise
+    along, across = rng.standard_normal((2, ROWS, COLUMNS))
+    return 100 * one.levels[0] + 7 * one.levels[1] + one.u_dn.real * along + 1j * one.u_dn.imag * across
 
 
 def test_amounts_are_those_of_a_matrix_that_is_written_out(linear):

@@ -270,13 +270,12 @@ def contrasts(fit: SectorFit) -> "Figure":
 
 def _sector(axes: "Axes", shape: SectorShape) -> None:
     """Arcs and radial edges of the fitted sector in the image."""
-    sense = -1.0 if shape.mirrored else 1.0
     half = shape.opening_angle_rad / 2
     around = shape.bisector_rad + np.linspace(-half, half, 100)
     polar = np.concatenate([around, around[::-1], around[:1]])
     radius = np.repeat([shape.outer_radius_px, shape.inner_radius_px, shape.outer_radius_px], [100, 100, 1])
     down, across = shape.offset_row_px + radius * np.sin(polar), shape.offset_column_px + radius * np.cos(polar)
-    border = projection_of(shape).seen(down, sense * across)
+    border = projection_of(shape).seen(down, shape.sense * across)
     axes.plot(border[1], border[0], color=_RED, linewidth=1.2)
 
 
