@@ -99,15 +99,6 @@ class Lens:
         factor = factor.reshape(np.shape(square)) if np.ndim(square) else float(factor[0])
         return self.middle_px[0] + down * factor, self.middle_px[1] + across * factor
 
-    def magnification(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
-        """Of the image over the flat plane at points of the flat plane: the least of any direction, and that of areas."""
-        if self.is_straight:
-            return 1.0, 1.0
-        unit = self.half_diagonal_px
-        down, across = np.broadcast_arrays((row_px - self.middle_px[0]) / unit, (column_px - self.middle_px[1]) / unit)
-        least, area = _magnifications(down.ravel(), across.ravel(), self.coefficients)
-        return least.reshape(down.shape), area.reshape(down.shape)
-
     def _flat_by_search(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         unit = self.half_diagonal_px
         down, across, distortion = (
@@ -173,15 +164,6 @@ def magnified(place: Place, of: Coefficients) -> Any:
     whole = yy * yy + yx * yx + xy * xy + xx * xx
     largest = math.sqrt((whole + math.sqrt(max(whole * whole - 4 * area * area, 0.0))) / 2)
     return abs(area) / largest, area
-
-
-@njit(cache=True, nogil=True)
-def _magnifications(y: Array, x: Array, of: Coefficients) -> Any:
-    """See magnified; points of shapes (n,), magnifications of shape (2, n)."""
-    out = np.empty((2, y.size))
-    for k in range(y.size):
-        out[0, k], out[1, k] = magnified((y[k], x[k]), of)
-    return out
 
 
 @njit(cache=True, nogil=True)

@@ -26,6 +26,7 @@ from numba.extending import register_jitable
 
 from irtiming.physics.lens import Coefficients, Lens, Place, bent, magnified
 from irtiming.physics.warp import WARP_NUMBERS, Warp, displaced, enlarged
+from irtiming.records.arrays import Array
 from irtiming.records.row_timing import SectorShape
 
 _Matrix: TypeAlias = tuple[tuple[Any, Any], tuple[Any, Any]]
@@ -53,7 +54,8 @@ class Projection:
 
     def seen(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
         """Row and column in the image of places from the axle."""
-        return self.lens.seen(*self._undistorted(*self._unwarped(down_px, right_px)))
+        eye = self.eye
+        return _in_image(eye, _undistorted(eye, _unwarped(eye, (down_px, right_px))))
 
     def flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         """Places from the axle, down and right, of points of the image; numbers or arrays that broadcast."""
@@ -62,14 +64,6 @@ class Projection:
             return down, right
         below, beside = self.warp.moved(down, right)
         return down + below, right + beside
-
-    def _unwarped(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        """Where places would be taken to lie without the warp."""
-        down, right = down_px, right_px
-        for _ in range(0 if self.warp.is_none else _UNWARPED):
-            below, beside = self.warp.moved(down, right)
-            down, right = down_px - below, right_px - beside
-        return down, right
 
     def _flat(self, row_px: Any, column_px: Any) -> tuple[Any, Any]:
         row, column = self.lens.flat(row_px, column_px)
@@ -85,21 +79,13 @@ class Projection:
         return (d * off_down - b * off_right) / whole, (a * off_right - c * off_down) / whole
 
     def magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        """Of the image over the wheel's plane: least of any direction, or a little less, and that of areas.
+        """Of the image of one camera over the wheel's plane: least of any direction, or a little less, and that of areas.
 
         A warp is too slight to matter to the least one.
         """
-        down, right = self._unwarped(down_px, right_px)
-        least, area = self._magnification(down, right)
-        return (least, area) if self.warp.is_none else (least, area / self.warp.larger(down, right))
-
-    def _magnification(self, down_px: Any, right_px: Any) -> tuple[Any, Any]:
-        least, area = self.lens.magnification(*self._undistorted(down_px, right_px))
-        if not np.any(self.keystone_per_px):
-            return least, area
-        smaller = _shrunk((down_px, right_px), self.keystone_per_px)
-        whole = _whole(self._about_axle)
-        return least * np.minimum(1.0, whole) / np.maximum(smaller, 1.0) ** 2, area * whole / smaller**3
+        down, right = np.broadcast_arrays(np.asarray(down_px, dtype=float), np.asarray(right_px, dtype=float))
+        least, area = _magnifications(self.eye, down.ravel(), right.ravel())
+        return least.reshape(down.shape), area.reshape(down.shape)
 
     @property
     def tilt(self) -> tuple[Any, Any]:
@@ -133,21 +119,15 @@ class Projection:
         along_row, along_column = self.keystone_per_px
         return (a - below * along_row, b - below * along_column), (c - beside * along_row, d - beside * along_column)
 
-    def _undistorted(self, down: Any, right: Any) -> tuple[Any, Any]:
-        if not np.any(self.keystone_per_px):
-            return self._axle[0] + down, self._axle[1] + right
-        below, beside = _tilted((down, right), self._about_axle, self.keystone_per_px)
-        return self._axle[0] + below, self._axle[1] + beside
-
     @cached_property
-    def compiled(self) -> "Eye":
-        """The same for compiled code; of one camera."""
+    def eye(self) -> "Eye":
+        """The same as numbers alone: compiled code takes those of one camera."""
         return Eye(
             axle_px=self._axle,
             keystone_per_px=self.keystone_per_px,
             about_axle=self._about_axle,
             middle_px=self.lens.middle_px,
-            unit_px=self.warp.unit_px,
+            unit_px=self.lens.half_diagonal_px or 1.0,
             coefficients=self.lens.coefficients,
             warp=tuple(one / self.warp.unit_px for one in self.warp.amounts_px),
             rounds=0 if self.warp.is_none else _UNWARPED,
@@ -156,16 +136,16 @@ class Projection:
 
 @final
 class Eye(NamedTuple):
-    """A camera's view for compiled code, as of `Projection`.
+    """A camera's view as numbers, as of `Projection`.
 
     ``axle_px`` is the undistorted place of the axle, ``unit_px`` half the diagonal, in which the ``warp`` is; ``rounds`` how
     often what it does is taken back.
     """
 
-    axle_px: tuple[float, float]
-    keystone_per_px: tuple[float, float]
+    axle_px: tuple[Any, Any]
+    keystone_per_px: tuple[Any, Any]
     about_axle: _Matrix
-    middle_px: tuple[float, float]
+    middle_px: tuple[Any, Any]
     unit_px: float
     coefficients: Coefficients
     warp: tuple[float, ...]
@@ -185,32 +165,56 @@ def _whole(matrix: _Matrix) -> Any:
 
 
 @register_jitable
-def _tilted(place: Place, about_axle: _Matrix, keystone: tuple[Any, Any]) -> Place:
-    """Where a place from the axle appears undistorted, from where the axle does."""
-    (down, right), ((a, b), (c, d)) = place, about_axle
-    smaller = _shrunk(place, keystone)
-    return (a * down + b * right) / smaller, (c * down + d * right) / smaller
+def _unwarped(eye: Eye, place_px: Place) -> Place:
+    """Where a place down and right from the axle would be taken to lie without the warp, px."""
+    unit = eye.unit_px
+    place = place_px
+    for _ in range(eye.rounds):
+        below, beside = displaced((place[0] / unit, place[1] / unit), eye.warp)
+        place = (place_px[0] - unit * below, place_px[1] - unit * beside)
+    return place
+
+
+@register_jitable
+def _undistorted(eye: Eye, place_px: Place) -> Place:
+    """Where such a place appears without distortion, half diagonals from the lens centre."""
+    (down, right), ((a, b), (c, d)) = place_px, eye.about_axle
+    smaller = _shrunk(place_px, eye.keystone_per_px)
+    below, beside = (a * down + b * right) / smaller, (c * down + d * right) / smaller
+    return (
+        (eye.axle_px[0] + below - eye.middle_px[0]) / eye.unit_px,
+        (eye.axle_px[1] + beside - eye.middle_px[1]) / eye.unit_px,
+    )
+
+
+@register_jitable
+def _in_image(eye: Eye, flat: Place) -> Place:
+    """Row and column of the image where such a point appears."""
+    row, column = bent(flat, eye.coefficients)
+    return eye.middle_px[0] + eye.unit_px * row, eye.middle_px[1] + eye.unit_px * column
 
 
 @njit(cache=True, nogil=True)
 def seen_by(eye: Eye, place_px: tuple[float, float]) -> tuple[float, float, float, float]:
     """Row and column in the image of a place down and right from the axle, and the magnification there: least, and of areas."""
-    unit = eye.unit_px
-    straight = (place_px[0] / unit, place_px[1] / unit)
-    place = straight
-    for _ in range(eye.rounds):
-        below, beside = displaced(place, eye.warp)
-        place = (straight[0] - below, straight[1] - beside)
-    from_axle = (place[0] * unit, place[1] * unit)
-    below, beside = _tilted(from_axle, eye.about_axle, eye.keystone_per_px)
-    flat = ((eye.axle_px[0] + below - eye.middle_px[0]) / unit, (eye.axle_px[1] + beside - eye.middle_px[1]) / unit)
+    place = _unwarped(eye, place_px)
+    flat = _undistorted(eye, place)
     least, area = magnified(flat, eye.coefficients)
-    smaller, whole = _shrunk(from_axle, eye.keystone_per_px), _whole(eye.about_axle)
+    smaller, whole = _shrunk(place, eye.keystone_per_px), _whole(eye.about_axle)
     least, area = least * min(1.0, whole) / max(smaller, 1.0) ** 2, area * whole / smaller**3
     if eye.rounds:
-        area /= enlarged(place, eye.warp)
-    row, column = bent(flat, eye.coefficients)
-    return eye.middle_px[0] + unit * row, eye.middle_px[1] + unit * column, least, area
+        area /= enlarged((place[0] / eye.unit_px, place[1] / eye.unit_px), eye.warp)
+    row, column = _in_image(eye, flat)
+    return row, column, least, area
+
+
+@njit(cache=True, nogil=True)
+def _magnifications(eye: Eye, down_px: Array, right_px: Array) -> Any:
+    """See seen_by; places of shapes (n,), magnifications of shape (2, n)."""
+    out = np.empty((2, down_px.size))
+    for k in range(down_px.size):
+        _, _, out[0, k], out[1, k] = seen_by(eye, (down_px[k], right_px[k]))
+    return out
 
 
 def projection_of(shape: SectorShape) -> Projection:

@@ -108,7 +108,7 @@ def half_turn(angle: float) -> float:
 
 def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightPoints:
     """Nodes that lie less than so deep below the border, in the image."""
-    eye = projection_of(shape).compiled
+    eye = projection_of(shape).eye
     sector = sector_of(shape)
     wide = max(1.0, _widest(sector, eye))
     along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))

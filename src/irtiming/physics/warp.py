@@ -46,11 +46,6 @@ class Warp:
         """By how much places from the axle lie further down and right, px; numbers or arrays that broadcast."""
         return displaced((down_px / self.unit_px, right_px / self.unit_px), self.amounts_px)
 
-    def larger(self, down_px: Any, right_px: Any) -> Any:
-        """How much larger an area becomes that lies at places from the axle; numbers or arrays that broadcast."""
-        shares = tuple(one / self.unit_px for one in self.amounts_px)
-        return enlarged((down_px / self.unit_px, right_px / self.unit_px), shares)
-
 
 @register_jitable
 def displaced(place: Place, amounts: tuple[float, ...]) -> Place:

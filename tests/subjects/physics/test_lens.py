@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.physics.lens import HIGHEST, LOWEST, Lens
+from irtiming.physics.lens import HIGHEST, LOWEST, Lens, magnified
 from irtiming.records.row_timing import LensTerms
 
 ROWS, COLUMNS = 120, 160
@@ -42,7 +42,7 @@ def test_magnification_is_the_derivative(distortion, terms):
     slopes = np.array([
         np.subtract(lens.seen(*(place + step * way)), lens.seen(*(place - step * way))) / (2 * step) for way in np.eye(2)
     ])  # fmt: skip
-    least, area = lens.magnification(*place)
+    least, area = magnified(tuple((place - lens.middle_px) / lens.half_diagonal_px), lens.coefficients)
     assert least == pytest.approx(np.linalg.svd(slopes)[1][1], rel=1e-8)
     assert area == pytest.approx(np.linalg.det(slopes), rel=1e-8)
 

@@ -57,11 +57,11 @@ def test_a_warped_image_comes_back_and_its_areas_are_its_slopes(bent):
     ],
 )
 def test_compiled_code_sees_the_same(bent, warped):
-    """Oracle: the same camera for whole arrays, which is tried against a pinhole and against differences above."""
+    """Oracle: the same formulas uncompiled, for whole arrays, which are tried against a pinhole and against differences above."""
     amounts = dict(zip(WARP_NUMBERS, AMOUNTS, strict=True)) if warped else {}
     camera = projection.projection_of(_shape(**amounts, **bent))
     down, right = np.random.default_rng(6).uniform(-50, 50, (2, 12))
-    one_by_one = np.array([projection.seen_by(camera.compiled, place) for place in zip(down, right, strict=True)]).T
+    one_by_one = np.array([projection.seen_by(camera.eye, place) for place in zip(down, right, strict=True)]).T
     at_once = np.array(np.broadcast_arrays(*camera.seen(down, right), *camera.magnification(down, right)))
     np.testing.assert_allclose(one_by_one, at_once, rtol=1e-12)
 
