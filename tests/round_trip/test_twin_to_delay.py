@@ -12,15 +12,15 @@ from irtiming.twin.scene import EdgeFaults, Faults, paper_scene, with_wheel_spee
 BASE = with_wheel_speed(paper_scene(100, 120), 3.0, samples=400)
 SCENES = {
     "as in the paper": BASE,
-    "rolled camera, cold blackbody": replace(
-        BASE, optics=replace(BASE.optics, roll_rad=0.06), radiance=replace(BASE.radiance, blackbody_k=287.0)
+    "rolled camera, distorting lens, cold blackbody": replace(
+        BASE,
+        optics=replace(BASE.optics, roll_rad=0.06, distortion=-0.05),
+        radiance=replace(BASE.radiance, blackbody_k=287.0),
     ),
-    "distorting lens": replace(BASE, optics=replace(BASE.optics, distortion=-0.05)),
-    "long integration": replace(BASE, timing=replace(BASE.timing, integration_time_s=3e-3, substeps=64)),
-    "counterclockwise, long delay": replace(
+    "counterclockwise, long integration, long delay": replace(
         BASE,
         wheel=replace(BASE.wheel, rotation="counterclockwise"),
-        timing=replace(BASE.timing, trigger_delay_s=14e-3),
+        timing=replace(BASE.timing, trigger_delay_s=14e-3, integration_time_s=3e-3, substeps=64),
     ),
     "fast wheel, faults": replace(
         with_wheel_speed(BASE, 11.0, samples=400),
