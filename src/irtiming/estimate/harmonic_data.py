@@ -114,7 +114,8 @@ def packed(harmonics: ComplexArray) -> Array:
 def _gram(wheel_angle_rad: Array, n_harmonics: int) -> Array:
     """B B^T from the sums of exp(i k theta), k to 2 M: products of waves are waves of sums and differences."""
     waves = basis(wheel_angle_rad, n_harmonics=2 * n_harmonics).sum(axis=1)
-    cosine, sine = waves[: 2 * n_harmonics + 1], np.concatenate([[0.0], waves[2 * n_harmonics + 1 :]])
+    cosine, sine = np.split(waves, [2 * n_harmonics + 1])
+    sine = np.concatenate([[0.0], sine])
     first, second = np.arange(n_harmonics + 1)[:, None], np.arange(n_harmonics + 1)[None, :]
     total, apart = first + second, np.abs(first - second)
     sign = np.sign(first - second)

@@ -104,36 +104,36 @@ class PixelSums:
         """Pixel sums of the kept frames in the unit of the guessed step, shape (n_kept,)."""
         return np.asarray(self.reduced.pixel_sums.pixel_sum[self.kept] / self.unit_dn)
 
-    def angle(self, delay_s: float, *, earlier: int = 0) -> Array:
+    def angle(self, delay_s: float, *, is_before: bool = False) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,).
 
-        ``earlier`` is by how many triggers; before the wheel was recorded it has turned evenly.
+        Or at the frame before, one trigger earlier; before the wheel was recorded it has turned evenly.
         """
         ticks, set_s = self.reduced.trigger_ticks, self.reduced.trigger_delay_time_set_s
         period = float(np.median(np.diff(ticks)))
         now = wheel_angle_rad(delay_s, self.reduced.track, at_ticks=ticks[self.kept], set_s=set_s)
-        if not earlier:
+        if not is_before:
             return now
         then = wheel_angle_rad(
-            delay_s, self.reduced.track, at_ticks=np.asarray(ticks[self.kept] - earlier * period, float), set_s=set_s
+            delay_s, self.reduced.track, at_ticks=np.asarray(ticks[self.kept] - period, float), set_s=set_s
         )
         step = self.angular_frequency_rad_per_s * period / self.reduced.track.clock_frequency_hz
-        return np.where(np.isfinite(then), then, now - earlier * step)
+        return np.where(np.isfinite(then), then, now - step)
 
     def shapes(self, numbers: Mapping[str, float]) -> Shapes:
         """F, S, U, P, B and B' of the kept frames, with what they hold of the frame before; shapes (n_kept,)."""
         now = pixel_sum.shapes(self.passing(numbers))
         if MEMORY not in numbers:
             return now
-        return pixel_sum.remembered(now, pixel_sum.shapes(self.passing(numbers, earlier=1)), share=numbers[MEMORY])
+        return pixel_sum.remembered(now, pixel_sum.shapes(self.passing(numbers, is_before=True)), share=numbers[MEMORY])
 
-    def passing(self, numbers: Mapping[str, float], *, earlier: int = 0) -> Passing:
-        """Wheel, window and opening at the local numbers, so many triggers earlier."""
+    def passing(self, numbers: Mapping[str, float], *, is_before: bool = False) -> Passing:
+        """Wheel, window and opening at the local numbers, or at the frame before."""
         delays, omega = np.array([numbers[name] for name in EDGE_DELAYS]), self.angular_frequency_rad_per_s
         middle = float(delays.mean())
         return Passing(
             wheel=self.wheel,
-            middle_rad=self.angle(middle, earlier=earlier),
+            middle_rad=self.angle(middle, is_before=is_before),
             edges_early_rad=omega * (delays - middle),
             opening_angle_rad=numbers["opening_angle"],
             swept_rad=omega * numbers["integration_time"],
@@ -155,7 +155,7 @@ class PixelSums:
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
         passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
-        before, share = self.passing(numbers, earlier=1), numbers.get(MEMORY, 0.0)
+        before, share = self.passing(numbers, is_before=True), numbers.get(MEMORY, 0.0)
         made = pixel_sum.shapes(passing), pixel_sum.shapes(before)
         columns = self.columns(pixel_sum.remembered(*made, share=share))
         gain = self.levels.gain[self.kept]

@@ -1,5 +1,7 @@
 """What causes of structured residuals add to the sums: by brute force over a wave of the wheel."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -44,3 +46,19 @@ def test_tails_are_what_comes_later(frames):
         later = np.array([_light(angle - _OMEGA * tail_s * places).mean() for angle in frames.angle_rad[:60]])
         expected = later - _light(frames.angle_rad[:60])
         np.testing.assert_allclose(found[:60, 0], expected, atol=2e-3 * np.ptp(found))
+
+
+def test_blades_and_cutouts_change_where_neither_is_seen(frames):
+    """Oracle: by hand; a wheel that is open at 0.4 rad and half a turn on: blades change there, cutouts a quarter of a turn on."""
+    turned = replace(frames, fraction=_light(frames.angle_rad - 0.4)[:, None])
+    share, after = turned.fraction[:, 0], np.mod(frames.angle_rad - 0.4, 2 * np.pi)
+    (blades,), (cutouts,) = causes._blades(turned), causes._cutouts(turned)
+    np.testing.assert_array_equal(blades[:, 0], (1 - share) * np.where(after < np.pi, 1, -1))
+    np.testing.assert_array_equal(cutouts[:, 0], share * np.where(np.abs(after - np.pi) > np.pi / 2, 1, -1))
+
+
+def test_a_response_that_is_not_linear_bends_most_in_the_middle(frames):
+    """Oracle: by hand; nothing at both ends, a quarter where half of the opening is seen, of one sign on both edges."""
+    steps = replace(frames, fraction=np.tile([0.0, 0.5, 1.0, 0.5], 180)[:, None])
+    (found,) = causes._not_linear(steps)
+    np.testing.assert_array_equal(found[:4, 0], [0.0, 0.25, 0.0, 0.25])

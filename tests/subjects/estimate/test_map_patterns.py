@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import map_patterns
-from irtiming.estimate.map_patterns import MappedDelays
+from irtiming.estimate.map_patterns import MappedDelays, RowClock
 from irtiming.records.row_timing import SectorShape
 
 U_S, ROW_S = 2e-6, 30e-6
@@ -62,6 +62,21 @@ def test_rows_that_are_off_without_any_pattern_are_found():
     assert p_value < 1e-6
     assert 20 < row < 31
     assert off_s > 1e-6
+
+
+def test_chance_of_straight_rows_by_hand():
+    """Oracle: four rows are 2, 0, -1 and 0 us off, each of two pixels: squares of pulls x, and exp(-x / 2) of two freedoms."""
+    left, u = 1e-6 * np.array([1.0, 3.0, 1.0, -2.0, -1.0, -1.0, 0.5, -0.5]), 1e-6 * np.array([1, 1, 1, 1.41421356, 2, 2, 3, 3])
+    delays = MappedDelays(
+        row_px=np.repeat(np.arange(7, 11), 2), column_px=np.tile([3, 4], 4), delay_s=left, u_s=u, shape_s=np.zeros((8, 0)),
+        image_rows=20, image_columns=20,
+    )  # fmt: skip
+    clock = RowClock(row_delay_s=0.0, u_row_delay_s=0.0, left_s=left, scatter=1.5)
+    p_value, row, off_s = map_patterns.p_value_of_straight_rows(delays, clock)
+    squares = (2.0**2 / 0.5 + 0.0 + 1.0**2 / 2.0 + 0.0) / 1.5**2
+    assert p_value == pytest.approx(np.exp(-squares / 2), rel=1e-6)
+    assert row == 7
+    assert off_s == pytest.approx(2e-6)
 
 
 def test_the_row_delay_knows_what_the_shape_may_do():

@@ -116,6 +116,15 @@ def test_references_alone_turn_the_light_by_what_draws_of_them_do(recordings):
     assert turns[0].u_references_rad == pytest.approx(SPREAD * GAMMA / np.sqrt(12 * n_pixel), rel=0.1)
 
 
+def test_what_turns_the_whole_image_turns_no_light(recordings):
+    """Oracle: a law; a delay turns all phases of an image alike, and the light's mean angle is about the opening's own."""
+    one = recordings(_gains(1), True, ["a"])[0]
+    later = replace(one, contrast=replace(one.contrast_image, projection_dn=one.contrast_image.projection_dn * np.exp(0.7j)))
+    (here,), (there,) = reference_noise.light_turns([one]), reference_noise.light_turns([later])
+    assert there.image_rad == pytest.approx(here.image_rad, abs=1e-9)
+    assert there.u_references_rad == pytest.approx(here.u_references_rad, rel=1e-9)
+
+
 def test_the_same_references_are_one_number_and_none_are_none(recordings):
     """Oracle: by hand; recordings a, a, b have two sets, recordings without references no noise of any."""
     made = recordings(_gains(3), True, ["a", "a", "b"])

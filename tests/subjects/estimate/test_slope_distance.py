@@ -26,6 +26,15 @@ def test_distance_is_the_shift(shift, turned):
     np.testing.assert_allclose(u, 0, atol=1e-8)
 
 
+@pytest.mark.parametrize("first", [0.0, 1.0, 2.0])
+def test_angles_that_were_lost_move_nothing(first):
+    """Oracle: the same curve, shifted, of which an eighth of the turn was not recorded."""
+    grid = TURN * np.arange(500) / 500
+    angle = np.sort(np.mod(first + np.random.default_rng(3).uniform(0, TURN * 7 / 8, 480), TURN))
+    distance, _ = slope_distances(_curve(grid)[None], _curve(angle + 0.5)[None], wheel_angle_rad=angle)
+    np.testing.assert_allclose(distance, 0.5, atol=1e-9)
+
+
 def test_noise_averages_out_as_its_uncertainty_says():
     """Oracle: 400 rows with noise of known size; the scatter of their distances is what each says of itself."""
     rng = np.random.default_rng(4)
