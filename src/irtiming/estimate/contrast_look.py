@@ -9,6 +9,7 @@ from typing import Any, Self, final
 import numpy as np
 from numba import njit
 
+from irtiming.estimate import by_speed
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS, Timing
@@ -166,8 +167,8 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
     found of its edges is better.
     """
     found = list[Look]()
-    for speed in sorted({round(one.track.angular_frequency_rad_per_s, 2) for one in recordings}):
-        group = [one for one in recordings if round(one.track.angular_frequency_rad_per_s, 2) == speed]
+    for members in by_speed.groups([one.track.angular_frequency_rad_per_s for one in recordings]):
+        group = [recordings[k] for k in members]
         projection = np.sum([_turned_over(one) for one in group], axis=0)
         table, unsteady = np.zeros(_TABLE, complex), list[Unsteady]()
         for one in group:  # a recording's waves are many, and go with it

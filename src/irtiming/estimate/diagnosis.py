@@ -213,11 +213,11 @@ def _fitted(joint: Joint, fits: Sequence[EdgeDelayFit | RowTimingFit]) -> tuple[
 
 
 def _own(fit: EdgeDelayFit | RowTimingFit) -> list[Fitted]:
+    found = []
     if isinstance(fit, EdgeDelayFit) and fit.u_blades > 0:
         z = fit.blades / fit.u_blades
         name = f"{fit.name}: second blade above the first"
-        return [Fitted(name=name, value=Measured(fit.blades, fit.u_blades), unit="1", from_none=z, gained=z * z)]
-    found = []
+        found.append(Fitted(name=name, value=Measured(fit.blades, fit.u_blades), unit="1", from_none=z, gained=z * z))
     for name, unit in zip(fit.estimate.names, fit.estimate.units, strict=True):
         if name not in _TIMING and (u := fit.estimate.u(name)) > 0:
             z = fit.estimate.value(name) / u

@@ -5,13 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import special
 
+from irtiming.estimate.measurands import mixed
 from irtiming.physics.covariance import inverse
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit, Result
-from irtiming.records.row_timing import RowTimingFit, SectorFit
+from irtiming.records.row_timing import RowTimingFit
 from irtiming.units import counted
 
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -78,9 +79,9 @@ def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
     """
     if "trigger_delay" not in estimate:
         return ()
-    first = estimate.value("trigger_delay")
-    last = first + (n_rows - 1) * (estimate.value("row_delay") if "row_delay" in estimate else 0.0)
-    earliest, u = min(first, last), estimate.u("trigger_delay")
+    places = (0, n_rows - 1) if "row_delay" in estimate else (0,)
+    rows = mixed(estimate, {f"row {k}": {"trigger_delay": 1.0, "row_delay": float(k)} for k in places})
+    earliest, u = min(zip(rows.values.tolist(), rows.standard_uncertainties.tolist(), strict=True))
     if earliest >= 0:
         return ()
     return (
@@ -288,15 +289,13 @@ def _of_blades(recording: str, share: float, *, u: float) -> list[Finding]:
     return [Finding(code="blades-differ", severity="info", recording=recording, what=warmer)]
 
 
-def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Finding, ...]:
-    """Residuals that are correlated, and a row delay that the image contradicts.
+def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
+    """Residuals that are correlated, and blades that differ.
 
     Parameters
     ----------
     fits
         One per recording.
-    sector
-        The opening in the image of the first.
     """
     doubts = []
     inflations = [fit.variance_inflation**0.5 for fit in fits if fit.variance_inflation > _CORRELATED_ROWS]
@@ -313,21 +312,6 @@ def of_row_fits(fits: Sequence[RowTimingFit], sector: SectorFit) -> tuple[Findin
     for fit in fits:
         if BLADE in fit.estimate:
             doubts += _of_blades(fit.name, fit.estimate.value(BLADE), u=fit.estimate.u(BLADE))
-    if "row_delay" not in fits[0].estimate:
-        return tuple(doubts)
-    row_delay = float(np.mean([fit.estimate.value("row_delay") for fit in fits]))
-    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.estimate.u("row_delay") ** 2 for fit in fits]))))
-    apart = abs(row_delay - sector.row_delay_s)
-    if apart > _CONTRADICTS * u:
-        doubts.append(
-            Finding(
-                code="row-delays-disagree",
-                severity="doubt",
-                what=f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels "
-                f"{1e6 * sector.row_delay_s:.3f} us: they differ by {apart / u:.1f} u",
-                cure="focus the camera on the mask; a lens that distorts or a camera that was moved may be the cause, too",
-            )
-        )
     return tuple(doubts)
 
 

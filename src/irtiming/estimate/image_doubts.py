@@ -8,6 +8,7 @@ whatever the shape of the blur. Burrs of the mask and gains of pixels leave as m
 than the model's leaves the same all along a side: then the light of the rows does not lie where the model has it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -20,12 +21,13 @@ from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import CameraOptics, Measured
-from irtiming.records.row_timing import SectorFit
+from irtiming.records.row_timing import RowTimingFit, SectorFit
 
 _CELL_PX = 3  # pixels that share a burr
 _REACH = 5.0  # blurs on either side of the border
 _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
+_ROW_DELAYS_APART = 4.0  # standard uncertainties between rows and pixels: by chance once in the life of a laboratory
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
 _PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
@@ -113,6 +115,40 @@ def of_image(sector: SectorFit) -> tuple[Finding, ...]:
             cure="focus the camera on the mask, shade it from stray light, and look at the contrast image in the report",
         ),
     )
+
+
+def of_sectors(fits: Sequence[RowTimingFit], sectors: Sequence[SectorFit]) -> tuple[Finding, ...]:
+    """What `of_image` says of the image before each blackbody, and row delays that it contradicts.
+
+    Parameters
+    ----------
+    fits, sectors
+        One per recording; those before one blackbody share a sector.
+    """
+    found = list[Finding]()
+    for sector in {id(one): one for one in sectors}.values():
+        own = [fit for fit, other in zip(fits, sectors, strict=True) if other is sector]
+        found += [*_of_row_delay(own, sector), *of_image(sector)]
+    return tuple(dict.fromkeys(found))
+
+
+def _of_row_delay(fits: Sequence[RowTimingFit], sector: SectorFit) -> list[Finding]:
+    if "row_delay" not in fits[0].estimate:
+        return []
+    row_delay = float(np.mean([fit.estimate.value("row_delay") for fit in fits]))
+    u = float(np.hypot(sector.u_row_delay_s, np.sqrt(np.mean([fit.estimate.u("row_delay") ** 2 for fit in fits]))))
+    apart = abs(row_delay - sector.row_delay_s)
+    if apart <= _ROW_DELAYS_APART * u:
+        return []
+    return [
+        Finding(
+            code="row-delays-disagree",
+            severity="doubt",
+            what=f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels "
+            f"{1e6 * sector.row_delay_s:.3f} us: they differ by {apart / u:.1f} u",
+            cure="focus the camera on the mask; a lens that distorts or a camera that was moved may be the cause, too",
+        )
+    ]
 
 
 def of_opening(sector: SectorFit, stated: Measured) -> tuple[Finding, ...]:

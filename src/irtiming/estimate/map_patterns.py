@@ -112,7 +112,8 @@ def row_clock(delays: MappedDelays) -> RowClock:
     _, _, left = _beside(delays, [delays.row_px.astype(float)], freedom=_FREE)
     pulls = left / delays.u_s
     scatter = float(max(1.0, 1.4826 * np.median(np.abs(pulls - np.median(pulls)))))
-    found, covariance, _ = _beside(delays, [delays.row_px.astype(float)], freedom=1.0)
+    noisy = replace(delays, u_s=delays.u_s * scatter)
+    found, covariance, _ = _beside(noisy, [delays.row_px.astype(float)], freedom=1.0)
     return RowClock(
         row_delay_s=float(found[1]),
         u_row_delay_s=float(np.sqrt(covariance[1, 1])),

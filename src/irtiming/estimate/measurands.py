@@ -88,9 +88,11 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         Measurand(name="trigger_delay_falling", weights={DELAY: 1.0}, forgotten=_RISING),
         Measurand(name="trigger_delay_rising", weights={DELAY: 1.0}, forgotten=_FALLING),
     ]
-    base += [Measurand(name=name, weights={name: 1.0}) for name in (WINDOW, ROW_DELAY) if name in joint.names]
+    base += [
+        Measurand(name=name, weights={name: _sign(joint, name)}) for name in (WINDOW, ROW_DELAY) if name in joint.names
+    ]
     base += _shares(joint, (*TAILS, *MEMORIES))
-    found = _positive(joint.estimate(base), WINDOW)
+    found = joint.estimate(base)
     is_significant = (
         window.is_determined and WINDOW in found and found.value(WINDOW) > _SHORTEST_SHOWN * found.u(WINDOW)
     )
@@ -242,12 +244,9 @@ def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[s
     )
 
 
-def _positive(found: Estimate, name: str) -> Estimate:
-    """The same with the sign of one number, which an even model leaves open, made positive."""
-    if name not in found or found.value(name) >= 0:
-        return found
-    turn = np.where(np.array(found.names) == name, -1.0, 1.0)
-    return replace(found, values=found.values * turn, covariance=found.covariance * np.outer(turn, turn))
+def _sign(joint: Joint, name: str) -> float:
+    """With which a number is told: an even model leaves that of the window's length open, and its search may pass zero."""
+    return -1.0 if name == WINDOW and joint.values[joint.names.index(name)] < 0 else 1.0
 
 
 def _sum(parts: Sequence[Measurand], shares: Sequence[float]) -> Measurand:

@@ -47,6 +47,7 @@ def opening_and_window(
             replace(
                 shared_numbers.same(name, fits, unit="rad", start=float(angle), u=u_misalignment),
                 start=math.copysign(max(abs(float(angle)), _OFF_ZERO * u_misalignment), angle),
+                source=shared_numbers.IMAGE,
             )
             for name, angle in zip(("lean_low", "lean_high"), misalignments, strict=True)
         ),

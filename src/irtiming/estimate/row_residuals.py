@@ -5,7 +5,8 @@ import numpy as np
 from irtiming.physics.covariance import hac_covariance
 from irtiming.records.arrays import Array
 
-_CORRELATED_FRAMES = 8  # neighbours along the angle whose residuals may be correlated
+_CORRELATED_FRAMES = 8  # neighbours whose residuals may be correlated
+_CORRELATED_TURN = 8e-3  # of a turn: how far along the wheel angle, where repeats of a turn lie close together
 
 
 def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
@@ -25,9 +26,11 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
 
     Notes
     -----
-    `physics.covariance.hac_covariance` with 8 neighbours on the circle of the wheel angle.
+    `physics.covariance.hac_covariance` on the circle of the wheel angle, with as many neighbours as lie within 3 degrees, 8 at
+    least: what the model misses at an angle is there in each repeat of the turn.
     """
-    middle = hac_covariance(scores, n_neighbours=_CORRELATED_FRAMES, is_circular=True)
+    neighbours = max(_CORRELATED_FRAMES, round(_CORRELATED_TURN * len(scores)))
+    middle = hac_covariance(scores, n_neighbours=neighbours, is_circular=True)
     white = np.linalg.inv(normal)
     found = white @ middle @ white
     ratio = np.diag(found) / np.diag(white)

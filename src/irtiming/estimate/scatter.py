@@ -8,6 +8,7 @@ import numpy as np
 from scipy import special
 
 from irtiming.errors import EstimationError
+from irtiming.estimate import by_speed
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate, RecordingFit
 from irtiming.records.finding import Finding
@@ -61,12 +62,12 @@ def alike(fits: Sequence[RecordingFit], blackbodies: Sequence[Sequence[int]]) ->
     blackbodies
         Indices of the fits before each blackbody.
     """
-    speeds = np.round([fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits], 2)
+    speeds_hz = [fit.angular_frequency_rad_per_s / (2 * np.pi) for fit in fits]
     return [
-        Alike(speed_hz=float(speed), members=both)
-        for speed in np.unique(speeds)
+        Alike(speed_hz=round(float(np.mean([speeds_hz[k] for k in same])), 2), members=both)
+        for same in by_speed.groups(speeds_hz)
         for group in blackbodies
-        if (both := [k for k in np.flatnonzero(speeds == speed).tolist() if k in group])
+        if (both := [k for k in same if k in group])
     ]
 
 

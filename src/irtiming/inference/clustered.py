@@ -49,7 +49,8 @@ def _along_axes(jacobian: Array, residual: Array, clusters: Ticks) -> tuple[Arra
     scaled = jacobian / scale
     sizes, axes = np.linalg.eigh(scaled.T @ scaled)
     root = np.sqrt(np.maximum(sizes, _FLAT))  # the largest lies between 1 and n
-    white = (scaled @ axes) / root * residual[:, None]
-    scores = np.array([np.bincount(clusters + 1, one)[1:] for one in white.T])
-    spread, turn = np.linalg.eigh(scores @ scores.T)
+    white = (scaled @ axes) / root
+    scores = np.array([np.bincount(clusters + 1, one)[1:] for one in (white * residual[:, None]).T])
+    known = white[clusters < 0]
+    spread, turn = np.linalg.eigh(scores @ scores.T + known.T @ known)
     return axes, root, turn * np.sqrt(np.maximum(spread, 1.0)), scale

@@ -1,6 +1,6 @@
 """Errors of a rig that no recording tells: latencies and the clock go into what is sought as they are, at any speed."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -53,17 +53,17 @@ def clock_u(rig: Rig) -> float:
     return (USUAL_CLOCK if rig.clock is None else rig.clock.relative_error).standard_uncertainty
 
 
-def of_budget(lines: tuple[Contribution, ...], *, determines_window: bool) -> Beside:
+def of_budget(lines: tuple[Contribution, ...], *, told: Collection[str]) -> Beside:
     """The same after an analysis, which knows all recordings' registers.
 
     Parameters
     ----------
     lines
         Its budget.
-    determines_window
-        Whether length and tail of the window are among what the recordings tell.
+    told
+        Sources, of the window's length and tail, that are among what the recordings tell.
     """
-    sources = _UNDETERMINED if determines_window else (*_UNDETERMINED, *_OF_WINDOW)
+    sources = (*_UNDETERMINED, *(source for source in _OF_WINDOW if source not in told))
     chosen = [line for line in lines if line.source in sources]
     names = {name for line in chosen for name in line.standard_uncertainty}
     return {name: {line.source: line.standard_uncertainty.get(name, 0.0) for line in chosen} for name in names}

@@ -14,7 +14,7 @@ from irtiming.errors import PlanError
 from irtiming.inference.information import Information
 from irtiming.inference.lens_knowledge import knowledge
 from irtiming.physics.camera import camera
-from irtiming.physics.latency import window_tail
+from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE, window_tail
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import Beside, clock_u, of_budget
@@ -71,7 +71,7 @@ def _stated(analysis: Analysis) -> tuple[Information, ...]:
 
 def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
     """The same with latencies and clock, as the analysis has them in its budget: no recording tells anything of them."""
-    beside, u_clock = _beside(analysis), clock_u(analysis.rig)
+    beside, u_clock = _beside(found, analysis), clock_u(analysis.rig)
     return replace(
         found,
         uncertainties=tuple(information.with_parts(one, beside.get(one.name, {})) for one in found.uncertainties),
@@ -82,12 +82,13 @@ def _with_rig(found: Prediction, analysis: Analysis) -> Prediction:
     )
 
 
-def _beside(analysis: Analysis) -> Beside:
-    has_own = (
-        any(isinstance(fit, EdgeDelayFit) for fit in analysis.fits)
-        and analysis.rig.camera.integration_time_u_s is not None
+def _beside(found: Prediction, analysis: Analysis) -> Beside:
+    has_own = analysis.rig.camera.integration_time_u_s is not None and any(
+        one.name == "integration_time" for one in found.uncertainties
     )
-    return of_budget(analysis.best.budget, determines_window=has_own)
+    has_tail = has_own and any(isinstance(fit, EdgeDelayFit) for fit in analysis.fits)
+    told = {WINDOW_SOURCE: has_own, TAIL_SOURCE: has_tail}
+    return of_budget(analysis.best.budget, told=[source for source, is_told in told.items() if is_told])
 
 
 def photon(
@@ -156,8 +157,7 @@ def row_sums(analysis: Analysis, angles: AngleErrors) -> Prediction | None:
     """
     fits, sector = [fit for fit in analysis.fits if isinstance(fit, RowTimingFit)], analysis.sectors[0]
     camera_model = camera(analysis.camera_type, analysis.readout_mode)
-    n_harmonics = camera_model.response.HARMONICS
-    rows = rolling_information.rows_of(sector.shape, n_harmonics=n_harmonics)
+    rows = rolling_information.rows_of(sector.shape, n_harmonics=camera_model.n_harmonics)
     image = rolling_information.sector_image(sector.shape)
     noises = [_pixel_noise(fit, rows) for fit in fits]
     runs = [

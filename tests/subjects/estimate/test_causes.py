@@ -49,7 +49,7 @@ def test_tails_are_what_comes_later(frames):
 
 
 def test_blades_and_cutouts_change_where_neither_is_seen(frames):
-    """Oracle: by hand; a wheel that is open at 0.4 rad and half a turn on: blades change there, cutouts a quarter of a turn on."""
+    """Oracle: by hand; open at 0.4 rad and half a turn on: blades change there, cutouts a quarter turn later."""
     turned = replace(frames, fraction=_light(frames.angle_rad - 0.4)[:, None])
     share, after = turned.fraction[:, 0], np.mod(frames.angle_rad - 0.4, 2 * np.pi)
     (blades,), (cutouts,) = causes._blades(turned), causes._cutouts(turned)

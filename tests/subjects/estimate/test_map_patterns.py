@@ -66,7 +66,10 @@ def test_rows_that_are_off_without_any_pattern_are_found():
 
 def test_chance_of_straight_rows_by_hand():
     """Oracle: four rows are 2, 0, -1 and 0 us off, each of two pixels: squares of pulls x, and exp(-x / 2) of two freedoms."""
-    left, u = 1e-6 * np.array([1.0, 3.0, 1.0, -2.0, -1.0, -1.0, 0.5, -0.5]), 1e-6 * np.array([1, 1, 1, 1.41421356, 2, 2, 3, 3])
+    left, u = (
+        1e-6 * np.array([1.0, 3.0, 1.0, -2.0, -1.0, -1.0, 0.5, -0.5]),
+        1e-6 * np.array([1, 1, 1, 1.41421356, 2, 2, 3, 3]),
+    )
     delays = MappedDelays(
         row_px=np.repeat(np.arange(7, 11), 2), column_px=np.tile([3, 4], 4), delay_s=left, u_s=u, shape_s=np.zeros((8, 0)),
         image_rows=20, image_columns=20,

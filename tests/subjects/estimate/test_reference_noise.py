@@ -119,7 +119,9 @@ def test_references_alone_turn_the_light_by_what_draws_of_them_do(recordings):
 def test_what_turns_the_whole_image_turns_no_light(recordings):
     """Oracle: a law; a delay turns all phases of an image alike, and the light's mean angle is about the opening's own."""
     one = recordings(_gains(1), True, ["a"])[0]
-    later = replace(one, contrast=replace(one.contrast_image, projection_dn=one.contrast_image.projection_dn * np.exp(0.7j)))
+    later = replace(
+        one, contrast=replace(one.contrast_image, projection_dn=one.contrast_image.projection_dn * np.exp(0.7j))
+    )
     (here,), (there,) = reference_noise.light_turns([one]), reference_noise.light_turns([later])
     assert there.image_rad == pytest.approx(here.image_rad, abs=1e-9)
     assert there.u_references_rad == pytest.approx(here.u_references_rad, rel=1e-9)

@@ -6,12 +6,12 @@ from irtiming.inference import clustered
 
 
 def test_covariance_holds_for_residuals_that_scatter_more_than_noise():
-    """Oracle: the sandwich of the textbook, written out cluster by cluster; two residuals each, and two priors of none."""
+    """Oracle: the sandwich of the textbook, written out cluster by cluster; two residuals each, and two that are known."""
     rng = np.random.default_rng(2)
     jacobian, residual = rng.normal(size=(42, 3)), 5 * rng.normal(size=42)
     clusters = np.append([-1, -1], np.tile(np.arange(20), 2))
     white = np.linalg.inv(jacobian.T @ jacobian)
-    middle = np.zeros((3, 3))
+    middle = jacobian[:2].T @ jacobian[:2]
     for k in range(20):
         score = jacobian[2 + k] * residual[2 + k] + jacobian[22 + k] * residual[22 + k]
         middle += np.outer(score, score)
@@ -20,6 +20,23 @@ def test_covariance_holds_for_residuals_that_scatter_more_than_noise():
     np.testing.assert_allclose(clustered.covariance(jacobian, residual, clusters=clusters), expected)
     calm = clustered.covariance(jacobian, residual / 1e3, clusters=clusters)
     np.testing.assert_allclose(calm, white)
+
+
+def test_what_is_known_beforehand_scatters_as_it_says():
+    """Oracle: 3000 draws of a number, half of whose weight is known beforehand; pairs of residuals err alike.
+
+    With nothing known in the middle of the sandwich, its variance would be three quarters of the scatter.
+    """
+    rng, n_pairs = np.random.default_rng(4), 40
+    jacobian, clusters = np.ones((2 * n_pairs + 1, 1)), np.append(np.repeat(np.arange(n_pairs), 2), -1)
+    jacobian[-1] = np.sqrt(2 * n_pairs)
+    found, stated = [], []
+    for _ in range(3000):
+        noise = np.append(np.repeat(1.3 * rng.normal(size=n_pairs), 2), rng.normal())
+        number = float(jacobian[:, 0] @ noise) / (4 * n_pairs)
+        found.append(number)
+        stated.append(clustered.covariance(jacobian, noise - jacobian[:, 0] * number, clusters=clusters)[0, 0])
+    np.testing.assert_allclose(np.mean(stated), np.var(found), rtol=0.08)
 
 
 def test_the_normal_matrix_is_its_inverse_and_says_nothing_where_residuals_do_not():
