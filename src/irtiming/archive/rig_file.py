@@ -313,11 +313,21 @@ class _Latency(Part):
         None, description="how much later than it leaves the camera an edge of its strobe is timestamped"
     )
     camera_input_u_us: Uncertainty = 0.0
+    gates_common_u_us: Uncertainty = Field(
+        0.0,
+        description="part of both gates' standard uncertainties that is one error, as irtiming latency gates tells it",
+    )
 
     @model_validator(mode="after")
     def _refuse_uncertainty_alone(self) -> "_Latency":
         for name in LATENCIES:
             _with_its_number(self, f"{name}_u_us", f"{name}_us")
+        smaller = min(self.application_gate_u_us, self.control_gate_u_us)
+        if self.gates_common_u_us > smaller:
+            raise ValueError(
+                f"gates_common_u_us is {self.gates_common_u_us:g}, must be at most {smaller:g}, the smaller of "
+                "application_gate_u_us and control_gate_u_us, of both of which it is a part; state both, or take it out"
+            )
         return self
 
     def record(self) -> Latency:
@@ -327,7 +337,7 @@ class _Latency(Part):
             for name in LATENCIES
             if getattr(self, f"{name}_us") is not None
         }
-        return Latency(**found)
+        return Latency(**found, gates_common_u_s=1e-6 * self.gates_common_u_us or None)
 
 
 class _Clock(Part):

@@ -1,5 +1,6 @@
 """Numbers put into a rig.toml that a person wrote: its other lines and comments stay as they are."""
 
+import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,6 +27,8 @@ def latency_lines(latency: Latency) -> dict[str, str]:
         if number is not None:
             found[f"{name}_us"] = f"{1e6 * number.value:.4f}"
             found[f"{name}_u_us"] = f"{1e6 * number.standard_uncertainty:.4f}"
+    if latency.gates_common_u_s:  # never above what it is a part of
+        found["gates_common_u_us"] = f"{math.floor(1e10 * latency.gates_common_u_s) / 1e4:.4f}"
     return found
 
 

@@ -117,12 +117,18 @@ def of_gates(application: LatencyDifference, *, photodiode: LatencyDifference | 
         A fast photodiode after the control gate, None where there was none.
     known
         Latency of the photodiode, or without one that of the application gate, s.
+
+    Returns
+    -------
+    One gate from ``known``, the other from that one: what the first may be off, both are.
     """
     difference = application.difference_s
     if photodiode is None:
-        return Latency(application_gate_s=known, control_gate_s=_sum(known, difference, sign=-1))
-    control = _sum(known, photodiode.difference_s, sign=-1)
-    return Latency(application_gate_s=_sum(control, difference, sign=1), control_gate_s=control)
+        first, control = known, _sum(known, difference, sign=-1)
+        return Latency(application_gate_s=first, control_gate_s=control, gates_common_u_s=first.standard_uncertainty)
+    first = _sum(known, photodiode.difference_s, sign=-1)
+    other = _sum(first, difference, sign=1)
+    return Latency(application_gate_s=other, control_gate_s=first, gates_common_u_s=first.standard_uncertainty)
 
 
 def _sum(one: Measured, other: Measured, *, sign: int) -> Measured:

@@ -13,7 +13,7 @@ import numpy as np
 
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics import latency
-from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, USUAL_TAIL
+from irtiming.physics.latency import BOTH_GATES_SOURCE, CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, USUAL_TAIL
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -142,18 +142,24 @@ def _latencies(
         )
         for track, register in zip(tracks, registers, strict=True)
     ]
+    late = given or Latency()
+    in_common_s = late.gates_common_u_s or 0.0
     found = []
     for name, source in GATE_SOURCES.items():
-        number: Measured | None = getattr(given or Latency(), f"{name}_s")
-        if number is not None and number.standard_uncertainty > 0:
-            u = number.standard_uncertainty
-            by_recording = [dict.fromkeys(EDGE_DELAYS, effect[name]) for effect in effects]
-            found.append(
-                SharedNumber(
-                    name=f"latency_{name}", effects=by_recording, u=u, source=source, kind="B", measured=(u, "s")
-                )
-            )
+        number: Measured | None = getattr(late, f"{name}_s")
+        common_s = in_common_s if name in _GATES else 0.0
+        if number is not None and number.standard_uncertainty > common_s:
+            u = float(np.sqrt(number.standard_uncertainty**2 - common_s**2))
+            found.append(_latency(name, [effect[name] for effect in effects], u=u, source=source))
+    if in_common_s > 0:
+        both = [sum(effect[name] for name in _GATES) for effect in effects]
+        found.append(_latency("gates", both, u=in_common_s, source=BOTH_GATES_SOURCE))
     return found
+
+
+def _latency(name: str, effects: Sequence[float], *, u: float, source: str) -> SharedNumber:
+    by_recording = [dict.fromkeys(EDGE_DELAYS, effect) for effect in effects]
+    return SharedNumber(name=f"latency_{name}", effects=by_recording, u=u, source=source, kind="B", measured=(u, "s"))
 
 
 def _event_grids(recordings: Sequence[ReducedRecording]) -> list[SharedNumber]:
@@ -179,6 +185,7 @@ def _clock(recordings: Sequence[ReducedRecording], fits: Sequence[RecordingFit],
     return [SharedNumber(name=CLOCK, unit="1", effects=effects, u=u, source=CLOCK_SOURCE, kind="B", measured=(u, "1"))]
 
 
+_GATES = ("application_gate", "control_gate")
 _LATENCIES = {"application_gate": "application gate", "control_gate": "control gate", "trigger": "trigger path"}
 
 

@@ -37,6 +37,8 @@ GATE_SOURCES = {
     "trigger": "latency of the trigger path",
 }
 """Sources of a budget; of the latencies by their names."""
+BOTH_GATES_SOURCE = "latency of both light gates"
+"""Source of what both gates' latencies have in common."""
 
 
 @final

@@ -5,7 +5,15 @@ from typing import TypeAlias
 
 import numpy as np
 
-from irtiming.physics.latency import CLOCK_SOURCE, GATE_SOURCES, TAIL_SOURCE, USUAL_CLOCK, WINDOW_SOURCE, window_tail
+from irtiming.physics.latency import (
+    BOTH_GATES_SOURCE,
+    CLOCK_SOURCE,
+    GATE_SOURCES,
+    TAIL_SOURCE,
+    USUAL_CLOCK,
+    WINDOW_SOURCE,
+    window_tail,
+)
 from irtiming.physics.response.integration_window import tail_delay_s, tails
 from irtiming.records.camera_description import Camera, PhotonCamera
 from irtiming.records.result import Contribution
@@ -15,7 +23,7 @@ Beside: TypeAlias = Mapping[str, Mapping[str, float]]
 """What each source adds to the standard uncertainty of each parameter, s: by parameter, then by source."""
 
 _DELAYS = ("trigger_delay", "exposure_midpoint_delay")
-_UNDETERMINED = (*GATE_SOURCES.values(), CLOCK_SOURCE)
+_UNDETERMINED = (*GATE_SOURCES.values(), BOTH_GATES_SOURCE, CLOCK_SOURCE)
 _OF_WINDOW = (WINDOW_SOURCE, TAIL_SOURCE)
 
 

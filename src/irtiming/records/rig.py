@@ -68,13 +68,15 @@ class Latency:
 
     ``application_gate_s`` and ``control_gate_s``: an edge that passes the beam. ``camera_input_s``: an edge of the camera's
     strobe. ``trigger_s`` the other way: how much later than its timestamp the trigger is at the camera's connector, from where
-    its delay counts.
+    its delay counts. ``gates_common_u_s`` is the part of both gates' standard uncertainties that is one error: that of the
+    number from which both were measured.
     """
 
     application_gate_s: Measured | None = None
     control_gate_s: Measured | None = None
     trigger_s: Measured | None = None
     camera_input_s: Measured | None = None
+    gates_common_u_s: float | None = None
 
 
 @final

@@ -10,6 +10,7 @@ RIG_KEYS: Mapping[str, str] = {
     "lateral offset of the beams": "beams.lateral_offset",
     "latency of the application gate": "latency.application_gate",
     "latency of the control gate": "latency.control_gate",
+    "latency of both light gates": "latency.control_gate",
     "latency of the trigger path": "latency.trigger",
     CLOCK: "clock.relative_error",
 }

@@ -80,6 +80,8 @@ def test_a_photodiode_tells_both_latencies_and_they_cover():
         beside = wheel[0], wheel[1] + 0.1
         diode = _difference(_registers(rng, [3, 9], beside, late_s=50e-9, **options), line="photodiode")
         found = latency.of_gates(application, photodiode=diode, known=Measured(50e-9, 10e-9))
+        u = found.application_gate_s.standard_uncertainty, found.control_gate_s.standard_uncertainty
+        assert found.gates_common_u_s == u[1] < u[0]  # the application gate follows from the control gate
         for number, truth in ((found.application_gate_s, one), (found.control_gate_s, other)):
             pulls.append((number.value - truth) / number.standard_uncertainty)
     assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1, abs=0.15)

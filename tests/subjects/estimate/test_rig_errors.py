@@ -143,6 +143,20 @@ def test_one_speed_by_hand():
     assert total == pytest.approx(found.estimate.u(name), rel=1e-6)
 
 
+def test_what_both_gates_have_in_common_is_in_the_delay_whole():
+    """Oracle: by hand; L_a = k and L_c = k - d, so the delay's error k - s d, of which each gate alone would know too little."""
+    u_known, u_apart, s = 5e-6, 0.5e-6, gate_angles(SEPARATION, BEAMS).sensitivity[0]
+    late = Latency(
+        application_gate_s=Measured(0.0, u_known), control_gate_s=Measured(0.0, np.hypot(u_known, u_apart)),
+        gates_common_u_s=u_known,
+    )  # fmt: skip
+    found = _found(_fits([TRUE_S], (3.0,)), _recordings((3.0,)), rig=replace(RIG, latency=late)).result
+    lines = {line.source: line.standard_uncertainty["exposure_midpoint_delay"] for line in found.budget}
+    assert lines["latency of both light gates"] == pytest.approx(u_known, rel=1e-6)
+    assert lines["latency of the control gate"] == pytest.approx(s * u_apart, rel=1e-6)
+    assert "latency of the application gate" not in lines
+
+
 def test_relative_delays_hold_the_clock_in_si_seconds_only():
     """Oracle: by hand; 100 ms times 29e-6 are 2.9 us, and a generator that is 1e-4 fast makes 100 ms to 99.990 ms."""
     rig = replace(RIG, clock=Clock(relative_error=Measured(1e-4, 29e-6)))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
+from irtiming.physics.latency import BOTH_GATES_SOURCE, GATE_SOURCES
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit, Estimate
@@ -27,10 +28,9 @@ EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
 _WIDEST = 2.6  # standard uncertainties shown to either side
 _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
+_LATENCIES = GATE_SOURCES | {"gates": BOTH_GATES_SOURCE}
 _MEANINGS = {
-    "latency_application_gate": "latency of the application gate beyond what rig.toml states",
-    "latency_control_gate": "latency of the control gate beyond what rig.toml states",
-    "latency_trigger": "latency of the trigger path beyond what rig.toml states",
+    **{f"latency_{name}": f"{source} beyond what rig.toml states" for name, source in _LATENCIES.items()},
     "clock_error": "relative error of the clock beyond what rig.toml states",
     "integration_time": "length of the integration window",
     "recursive_filter": "share of the frame before in each frame, by the camera’s noise filter",
