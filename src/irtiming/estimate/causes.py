@@ -14,6 +14,7 @@ Columns = Callable[[FrameResiduals], list[Array]]
 """What a cause adds, per unit of each of its numbers, shapes (n, n_band)."""
 
 _TAILS_S = (0.3e-3, 1e-3, 3e-3)
+_WINDOW_S = 0.2e-3  # root of the variance that a longer window adds in its middle: short, as such windows are
 _HALOS_RAD = (0.02, 0.05, 0.15)
 _JUMPS = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)
 
@@ -170,5 +171,5 @@ def fitted(frames: FrameResiduals, *, lag_s: float | None) -> dict[str, Array]:
     if lag_s is not None:
         columns["time constant"] = frames.filtered(-order / (1 + order * lag_s))
     else:
-        columns["window"] = frames.filtered(1 / (1 - (order * 0.2e-3) ** 2) - 1)
+        columns["window"] = frames.filtered(1 / (1 - (order * _WINDOW_S) ** 2) - 1)
     return columns

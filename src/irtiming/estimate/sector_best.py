@@ -85,7 +85,7 @@ def _clusters(images: Images, numbers: Mapping[str, float], n_residual: int) -> 
 
     Along its phase a pixel has gain and light of its own, but on the border its light is off by what the mask's border is off
     there, as is that of its neighbours; across it, the errors of the wheel's angle in the frames in which an edge passes, which
-    it shares with all pixels of its sector of a few pixels' width. All of that but the wheel's angle is the same at every speed.
+    it shares with all pixels of its sector of a few pixels' width. All of that is taken to be the same at every speed.
     """
     view, shape = images.view, images.view.shape(numbers)
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)

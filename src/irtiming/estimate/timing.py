@@ -367,7 +367,7 @@ def _record(
         start={one.name: one.start for one in own} | {one.name: 0.0 for one in angles},
         prior=measurands.known_before(found, [*angles, *every]),
         u_edge_rad=u_edge_rad,
-        reduced_chi_square=found.found.at.deviance / max(1, n_residuals),
+        reduced_chi_square=found.found.at.deviance / max(1, n_residuals - sum(one.u is None for one in found.shared)),
         birge=joint.disagreement(found),
         whiteness=np.array(whiteness),
         n_steps=found.found.n_steps,

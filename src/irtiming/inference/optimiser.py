@@ -90,7 +90,6 @@ def minimise(
     *,
     start: Mapping[str, float],
     held: Collection[str] = (),
-    lowest: Mapping[str, float] | None = None,
     gain: float | None = None,
     enough: float = 0.0,
 ) -> Minimum:
@@ -104,8 +103,6 @@ def minimise(
         Where the search begins, by name.
     held
         Names of those that keep their start value.
-    lowest
-        Least values of some.
     gain
         Share of the deviance: the search ends where a step gains less; by default what a hundredth of a standard uncertainty
         is worth.
@@ -117,11 +114,11 @@ def minimise(
     EstimationError
         If the model gives no finite residuals at the start.
     """
-    names, bounds = tuple(start), lowest or {}
+    names = tuple(start)
     free = tuple(name for name in names if name not in held)
     columns = [names.index(name) for name in free]
     remembered = _Remembered(model, dict(start), free, enough=enough)
-    begin = np.maximum([start[name] for name in free], [bounds.get(name, -np.inf) for name in free])
+    begin = np.array([start[name] for name in free], dtype=np.float64)
     if not np.all(np.isfinite(remembered.at(begin).residual)):
         raise EstimationError(
             f"the model gives no finite residuals at the start value ({_text(start)}); check rig.toml against the recording"
@@ -131,7 +128,7 @@ def minimise(
             start=dict(start), values=dict(start), free=(), at=remembered.at(begin), n_steps=1, decrement=0.0
         )
     least = _GAIN / remembered.at(begin).residual.size if gain is None else gain
-    best = _searched(remembered, begin, lowest=[bounds.get(name, -np.inf) for name in free], gain=least)
+    best = _searched(remembered, begin, gain=least)
     at = remembered.at(best)
     return Minimum(
         start=dict(start),
@@ -143,7 +140,7 @@ def minimise(
     )
 
 
-def _searched(remembered: "_Remembered", begin: Array, *, lowest: list[float], gain: float) -> Array:
+def _searched(remembered: "_Remembered", begin: Array, *, gain: float) -> Array:
     """Free numbers at the least deviance, shape (n_free,)."""
     try:
         return np.asarray(
@@ -151,7 +148,6 @@ def _searched(remembered: "_Remembered", begin: Array, *, lowest: list[float], g
                 remembered.residual,
                 begin,
                 jac=remembered.jacobian,
-                bounds=(lowest, np.inf),
                 method="trf",
                 x_scale="jac",
                 ftol=gain,

@@ -76,7 +76,7 @@ def step(x: Array, y: Array, *, covariance: Array) -> Step | None:
     found: list[tuple[float, Step]] = []
     for after, before in pairwise(places):
         is_beyond = x > after
-        if min(is_beyond.sum(), (~is_beyond).sum()) < _SIDE or x.size < 2 * _SIDE:
+        if min(is_beyond.sum(), (~is_beyond).sum()) < _SIDE:
             continue
         design = np.column_stack([np.ones_like(x), x, is_beyond.astype(np.float64)])
         if np.linalg.matrix_rank(design / np.max(np.abs(design), axis=0)) < design.shape[1]:

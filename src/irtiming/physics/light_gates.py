@@ -59,6 +59,7 @@ def gate_angles(gate_separation_rad: float, gates: LightGates) -> GateAngles:
         application_rad=atan(left / h),
         control_rad=atan(right / (h - dh)),
         height_m=h,
+        control_height_m=h - dh,
         sensitivity=(beta_per_h * h_per_separation, h / near + beta_per_h * h_per_d, beta_per_h * h_per_dh),
         per_lateral_offset=-h / near + beta_per_h * h_per_x,
     )

@@ -48,19 +48,18 @@ class _Scene:
     gates: GateAngles
     rotation: Rotation
     wheel_angle_rad: float
+    control_slots: int
 
     @property
-    def d_m(self) -> float:
-        return self.gates.height_m * tan(self.gates.application_rad)
-
-    @property
-    def control_height_m(self) -> float:
-        return self.d_m / tan(self.gates.control_rad)
+    def beside_m(self) -> tuple[float, float]:
+        """Distances of the application beam and of the control beam from the vertical through the axle."""
+        gates = self.gates
+        return gates.height_m * tan(gates.application_rad), gates.control_height_m * tan(gates.control_rad)
 
     @property
     def scale(self) -> float:
         """Drawing units per metre: the application beam lies just inside the rim."""
-        return 0.935 * _RIM / hypot(self.d_m, self.gates.height_m)
+        return 0.935 * _RIM / hypot(self.beside_m[0], self.gates.height_m)
 
     @property
     def application_radius(self) -> float:
@@ -68,7 +67,7 @@ class _Scene:
 
     @property
     def control_radius(self) -> float:
-        return hypot(self.d_m, self.control_height_m) * self.scale
+        return hypot(self.beside_m[1], self.gates.control_height_m) * self.scale
 
     @property
     def cutout_radii(self) -> tuple[float, float]:
@@ -98,6 +97,7 @@ def drawing(
     *,
     rotation: Rotation = "clockwise",
     wheel_angle_rad: float = _SHOWN_ANGLE_RAD,
+    control_slots: int = 100,
 ) -> str:
     """Wheel, mask opening and light beams as the camera sees them, with every symbol of the definitions.
 
@@ -110,12 +110,14 @@ def drawing(
         As the camera sees it.
     wheel_angle_rad
         At which the wheel is drawn, rad; 0 puts the reference edge on the application beam.
+    control_slots
+        Of the ring.
 
     Returns
     -------
     A complete SVG element as text, without links to anything outside.
     """
-    scene = _Scene(model, gates, rotation, wheel_angle_rad)
+    scene = _Scene(model, gates, rotation, wheel_angle_rad, control_slots)
     title = f"Chopper wheel, mask opening and light beams at wheel angle {degrees(wheel_angle_rad):.1f} degrees"
     return "\n".join(
         [
@@ -155,9 +157,9 @@ def _wheel(scene: _Scene) -> list[str]:
     band = (scene.application_radius - 6, scene.application_radius + 6)
     holes = [_sector(scene, radii, ends) for ends in cutouts for radii in (scene.cutout_radii, band)]
     low, high = scene.control_radius - 6, scene.control_radius + 6
-    first = scene.edge_rad(0)
+    first, pitch = scene.edge_rad(0), _TURN / scene.control_slots
     slots = [
-        _sector(scene, (low, high), (first - _TURN * (j + 0.5) / 100, first - _TURN * j / 100)) for j in range(100)
+        _sector(scene, (low, high), (first - pitch * (j + 0.5), first - pitch * j)) for j in range(scene.control_slots)
     ]
     outline = f'fill="{_WHEEL}" fill-opacity="0.62" fill-rule="evenodd" stroke="{_WHEEL_EDGE}" stroke-width="1.1"'
     covered = _path(_sector(scene, scene.mask_radii, _opening_ends(scene)), _Style(_MASK_EDGE, width=1.8, dash="6 4"))
@@ -196,7 +198,7 @@ def _beams(scene: _Scene) -> list[str]:
 
 def _beam_places(scene: _Scene) -> tuple[tuple[float, float], tuple[float, float]]:
     """Radius and polar angle of the application beam and of the control beam."""
-    control = atan2(scene.control_height_m, scene.d_m)
+    control = atan2(scene.gates.control_height_m, scene.beside_m[1])
     return (scene.application_radius, scene.model.gate_angle_rad), (scene.control_radius, control)
 
 
@@ -298,9 +300,9 @@ def _key(scene: _Scene) -> list[str]:
         ("φ_M", f"{degrees(centre):.3f}°", "opening centre", _MASK_EDGE),
         ("β_1", f"{degrees(gates.application_rad):.3f}°", "application beam", _BEAM),
         ("β_2", f"{degrees(gates.control_rad):.3f}°", "control beam", _BEAM),
-        ("d", f"{1e3 * scene.d_m:.2f} mm", "beam from axle", _INK),
+        ("d", f"{1e3 * sum(scene.beside_m) / 2:.2f} mm", "half the beams' distance", _INK),
         ("h", f"{1e3 * gates.height_m:.2f} mm", "application beam", _INK),
-        ("Δh", f"{1e3 * (gates.height_m - scene.control_height_m):.2f} mm", "control beam up", _INK),
+        ("Δh", f"{1e3 * (gates.height_m - gates.control_height_m):.2f} mm", "control beam up", _INK),
     ]
     parts = []
     for row, (symbol, number, meaning, colour) in enumerate(rows):

@@ -13,7 +13,6 @@ from typing import final
 
 import numpy as np
 
-from irtiming.errors import PlanError
 from irtiming.plan.prediction import RELATIVE, Setting, parameters_of, uncertainties
 from irtiming.records.prediction import PredictedUncertainty
 from irtiming.records.trigger_plan import TriggerScheme
@@ -110,15 +109,6 @@ def _is_determined(name: str, names: Sequence[str]) -> bool:
 
 
 def _coprime(wanted: int, to: int) -> int:
-    """Nearest positive whole number that has no divisor in common with another.
-
-    Raises
-    ------
-    PlanError
-        If the run is too short for any.
-    """
+    """Nearest positive whole number that has no divisor in common with another; one of as many in a row never has."""
     near = sorted(range(max(1, wanted - to), wanted + to + 1), key=lambda k: abs(k - wanted))
-    found = next((k for k in near if gcd(k, to) == 1), None)
-    if found is None:
-        raise PlanError(f"a run of {to} frames has no even order; take more frames")
-    return found
+    return next(k for k in near if gcd(k, to) == 1)

@@ -33,13 +33,14 @@ class GateAngles:
     """Where the gates are, as angles from the downward vertical.
 
     ``application_rad`` is beta_1, ``control_rad`` beta_2, ``height_m`` h: the depth of the application gate below the
-    axle. ``sensitivity`` holds the partial derivatives of beta_1 to dbeta (1), d (rad/m) and dh (rad/m), ``per_lateral_offset``
-    that to the lateral offset x (rad/m).
+    axle, ``control_height_m`` h - dh that of the control gate. ``sensitivity`` holds the partial derivatives of beta_1 to
+    dbeta (1), d (rad/m) and dh (rad/m), ``per_lateral_offset`` that to the lateral offset x (rad/m).
     """
 
     application_rad: float
     control_rad: float
     height_m: float
+    control_height_m: float
     sensitivity: tuple[float, float, float]
     per_lateral_offset: float = 0.0
 

@@ -58,7 +58,9 @@ def _ring_of_pixels():
 
 GEOMETRY = WheelGeometry(
     model=wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=CENTRE),
-    gates=GateAngles(application_rad=GATE, control_rad=0.3, height_m=0.047, sensitivity=(0.5, 0.0, 1.0)),
+    gates=GateAngles(
+        application_rad=GATE, control_rad=0.3, height_m=0.047, control_height_m=0.0415, sensitivity=(0.5, 0.0, 1.0)
+    ),
     angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

@@ -18,7 +18,9 @@ GEOMETRY = WheelGeometry(
     model=WheelModel(
         cutout_edges_rad=(0.0, 1.57, 3.14, 4.71), gate_angle_rad=1.8, opening_angle_rad=1.3, centre_angle_rad=-1.5
     ),
-    gates=GateAngles(application_rad=0.27, control_rad=0.3, height_m=0.05, sensitivity=(1.0, 1.0, 1.0)),
+    gates=GateAngles(
+        application_rad=0.27, control_rad=0.3, height_m=0.05, control_height_m=0.0445, sensitivity=(1.0, 1.0, 1.0)
+    ),
     angle_budget=(("mask", "B", U_MASK), ("register", "A", U_GATE)),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

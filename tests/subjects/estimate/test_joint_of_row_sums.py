@@ -31,7 +31,13 @@ def camera(brute_bolometer):
 def geometry(camera):
     return WheelGeometry(
         model=camera.model,
-        gates=GateAngles(application_rad=0.2682, control_rad=0.3, height_m=0.047, sensitivity=(0.5, 0.0, 1.0)),
+        gates=GateAngles(
+            application_rad=0.2682,
+            control_rad=0.3,
+            height_m=0.047,
+            control_height_m=0.0415,
+            sensitivity=(0.5, 0.0, 1.0),
+        ),
         angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
         u_edge_rad=U_EDGE,
         edges_from="rig.toml",

@@ -17,7 +17,9 @@ N, NOISE, WINDOW, U_ANGLE, U_EDGE = 600, 1e-4, 250e-6, 5e-4, 2e-4
 WHEEL = wheel_model((0.0, 1.5718, 3.1421, 4.7125), 0.27, opening_angle_rad=1.31, centre_angle_rad=-np.pi / 2)
 GEOMETRY = WheelGeometry(
     model=WHEEL,
-    gates=GateAngles(application_rad=0.27, control_rad=0.3, height_m=0.047, sensitivity=(0.5, 0.0, 1.0)),
+    gates=GateAngles(
+        application_rad=0.27, control_rad=0.3, height_m=0.047, control_height_m=0.0415, sensitivity=(0.5, 0.0, 1.0)
+    ),
     angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

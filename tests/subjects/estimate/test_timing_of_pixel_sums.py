@@ -77,7 +77,13 @@ def geometry():
         )
         return WheelGeometry(
             model=model,
-            gates=GateAngles(application_rad=0.27, control_rad=0.3, height_m=0.047, sensitivity=(0.5, 0.0, 1.0)),
+            gates=GateAngles(
+                application_rad=0.27,
+                control_rad=0.3,
+                height_m=0.047,
+                control_height_m=0.0415,
+                sensitivity=(0.5, 0.0, 1.0),
+            ),
             angle_budget=tuple((f"angle {k}", "B", u) for k, u in enumerate(common)),
             u_edge_rad=u_edge,
             edges_from="ideal",

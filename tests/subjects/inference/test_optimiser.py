@@ -71,12 +71,6 @@ def test_where_all_is_held_the_start_is_the_result():
     np.testing.assert_array_equal(found.at.residual, _decay(start).residual)
 
 
-def test_a_bound_is_not_crossed():
-    """Oracle: the best rate is 0.7; bounded from below at 1 it ends there."""
-    found = optimiser.minimise(_decay, start={"height": 1.0, "rate": 2.0}, lowest={"rate": 1.0})
-    assert found.values["rate"] == pytest.approx(1.0, abs=1e-6)
-
-
 def test_a_kink_ends_no_search():
     """Oracle: |x - 1| + 3 (x - 1.2)^2 by hand: its minimum lies at the kink, x = 1.2 - 1/6 = 1.0333 from the right."""
 

@@ -24,11 +24,11 @@ def rotation(request):
     return request.param
 
 
-def _drawn(rotation, wheel_angle_rad=0.8):
+def _drawn(rotation, wheel_angle_rad=0.8, gates=GATES):
     model = wheel_model(
-        EDGES, GATES.application_rad, opening_angle_rad=radians(75), centre_angle_rad=radians(-90), rotation=rotation
+        EDGES, gates.application_rad, opening_angle_rad=radians(75), centre_angle_rad=radians(-90), rotation=rotation
     )
-    return ElementTree.fromstring(drawing(model, GATES, rotation=rotation, wheel_angle_rad=wheel_angle_rad))
+    return ElementTree.fromstring(drawing(model, gates, rotation=rotation, wheel_angle_rad=wheel_angle_rad))
 
 
 def _dots(root):
@@ -57,6 +57,20 @@ def test_the_beams_lie_where_the_caliper_puts_them(rotation):
     low, high = application[1] - axle[1], control[1] - axle[1]
     assert (low - high) / abs(left) == pytest.approx(5.5 / 13, abs=1e-3)
     assert low / abs(left) == pytest.approx(GATES.height_m / 13e-3, abs=1e-3)
+
+
+def test_beams_to_one_side_lie_there(rotation):
+    """Oracle: application beam at (-(d - x), h), control beam at (d + x, h - dh), x = 1 mm to scale; the key has d and dh."""
+    beside = LightGates(
+        half_separation_m=Measured(13e-3), height_difference_m=Measured(5.5e-3), whole_slots_between=9,
+        lateral_offset_m=Measured(1e-3),
+    )  # fmt: skip
+    root = _drawn(rotation, gates=gate_angles(0.5697, beside))
+    application, control, axle = _dots(root)
+    left, right = abs(application[0] - axle[0]), abs(control[0] - axle[0])
+    assert right / left == pytest.approx(14 / 12, abs=1e-3)
+    assert (application[1] - control[1]) / left == pytest.approx(5.5 / 12, abs=1e-3)
+    assert {"13.00 mm", "5.50 mm"} <= set(_labels(root))
 
 
 @pytest.mark.parametrize("wheel_angle_rad", [0.0, 0.8, 4.0])

@@ -34,7 +34,14 @@ def section(analysis: Analysis) -> Section:
             "angle αᵢ; θ grows with rotation and is zero when edge 0 is at the beam. The opening is uncovered where "
             "a cutout lies over it. A camera rolled about its axis turns this picture as a whole."
         ),
-        svg=_in_language(drawing(geometry.model, geometry.gates, rotation=analysis.rig.wheel.rotation)),
+        svg=_in_language(
+            drawing(
+                geometry.model,
+                geometry.gates,
+                rotation=analysis.rig.wheel.rotation,
+                control_slots=analysis.rig.wheel.control_slots,
+            )
+        ),
     )
     fraction = Panel(
         title=t("Model: exposed fraction without any delay"),
