@@ -300,7 +300,7 @@ def _key(scene: _Scene) -> list[str]:
         ("φ_M", f"{degrees(centre):.3f}°", "opening centre", _MASK_EDGE),
         ("β_1", f"{degrees(gates.application_rad):.3f}°", "application beam", _BEAM),
         ("β_2", f"{degrees(gates.control_rad):.3f}°", "control beam", _BEAM),
-        ("d", f"{1e3 * sum(scene.beside_m) / 2:.2f} mm", "half the beams' distance", _INK),
+        ("d", f"{1e3 * sum(scene.beside_m) / 2:.2f} mm", "half beam spacing", _INK),
         ("h", f"{1e3 * gates.height_m:.2f} mm", "application beam", _INK),
         ("Δh", f"{1e3 * (gates.height_m - gates.control_height_m):.2f} mm", "control beam up", _INK),
     ]
