@@ -14,6 +14,7 @@ import numpy as np
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics import latency
 from irtiming.physics.latency import BOTH_GATES_SOURCE, CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, USUAL_TAIL
+from irtiming.physics.wheel import TURN
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -24,6 +25,7 @@ from irtiming.records.wheel_track import WheelTrack
 CLOCK = "clock_error"
 EVENT_SOURCE = "scatter of the frames' stamps"
 _EXACT = Measured(0.0)
+_NEAR_WHOLE = 0.01  # slots: nearer, neither slots nor eyes are even enough
 _SAME_SPEED = 1.02
 _CONTRADICTS = 4.0  # standard uncertainties
 _TIMES = (*EDGE_DELAYS, "integration_time", "time_constant", "row_delay")
@@ -96,6 +98,7 @@ def of(
         findings=(
             *_of_latency(rig.latency, missing),
             *_of_registers([one.track for one in recordings], rig.latency),
+            *_of_slots([one.track for one in recordings], rig),
             *_of_clock(rig),
             *_of_tail(recordings, rig),
             *_of_offset(rig.light_gates, several=several),
@@ -243,6 +246,27 @@ def _of_registers(tracks: Sequence[WheelTrack], given: Latency | None) -> list[F
             what=f"the gates seem {'further' if late_s > 0 else 'less far'} apart the faster the wheel turns: edges of the "
             f"{first} are {1e6 * abs(late_s):.2g} us later against those of the {second} than rig.toml says",
             cure="measure both gates' latencies (irtiming latency gates) and state them in [latency]",
+        )
+    ]
+
+
+def _of_slots(tracks: Sequence[WheelTrack], rig: Rig) -> list[Finding]:
+    """Where the beams stand so near to a whole number of slots that two people may count different ones, and no ruler tells."""
+    pitch_rad = TURN / rig.wheel.control_slots
+    apart = float(np.mean([track.gate_separation_rad for track in tracks])) / pitch_rad
+    beside = apart - round(apart)
+    if rig.light_gates.height_m is not None or abs(beside) >= _NEAR_WHOLE:
+        return []
+    between = rig.light_gates.whole_slots_between
+    other = between + 1 if beside < 0 else between - 1
+    wrong_s = pitch_rad / min(track.angular_frequency_rad_per_s for track in tracks)
+    return [
+        Finding(
+            code="gates-near-whole-slots",
+            severity="doubt",
+            what=f"the beams are {apart:.3f} slots apart with [beams] whole_slots_between = {between}: so near to a whole number "
+            f"that {other} may be right, and the delay wrong by a good part of {1e3 * wrong_s:.2f} ms",
+            cure="measure the application beam's depth below the axle by a ruler and state it as [beams] height_mm: it tells",
         )
     ]
 

@@ -306,7 +306,7 @@ def of_row_fits(
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
         *frame_memory.of_stated(fits, rig.frame_memory),
         *doubts.of_row_fits(whole), *image_doubts.of_sectors(whole, sectors), *scatter.birge_findings(fits, groups),
-        *doubts.of_mixture(effective), *doubts.of_joint(record), *rig.findings,
+        *doubts.of_mixture(effective), *doubts.of_angles(record), *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
     result = _result(found, fits, reported=reported, rig=rig, findings=findings)
     return Combination(

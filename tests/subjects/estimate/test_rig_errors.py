@@ -228,6 +228,26 @@ def test_gates_that_are_late_apart_show_at_several_speeds(late_s, stated, gate):
     assert "gates-late-apart" not in [each.code for each in (*one, *pooled)]
 
 
+@pytest.mark.parametrize(
+    ("slots", "between", "other"), [(9.004, 9, "8"), (8.995, 8, "9"), (9.02, 9, None), (8.98, 8, None)]
+)
+def test_beams_a_whole_number_of_slots_apart_need_a_ruler(slots, between, other):
+    """Oracle: by hand; within a hundredth of a slot of nine, which of two numbers was counted is doubted; a ruler tells."""
+    beams = replace(BEAMS, whole_slots_between=between)
+    recordings = _recordings((3.0,))
+    recordings[0].track.gate_separation_rad = slots * TURN / 100
+    found, ruled = (
+        rig_errors.of(
+            recordings, _fits([TRUE_S], (3.0,)), rig=replace(RIG, light_gates=one), geometry=_geometry()
+        ).findings
+        for one in (beams, replace(beams, height_m=0.047))
+    )
+    texts = [one.what for one in found if one.code == "gates-near-whole-slots"]
+    assert len(texts) == (other is not None)
+    assert all(f"so near to a whole number that {other} may be right" in text for text in texts)
+    assert "gates-near-whole-slots" not in [one.code for one in ruled]
+
+
 def test_the_uncertainty_of_the_integration_time_goes_with_the_rig():
     """Oracle: the record."""
     rig = replace(RIG, camera=CameraOptics(integration_time_u_s=1e-6))

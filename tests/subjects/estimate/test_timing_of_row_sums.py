@@ -224,6 +224,15 @@ def _each_delay(y, fits, rig, sector, setting):
     return np.array([IS_EDGE @ w @ left / (IS_EDGE @ w @ IS_EDGE) for w, left in zip(weights, own, strict=True)])
 
 
+@pytest.mark.parametrize(("early_rad", "is_doubted"), [(1e-3, False), (20e-3, True)])
+def test_speeds_that_contradict_the_angles_are_a_doubt(fits, geometry, sector, early_rad, is_doubted):
+    """Oracle: by hand; edges that come early by an angle, which rig.toml knows to 0.5 mrad, and two speeds that tell it."""
+    omegas = np.array([OMEGA, 3 * OMEGA])
+    sixes = [SIX + early_rad / omega * IS_EDGE for omega in omegas]
+    found = _estimate(fits(sixes, omegas=omegas, u=U / 20, effect=0.0), geometry(), sector).findings
+    assert ("speeds-contradict-rig" in [one.code for one in found]) == is_doubted
+
+
 def test_relative_delays_are_those_of_the_textbook(fits, geometry, sector):
     """Oracle: the two steps written out with each error a parameter; their uncertainty by the law of propagation, y by y."""
     nominal = [0.0, 0.0, 0.025, 0.05]

@@ -25,12 +25,16 @@ _LONGEST_BRIDGE = 3  # control slots; frames in a longer gap have no angle
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Gates:
-    """Edges of both gates, numbered; times of the reference edge; number of the first control edge after it, modulo a turn."""
+    """Edges of both gates, numbered; times of the reference edge; number of the first control edge after it, modulo a turn.
+
+    ``slots`` as they stand, from the first control edge on.
+    """
 
     control: EdgeTrain
     application: EdgeTrain
     reference_ticks: Array
     first: int
+    slots: SlotTable
 
 
 @final
@@ -93,8 +97,9 @@ def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Ga
     )
     reference = _reference_edges(application, reference_edge)
     late = latency.stated(rig.latency).register_s * recording.rotation_speed_hz * n_slots
-    first = _first_slot_after(reference, control, n_slots, late_slots=late)
-    return _Gates(control=control, application=application, reference_ticks=reference, first=first)
+    slots = learn_slots(control, n_slots)
+    first = _first_slot_after(reference, control, slots, late_slots=late)
+    return _Gates(control=control, application=application, reference_ticks=reference, first=first, slots=slots)
 
 
 def refuse_lost_timestamps(recording: Recording) -> None:
@@ -121,7 +126,7 @@ def _track(recording: Recording, rig: Rig, gates: _Gates, *, learned: bool) -> W
     late = latency.stated(rig.latency if learned else None)
     clock_error = rig.clock.relative_error.value if learned and rig.clock is not None else 0.0
     clock_hz = recording.clock_frequency_hz * (1 + clock_error)
-    register = _register(control, gates.first, rig, learned=learned)
+    register = _register(gates, rig, learned=learned)
     table = register.table
     alpha = TURN * (register.turn + register.slot / n_slots) + table.deviation_rad[register.slot]
     at_reference = np.interp(gates.reference_ticks, control.ticks, alpha, left=np.nan, right=np.nan)
@@ -200,12 +205,15 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
     return application.ticks[application.number % 2 == parity].astype(float)
 
 
-def _first_slot_after(reference: Array, control: EdgeTrain, n_slots: int, *, late_slots: float) -> int:
+def _first_slot_after(reference: Array, control: EdgeTrain, slots: SlotTable, *, late_slots: float) -> int:
     """Number, modulo the slots per turn, of the first control edge after the reference edge; the same in every turn.
 
-    ``late_slots``: by how much the reference edge is timestamped later than the control edges.
+    It is the first on the even grid that the slots stand about: one that is made late does not come before an edge that lies
+    between two of that grid. ``late_slots``: by how much the reference edge is timestamped later than the control edges.
     """
-    phase = np.interp(reference, control.ticks, control.number, left=np.nan, right=np.nan) - late_slots
+    n_slots = slots.deviation_rad.size
+    place = control.number + slots.deviation_rad[control.number % n_slots] * n_slots / TURN
+    phase = np.interp(reference, control.ticks, place, left=np.nan, right=np.nan) - late_slots
     phase = phase[np.isfinite(phase)]
     if phase.size == 0:
         raise ReductionError(
@@ -230,14 +238,13 @@ def _circular(angle_rad: Array) -> Array:
     return centre + np.mod(angle_rad - centre + np.pi, TURN) - np.pi
 
 
-def _register(control: EdgeTrain, first: int, rig: Rig, *, learned: bool) -> _Register:
+def _register(gates: _Gates, rig: Rig, *, learned: bool) -> _Register:
     n_slots = rig.wheel.control_slots
-    position = control.number - first + rig.light_gates.whole_slots_between + 1 + n_slots
+    position = gates.control.number - gates.first + rig.light_gates.whole_slots_between + 1 + n_slots
     slot, turn = position % n_slots, position // n_slots
     table = equal_slots(n_slots)
     if learned:
-        own = learn_slots(control, n_slots)
-        start = int(slot[0])
+        own, start = gates.slots, int(slot[0])
         table = SlotTable(deviation_rad=np.roll(own.deviation_rad, start), order_variance_rad2=own.order_variance_rad2)
     return _Register(slot=slot, turn=turn, table=table)
 

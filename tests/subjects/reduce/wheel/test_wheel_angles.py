@@ -138,6 +138,22 @@ def test_gate_separation_of_any_rig(paper_wheel, recorded, rig, separation, thet
     assert np.abs(_beside(wheel, found, _between(recorded(wheel)))).max() < 3e-6
 
 
+@pytest.mark.parametrize("beside", [-0.003, 0.003])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_slot_that_is_made_late_counts_as_the_slot_that_it_is(paper_wheel, recorded, rig, beside, seed):
+    """Oracle: the separation that made the ticks, 0.003 slots beside nine of them; slots err by 0.016 of one.
+
+    By the slots' own edges the reference edge would come before the ninth or after it as that one was made: a slot's angle, 63 mrad.
+    """
+    pitch = TURN / 100
+    slots = pitch * np.arange(100) + np.random.default_rng(seed).normal(0, 1e-3, 100)
+    slots -= np.mean(slots - pitch * np.arange(100))
+    wheel = paper_wheel(gate_separation=(9 + beside) * pitch, slots=slots, duration_s=4.0)
+    gates = replace(rig.light_gates, whole_slots_between=int(9 + beside))
+    found = track(recorded(wheel, n_triggers=10), replace(rig, light_gates=gates))
+    assert found.gate_separation_rad == pytest.approx(wheel.gate_separation, abs=2e-5)
+
+
 def test_uncertainty_of_the_separation_is_that_of_a_mean(paper_wheel, recorded, rig):
     """Oracle: by hand; reference edges 300 ticks early and late in turn: their mean has 300 / sqrt(n - 1) ticks, equal slots."""
     n = 6
