@@ -220,7 +220,8 @@ def simulate(
     """Simulate a measurement: recordings, rig.toml and truth.json.
 
     Wheel, beams, mask and optics get random imperfections; rig.toml tells them as a person would have measured
-    them, truth.json as they are. Defects that a laboratory has are options, none by default; rig.toml does not tell them.
+    them, truth.json as they are. Defects that a laboratory has are options, none by default; rig.toml does not tell
+    them, unless --laboratory draws them.
     """
     given = locals()
     from irtiming.archive.json_file import write_json
