@@ -143,7 +143,7 @@ def test_gate_separation_of_any_rig(paper_wheel, recorded, rig, separation, thet
 def test_a_slot_that_is_made_late_counts_as_the_slot_that_it_is(paper_wheel, recorded, rig, beside, seed):
     """Oracle: the separation that made the ticks, 0.003 slots beside nine of them; slots err by 0.016 of one.
 
-    By the slots' own edges the reference edge would come before the ninth or after it as that one was made: a slot's angle, 63 mrad.
+    By the slots' own edges the ninth would count or not as it was made: 63 mrad, a slot's angle.
     """
     pitch = TURN / 100
     slots = pitch * np.arange(100) + np.random.default_rng(seed).normal(0, 1e-3, 100)
