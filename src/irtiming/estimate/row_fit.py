@@ -276,7 +276,7 @@ def _residuals(task: _Task, found: Solution, model: Array) -> tuple[Array, Array
 
 
 def _linearised(task: _Task, found: Solution) -> tuple[ComplexArray, ComplexArray]:
-    """The rows' harmonics (n_row, M + 1) and their derivatives to the numbers that were fitted, (k, n_row, M + 1), per second."""
+    """The rows' harmonics (n_row, M + 1) and their derivatives to the numbers that were fitted, (k, n_row, M + 1), per unit."""
     whole, slopes = row_sum.linearised(task.model, found.timing)
     return whole, slopes[[task.model.names.index(name) for name in found.minimum.free]]
 
@@ -360,7 +360,7 @@ def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, 
 
 
 def _shape_effect(task: _Task, found: Solution, changes: ComplexArray) -> Array:
-    """Change of the fitted numbers per unit of each number of the sector, shape (k, 10): one linear step of the fit."""
+    """Change of the fitted numbers per unit of each number of the sector, shape (k, n_shape): one linear step of the fit."""
     (whole, slopes), light = _linearised(task, found), task.model.row_harmonics
     moved = packed(changes * (whole / np.where(light == 0, 1, light)))
     shape, slope = packed(whole), packed(slopes)

@@ -227,7 +227,7 @@ def _all_passed(alpha: Array, edges: Array, sweep: float) -> Any:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PointAverage:
-    """Single points of the opening while the wheel sweeps past them; shapes (n,), ``passed`` (4, n).
+    """Single points of the opening while the wheel sweeps past them; any shape, that of the points; ``passed`` (4, ...).
 
     ``arc_rad`` is the open arc up to the point, averaged over the window; ``ends_rad`` the same averaged over the window's two
     ends only; ``blade_arc_rad`` and ``blade_ends_rad`` the like of the arc that the second blade, between edges 2 and 3, covers;
@@ -257,7 +257,7 @@ def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> P
     Parameters
     ----------
     coordinate_rad
-        Wheel coordinates alpha of the points at the *start* of the window, shape (n,), within some turns of 0, rad.
+        Wheel coordinates alpha of the points at the *start* of the window, any shape, within some turns of 0, rad.
     edges
         alpha_0 .. alpha_3.
     sweep_rad

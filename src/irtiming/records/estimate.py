@@ -183,7 +183,7 @@ class EdgeDelayFit:
     ----------
     estimate
         Local numbers: ``edge_delay_0`` .. ``edge_delay_3``, the middle of the integration window after trigger and set delay (s),
-        and ``opening_angle`` (rad).
+        ``opening_angle`` (rad), ``pixel_memory`` and ``bow`` (1).
     edge_delay_s
         Shape (4,); delay of the *start* of integration by each wheel edge; of the middle where the recording does not
         tell the integration time.
