@@ -223,7 +223,7 @@ def _timing_design(run: RollingRun) -> Array:
 
 
 def normal_and_effect(run: RollingRun, model: WheelModel) -> tuple[Array, Array]:
-    """Information (k, k) on the numbers of a row sum, per unit squared, and their change (k, n_shape) per unit of the sector's."""
+    """Information (k, k) on the numbers of a row sum, per unit squared; their change (k, n_shape) per unit of the sector's."""
     rows, timing = _row_sums(run, model)
     whole, slopes = row_sum.linearised(rows, timing)
     light, n = run.rows.harmonics, len(rows.names)
