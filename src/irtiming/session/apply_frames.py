@@ -30,6 +30,7 @@ from irtiming.session.frame_stamps import StampsWanted
 from irtiming.units import readable_time
 
 _NOISE_FRAMES = 16
+_COUNTS = np.dtype(np.uint16)  # of whole pixels; what has a sign or more bits would be cut off
 _COLDEST_K, _HOTTEST_K, _STEPS = 220.0, 620.0, 801
 
 
@@ -40,7 +41,8 @@ class FramesOrder:
 
     ``noise`` is the standard deviation of a pixel in the units of the frames, None: from the frames. For a file that does not
     tell when its frames were, ``stamps`` is a CSV of their trigger times, or ``period_s`` the time between them. ``instant_row``
-    is the row to whose moment all others are brought; None: the middle one. ``keeps_fractions`` writes float32, not counts.
+    is the row to whose moment all others are brought; None: the middle one. ``keeps_fractions`` writes float32, not counts;
+    so is what came neither as uint8 nor as uint16.
     ``series`` are results at other settings.
     """
 
@@ -115,9 +117,10 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     size = given.stack.shape[1:]
     stream = SceneStream(readout, size=size, interval_s=interval_s, noise=noise)
     times_s, u_s = _instants(camera, given, readout)
-    is_whole = np.issubdtype(first.dtype, np.integer) and not order.keeps_fractions
+    is_counts = first.dtype.kind == "u" and first.dtype.itemsize <= _COUNTS.itemsize
+    is_whole = is_counts and not order.keeps_fractions
     head = SceneHead(
-        size=size, dtype="u2" if is_whole else "f4", unit=given.unit, tile_px=kernels.TILE, time_errors_s=u_s,
+        size=size, dtype=_COUNTS.str if is_whole else "f4", unit=given.unit, tile_px=kernels.TILE, time_errors_s=u_s,
         tiles=(-(-size[0] // kernels.TILE), -(-size[1] // kernels.TILE)),
         description=tuple(_described(order, camera, given, readout=readout, noise=noise)),
     )  # fmt: skip
@@ -167,7 +170,7 @@ def _write(
     scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, origin_s: int
 ) -> NDArray[np.float64]:
     """Write all scenes; gives mean gain and mean noise gain of each, shape (n_scene, 2)."""
-    counts, gains = np.zeros(head.size, np.uint16), []
+    counts, gains = np.zeros(head.size, _COUNTS), []
     with SceneWriter(path, head) as writer:
         for one in scenes:
             pixels: NDArray[Any] = one.pixels

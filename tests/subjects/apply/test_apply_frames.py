@@ -113,6 +113,24 @@ def test_frames_without_times_take_their_period(tmp_path, told, filmed):
     assert "noise of 0.9 DN" in said
 
 
+@pytest.mark.parametrize(
+    ("kind", "added", "written"),
+    [("u2", 3000, "u2"), ("i2", -3000, "f4"), ("u4", 70_000, "f4"), ("i4", 100_000, "f4")],
+)
+def test_pixels_keep_their_values_whatever_type_they_came_as(tmp_path, told, filmed, kind, added, written):
+    """Oracle: a law; numbers added to all pixels are in the scene too, whether a count of 16 bits can be that or not."""
+    np.save(tmp_path / "film.npy", np.rint(filmed.frames + added).astype(kind))
+    np.save(tmp_path / "plain.npy", np.rint(filmed.frames).astype("f4"))
+    frames = {}
+    for name in ("film", "plain"):
+        told("apply", "frames", _result(tmp_path), tmp_path / f"{name}.npy", tmp_path / f"{name}.nxs", "--period", "30 ms",
+             "--noise", "0.9")  # fmt: skip
+        with h5py.File(tmp_path / f"{name}.nxs") as file:
+            frames[name] = file["entry/instrument/camera/data"][()]
+    assert frames["film"].dtype == written
+    assert np.abs(frames["film"] - (frames["plain"].astype(float) + added)).max() < 0.6
+
+
 def test_two_time_constants_need_to_know_what_a_count_stands_for(tmp_path, told, recording):
     """Oracle: words of what was undone; with a scene that exchanges nothing the two are the one, and so are the frames."""
     content = json.loads(_result(tmp_path).read_text())
