@@ -1,5 +1,6 @@
 """certificate.toml: what a certificate says that no recording knows; laboratory, customer, dates, equipment, limits."""
 
+from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 from typing import Annotated, Literal
@@ -190,6 +191,12 @@ class Limit(Part):
             None if self.lower is None else seconds(self.lower),
             None if self.upper is None else seconds(self.upper),
         )
+
+
+def limit_of(limits: Iterable[Limit], *, parameter: str, serial_number: str | None) -> Limit | None:
+    """That of a parameter of a camera: its own before the one for all; None where there is neither."""
+    mine = [one for one in limits if one.parameter == parameter and one.serial_number in (None, serial_number)]
+    return min(mine, key=lambda one: one.serial_number is None, default=None)
 
 
 class Decision(Part):

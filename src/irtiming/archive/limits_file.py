@@ -28,11 +28,6 @@ class LimitsFile(Part):
         """What is said on the page; empty without limits."""
         return _RULES[self.decision.rule] if self.limit else ""
 
-    def of(self, parameter: str, serial_number: str) -> Limit | None:
-        """That of a parameter of a camera: its own before the one for all."""
-        mine = [one for one in self.limit if one.parameter == parameter and one.serial_number in (None, serial_number)]
-        return min(mine, key=lambda one: one.serial_number is None, default=None)
-
 
 def read_limits(path: str | Path) -> LimitsFile:
     """Limits of parameters, and the rule.

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irtiming.archive.certificate_file import limit_of
 from irtiming.archive.limits_file import LimitsFile
 from irtiming.estimate.series.over_settings import agree
 from irtiming.inference import common_inputs, weighted_line
@@ -106,7 +107,7 @@ def mean(values: Sequence[PointParameter]) -> JudgedValue:
 
 def _held(found: JudgedValue, limits: LimitsFile, *, name: str, serial: str) -> JudgedValue:
     """The same against its limits."""
-    limit = limits.of(name, serial)
+    limit = limit_of(limits.limit, parameter=name, serial_number=serial)
     if limit is None:
         return found
     lower, upper = limit.bounds_s

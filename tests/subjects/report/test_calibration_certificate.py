@@ -192,6 +192,13 @@ def test_a_page_for_everyone(analysis: Analysis) -> None:
             "a [[limit]] of 'trigger_dealy', which was not measured",
         ),
         (
+            {
+                "item": {"serial_number": "A12"},
+                "limit": [{"parameter": "trigger_delay", "upper": "1 ms", "serial_number": "A21"}],
+            },
+            "a [[limit]] of the camera with serial_number = 'A21', which the certificate is not of; it is of A12",
+        ),
+        (
             {"laboratory": {"accreditation_mark": "mark.txt"}},
             "mark.txt: the accreditation mark must be a PNG, JPEG or SVG",
         ),
@@ -204,6 +211,20 @@ def test_what_cannot_be_is_refused(analysis: Analysis, changes: dict, said: str)
         _page(analysis, **changes)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("own_first", [False, True])
+def test_the_own_limit_of_a_camera_counts_before_the_one_for_all(analysis: Analysis, own_first: bool) -> None:
+    """Oracle: by hand; 400 us fails 300 us and keeps 1 ms, and only the laboratory says that the camera is A12."""
+    limits = [
+        {"parameter": "trigger_delay", "upper": "1 ms"},
+        {"parameter": "trigger_delay", "upper": "300 us", "serial_number": "A12"},
+    ]
+    told = sheet(analysis, item={"serial_number": "A12"}, limit=limits[::-1] if own_first else limits)
+    row = next(one for one in told.results[0].measurands if one.name == "trigger_delay")
+    assert row.limits == (None, pytest.approx(300e-6))
+    assert row.conformity is not None
+    assert row.conformity.outcome == "fail"
 
 
 def test_days_of_measurement_are_those_of_the_recordings(analysis: Analysis) -> None:

@@ -108,7 +108,8 @@ def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str =
     Raises
     ------
     ArchiveError
-        If laboratory and recordings contradict each other, the date is not stated, or a limit is of nothing measured.
+        If laboratory and recordings contradict each other, the date is not stated, or a limit is of no camera or nothing
+        measured.
     """
     items: list[CalibratedItem] = []
     results: list[MeasuredItem] = []
@@ -117,14 +118,15 @@ def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str =
         item = _item(file, form, several=several, called=called)
         if item not in items:
             items.append(item)
-        measured = tuple(measurands.of(file.content, form))
+        measured = tuple(measurands.of(file.content, form, serial_number=item.words["serial_number"]))
         results.append(MeasuredItem(item=items.index(item), file=file, measurands=measured))
-    _check_limits(results, form, called=called)
     first, last = _days(files, form, called=called)
-    return Sheet(
+    sheet = Sheet(
         form=form, items=tuple(items), results=tuple(results), first_day=first, last_day=last,
         days_stated=bool(form.dates.measured),
     )  # fmt: skip
+    _check_limits(sheet, called=called)
+    return sheet
 
 
 def _key(result: Result) -> tuple[str | None, ...]:
@@ -188,9 +190,19 @@ def _day(start: str, *, called: str) -> date:
         ) from error
 
 
-def _check_limits(results: Sequence[MeasuredItem], form: CertificateFile, *, called: str) -> None:
-    measured = {one.name for result in results for one in result.measurands}
-    for limit in form.limit:
+def _check_limits(sheet: Sheet, *, called: str) -> None:
+    for limit in sheet.form.limit:
+        serial = limit.serial_number
+        known = [item.words["serial_number"] for item in sheet.items]
+        if serial not in (None, *known):
+            raise ArchiveError(
+                f"{called} has a [[limit]] of the camera with serial_number = '{serial}', which the certificate is not of; "
+                f"it is of {', '.join(one or 'one without a serial number' for one in known)}: correct it, or state "
+                "[item] serial_number"
+            )
+        measured = {
+            one.name for result in sheet.results for one in result.measurands if serial in (None, known[result.item])
+        }
         if limit.parameter not in measured:
             raise ArchiveError(
                 f"{called} has a [[limit]] of '{limit.parameter}', which was not measured; there are "

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 from typing import final
 
-from irtiming.archive.certificate_file import CertificateFile, Limit
+from irtiming.archive.certificate_file import CertificateFile, Limit, Rule, limit_of
 from irtiming.archive.result_model import CombinedDelay, Contribution, Result, RigValue
 from irtiming.errors import ArchiveError
 from irtiming.records.rig_inputs import CLOCK, RIG_KEYS
@@ -66,8 +66,15 @@ class Measurand:
     conformity: Conformity | None = None
 
 
-def of(result: Result, form: CertificateFile) -> Iterator[Measurand]:
+def of(result: Result, form: CertificateFile, *, serial_number: str | None) -> Iterator[Measurand]:
     """Every time that was measured, then every relative delay.
+
+    Parameters
+    ----------
+    result, form
+        Result and certificate.toml.
+    serial_number
+        Of the camera, by the recordings or the laboratory, by which it has limits of its own; None where neither says.
 
     Raises
     ------
@@ -82,12 +89,13 @@ def of(result: Result, form: CertificateFile) -> Iterator[Measurand]:
     if not names:
         raise ArchiveError("the result determines no time of the camera; there is nothing to certify")
     for name in names:
-        yield _parameter(result, name, form=form, rig=rig)
+        limit = limit_of(form.limit, parameter=name, serial_number=serial_number)
+        yield _parameter(result, name, limit=limit, rule=form.decision.rule, rig=rig)
     for combined in result.relative_delays_combined:
         yield _relative(result, combined)
 
 
-def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[str, RigValue]) -> Measurand:
+def _parameter(result: Result, name: str, *, limit: Limit | None, rule: Rule, rig: dict[str, RigValue]) -> Measurand:
     one = result.parameters[name]
     u, freedom = one.standard_uncertainty or 0.0, _freedom(one.effective_degrees_of_freedom)
     if u < 0 or freedom < 1 or (one.coverage_factor or 1.0) < 1:
@@ -102,7 +110,6 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
     lines.sort(key=lambda line: -line.contribution)
     if not lines:
         lines = [_own("fit of all recordings", u)]
-    limit = next((one for one in form.limit if one.parameter == name and _is_for(one, result)), None)
     limits = (None, None) if limit is None else limit.bounds_s
     value = one.value or 0.0
     return Measurand(
@@ -110,7 +117,7 @@ def _parameter(result: Result, name: str, *, form: CertificateFile, rig: dict[st
         unit=one.unit, event=one.reference_event, sign=one.sign, budget=tuple(lines), limits=limits,
         specification=None if limit is None else limit.specification,
         conformity=None if limit is None else judged(
-            value, u=u, expanded=k * u, degrees_of_freedom=freedom, limits=limits, rule=form.decision.rule
+            value, u=u, expanded=k * u, degrees_of_freedom=freedom, limits=limits, rule=rule
         ),
     )  # fmt: skip
 
@@ -132,10 +139,6 @@ def _line(part: Contribution, name: str, *, rig: dict[str, RigValue]) -> BudgetL
         source=part.source, kind=part.type, distribution=distribution, estimate=estimate, u=u, unit=part.measured.unit,
         sensitivity=contribution / u, contribution=contribution, degrees_of_freedom=freedom,
     )  # fmt: skip
-
-
-def _is_for(limit: Limit, result: Result) -> bool:
-    return limit.serial_number in (None, result.item.serial_number)
 
 
 def _counts(contribution: float | None, u: float) -> bool:
