@@ -113,3 +113,25 @@ def require_place(
         raise ArchiveError(f"{target}: exists already; choose another name")
     if not place.parent.is_dir() or not os.access(place.parent, os.W_OK):
         raise unwritable(place, PermissionError("no permission"))
+
+
+def require_places(outputs: Iterable[str | Path | None], *, inputs: Iterable[str | Path | None] = ()) -> None:
+    """`require_place` for all texts that a command writes, None for those that it does not.
+
+    Parameters
+    ----------
+    outputs
+        Where the results should go: each to a file of its own.
+    inputs
+        All files that are read, or written to in another way: none of them may be overwritten.
+
+    Raises
+    ------
+    ArchiveError
+        As `require_place`.
+    """
+    taken = [one for one in inputs if one is not None]
+    for place in outputs:
+        if place is not None:
+            require_place(place, besides=taken)
+            taken.append(place)

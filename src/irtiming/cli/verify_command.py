@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.rig_file import read_rig
 from irtiming.cli.progress import shown
 from irtiming.cli.screen import say
@@ -34,8 +34,7 @@ def verify(
     from irtiming.archive.verify import verify as verify_file
 
     screen = Console()
-    if json is not None:
-        require_place(json, besides=files)
+    require_places([json], inputs=[*files, rig])
     stated = None if rig is None else read_rig(rig)
     results: dict[Path, list[Finding]] = {}
     for path in files:

@@ -106,7 +106,8 @@ def _require_places(order: AnalysisOrder) -> None:
         raise ArchiveError(
             f"{order.maps}: maps are written as HDF5 with a picture, NAME.png, beside them; give a name that ends in .h5"
         )
-    for place in (order.result, order.report, order.maps, order.picture):
+    beside = None if order.maps is None else order.maps.with_suffix(".png")
+    for place in (order.result, order.report, order.maps, beside, order.picture):
         if place is not None:
             require_place(place, besides=taken, is_text=place in (order.result, order.report))
             taken.append(place)

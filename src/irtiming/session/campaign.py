@@ -7,7 +7,7 @@ from typing import Any, final
 
 from irtiming.archive import campaign_table
 from irtiming.archive.checksum import sha256_of
-from irtiming.archive.json_file import require_place, write_atomically, write_json
+from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.limits_file import LimitsFile, read_limits
 from irtiming.archive.nexus import program_version
 from irtiming.archive.parquet import require_parquet
@@ -67,14 +67,25 @@ def run(order: Order, *, progress: Progress = lambda name, done, total: None) ->
     require_parquet()
     if order.register != NO_REGISTER:
         tables.opened(order.register).dispose()  # before the long work
-    if order.json is not None:
-        require_place(order.json, besides=[order.source, order.rig])
-    measured = measure(_asked(order), progress=progress)
+    asked = _asked(order)
+    _require_places(order, asked)
+    measured = measure(asked, progress=progress)
     files = tuple(_written(measured.campaign, order))
     new = None
     if order.register != NO_REGISTER:
         new = entries.add(order.register, list(_entries(measured)))
     return Done(campaign=measured.campaign, files=files, n_registered=new)
+
+
+def _require_places(order: Order, asked: CampaignOrder) -> None:
+    """No file of the campaign is one that it reads, before the long work."""
+    read = [order.source, order.rig, order.limits, order.wheel_calibration, *(one.path for one in asked.recordings)]
+    if order.register != NO_REGISTER:
+        read.append(tables.file_of(order.register))
+    own = [order.out / name for name in (TABLE, PARQUET, PAGE, SUMMARY)]
+    if order.out.is_dir():  # where it is still to be made, nothing in it is read
+        require_places(own, inputs=read)
+    require_places([order.json], inputs=[*read, *own])
 
 
 def _asked(order: Order) -> CampaignOrder:

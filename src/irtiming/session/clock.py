@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, final
 
 from irtiming.archive import layout, rig_update
-from irtiming.archive.json_file import require_place, write_atomically, write_json
+from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
 from irtiming.errors import ArchiveError, EstimationError
 from irtiming.estimate import clock
@@ -61,9 +61,7 @@ def evaluate(order: ClockOrder) -> ClockFound:
     IrTimingError
         If a file cannot be read or written, or no recording has pulses or timestamps of the camera.
     """
-    for out in (order.json, order.picture):
-        if out is not None:
-            require_place(out, besides=order.recordings)
+    require_places([order.json, order.picture], inputs=[*order.recordings, order.rig])
     runs = [read_timestamps(path) for path in order.recordings]
     cameras = tuple(one for run in runs if (one := _camera(run)) is not None)
     pulsed = [run for run in runs if layout.SPARE in run.streams and run.streams[layout.SPARE].size]

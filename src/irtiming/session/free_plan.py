@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
-from irtiming.archive.json_file import write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.rig_file import read_rig
 from irtiming.errors import PlanError
 from irtiming.plan.assumptions import assumed
@@ -83,6 +83,7 @@ def plan(order: FreePlanOrder) -> FreePlanned:
     IrTimingError
         If a file cannot be read or written, or the camera cannot be.
     """
+    require_places([order.json], inputs=[order.rig])
     described = camera(order.camera)
     rig = assumed(None if order.rig is None else read_rig(order.rig), described)
     setting = Setting(camera=described, rig=rig, clock_frequency_hz=_CLOCK_HZ)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, final
 
 from irtiming.archive.checksum import sha256_of
-from irtiming.archive.json_file import require_place, write_json
-from irtiming.archive.register import entries
+from irtiming.archive.json_file import require_places, write_json
+from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry, KnownCamera
 from irtiming.archive.result_file import read_result
 from irtiming.errors import ArchiveError, EstimationError
@@ -77,8 +77,7 @@ def of_camera(order: HistoryOrder) -> History:
     IrTimingError
         If the register cannot be used or does not know the camera, or the history cannot be written.
     """
-    if order.history is not None:
-        require_place(order.history)
+    require_places([order.history], inputs=[tables.file_of(order.register)])
     points = entries.of_camera(order.register, order.serial_number)
     if not points:
         known = [one.serial_number for one in entries.cameras(order.register)]

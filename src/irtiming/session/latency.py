@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, final
 
 from irtiming.archive import layout, rig_update
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.layout import Field
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
@@ -113,8 +113,7 @@ def of_gates(order: GatesOrder) -> LatencyFound:
     IrTimingError
         If a file cannot be read or written, or the recordings do not tell the difference.
     """
-    if order.json is not None:
-        require_place(order.json, besides=[*order.recordings, *order.exchanged])
+    require_places([order.json], inputs=[*order.recordings, *order.exchanged, order.rig])
     rig = None if order.rig is None else read_rig(order.rig)
     slots = _USUAL_SLOTS if rig is None else rig.wheel.control_slots
     pitch = TURN / slots
@@ -148,8 +147,7 @@ def of_trigger(order: LoopOrder) -> LatencyFound:
     IrTimingError
         If a file cannot be read or written, or no trigger came back.
     """
-    if order.json is not None:
-        require_place(order.json, besides=order.recordings)
+    require_places([order.json], inputs=[*order.recordings, order.rig])
     loops = tuple(_loop(read_timestamps(path), order.line) for path in order.recordings)
     longest = max(loops, key=lambda one: abs(one.mean_s))
     found = LatencyFound(loops=loops, latency=longest.latency)
@@ -165,8 +163,7 @@ async def measure_loop(order: LoopTestOrder) -> LatencyFound:
     IrTimingError
         If the device cannot be used, timestamps were lost, or no trigger came back.
     """
-    if order.json is not None:
-        require_place(order.json)
+    require_places([order.json], inputs=[order.rig])
     channel = {"spare": Channel.SPARE, "camera_input": Channel.CAMERA_INPUT}[order.line]
     async with connected(order.port, wiring=Wiring(also_recorded=channel)) as generator:
         clock_hz = generator.clock_frequency_hz

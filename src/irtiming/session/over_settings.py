@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import layout, reader
-from irtiming.archive.json_file import require_place, write_atomically, write_json
+from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.result_file import checked_result, read_result
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
@@ -49,7 +49,7 @@ def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[Ca
     IrTimingError
         If a file cannot be read or written, a recording cannot be analysed, or results cannot be distinguished by camera.
     """
-    _require_places(order)
+    require_places([order.series, order.report], inputs=[*order.sources, order.rig, order.wheel_calibration])
     files = [path for path in order.sources if path.suffix.lower() == layout.SUFFIX]
     results = [path for path in order.sources if path not in files]
     if files and order.rig is None:
@@ -66,14 +66,6 @@ def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[Ca
             page = series_page.page(series)
         write_atomically(page, order.report)
     return series
-
-
-def _require_places(order: SeriesOrder) -> None:
-    taken = [*order.sources, *(path for path in (order.rig, order.wheel_calibration) if path is not None)]
-    for place in (order.series, order.report):
-        if place is not None:
-            require_place(place, besides=taken)
-            taken.append(place)
 
 
 def _analysed(files: Sequence[Path], order: SeriesOrder, *, progress: Progress | None) -> list[SettingPoint]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, final
 
-from irtiming.archive.json_file import write_atomically, write_json
+from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.rig_file import read_rig
 from irtiming.errors import PlanError, listed
 from irtiming.plan.assumptions import assumed
@@ -145,6 +145,7 @@ def plan(order: PlanOrder) -> Planned | Proposed:
     IrTimingError
         If a wish cannot be read, nothing meets all of them, or a file cannot be read or written.
     """
+    require_places([order.json, order.picture], inputs=[order.rig])
     wishes = exact(_completed(order), clock_frequency_hz=0)
     planned = _proposed(order, wishes) if order.wanted else _schemes(order, wishes)
     if order.json is not None:

@@ -10,11 +10,12 @@ from typing import Any, final
 from irtiming.acquire import rig as devices
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.checklist import complaints
+from irtiming.acquire.journal import NAME as JOURNAL
 from irtiming.acquire.journal import Journal, digest_of
 from irtiming.acquire.rig import RigNotReady
 from irtiming.acquire.run_order import ENOUGH, RunOutcome
 from irtiming.acquire.series import Series, SeriesOutcome, record_series
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
@@ -194,9 +195,10 @@ async def record(order: SeriesOrder, *, attending: Attending) -> SeriesMade:
 
 
 def _plan(order: SeriesOrder) -> SeriesPlan:
-    if order.summary is not None:
-        require_place(order.summary, besides=[order.plan])
     plan = read_series(order.plan)
+    frames = None if plan.references is None else plan.references.file
+    read = [order.plan, order.rig, plan.plan_file, frames, order.folder / JOURNAL]
+    require_places([order.summary], inputs=read)
     return replace(plan, camera=replace(plan.camera, features=(*plan.camera.features, *order.features)))
 
 

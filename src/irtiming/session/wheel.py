@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import reader
-from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.wheel_calibration_file import write_wheel_calibration
 from irtiming.errors import ArchiveError
@@ -42,10 +42,7 @@ def calibrate(order: CalibrationOrder) -> WheelCalibration:
     IrTimingError
         If a file cannot be read or written, or the timestamps do not determine the wheel.
     """
-    inputs = [*order.recordings, order.rig]
-    require_place(order.calibration, besides=inputs)
-    if order.picture is not None:
-        require_place(order.picture, besides=[*inputs, order.calibration])
+    require_places([order.calibration, order.picture], inputs=[*order.recordings, order.rig])
     rig, recordings = read_rig(order.rig), (reader.read(path) for path in order.recordings)
     wheel = wheel_calibration.from_recordings(recordings, rig, reference_edge=order.reference_edge)
     write_wheel_calibration(wheel, order.calibration)

@@ -56,6 +56,12 @@ def opened(register: str, *, must_exist: bool = False) -> Any:
     return engine
 
 
+def file_of(register: str) -> Path | None:
+    """File of an SQLite register; None where a server has it."""
+    name = register.removeprefix("sqlite:///")
+    return None if "://" in name else Path(name)
+
+
 def unusable(register: str, error: Exception) -> ArchiveError:
     """Error for a register that cannot be used; a password in its URL is not shown."""
     where = register.rsplit("@", 1)[-1]

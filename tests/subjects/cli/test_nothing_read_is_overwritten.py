@@ -1,0 +1,55 @@
+"""No command writes over a file that it reads, whichever option names it."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from irtiming.cli.main import app
+from irtiming.errors import IrTimingError
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+@pytest.mark.parametrize(
+    ("words", "read"),
+    [
+        (("history", "A", "--register", "r.sqlite", "--json", "r.sqlite"), "r.sqlite"),
+        (("history", "A", "--register", "sqlite:///r.sqlite", "--json", "r.sqlite"), "r.sqlite"),
+        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--picture", "rig.toml"), "rig.toml"),
+        (("plan", "--free-running", "33 ms", "--wheel-hz", "3", "--samples", "1000", "--rig", "rig.toml", "--json", "rig.toml"),
+         "rig.toml"),
+        (("clock", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("clock", "a.nxs", "--json", "b.svg", "--picture", "b.svg"), "a.nxs"),
+        (("latency", "gates", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("latency", "loopback", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("gateware", "loopback", "no-port", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("record", "plan.toml", "--out", "out", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("record", "plan.toml", "--out", "out", "--json", "out/series.json"), "out/series.json"),
+        (("verify", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--limits", "l.toml", "--json", "l.toml"), "l.toml"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--json", "a.nxs"), "a.nxs"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--wheel-calibration", "w.json", "--json", "w.json"),
+         "w.json"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--register", "r.sqlite", "--json", "r.sqlite"), "a.csv"),
+        (("campaign", "out/table.csv", "--rig", "rig.toml", "--out", "out", "--register", "none"), "out/table.csv"),
+        (("certificate", "--check", "cert.xml", "--json", "cert.xml"), "cert.xml"),
+        (("analyse", "a.nxs", "--rig", "rig.toml", "--maps", "rig.h5", "--json", "rig.png"), "rig.toml"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_read_is_refused_as_output(words, read, tmp_path, monkeypatch):
+    """Oracle: by hand; one file is named twice, the error says so, and the file is as before."""
+    monkeypatch.chdir(tmp_path)
+    Path("out").mkdir()
+    for name in ("a.nxs", "r.sqlite", "l.toml", "w.json", "cert.xml", "out/series.json"):
+        Path(name).touch()
+    Path("plan.toml").write_text((EXAMPLES / "cooled.plan.toml").read_text())
+    Path("rig.toml").write_text((EXAMPLES / "cooled.rig.toml").read_text())
+    Path("a.csv").write_text("file\na.nxs\n")
+    Path("out/table.csv").write_text("file\n../a.nxs\n")
+    before = Path(read).read_bytes()
+    done = CliRunner().invoke(app, list(words))
+    assert isinstance(done.exception, IrTimingError), done.output
+    assert "is another file of this command and would be overwritten" in str(done.exception)
+    assert Path(read).read_bytes() == before
