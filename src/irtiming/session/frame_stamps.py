@@ -9,7 +9,7 @@ import numpy as np
 
 from irtiming.apply import conditions, stamps
 from irtiming.apply.camera_timing import CameraTiming, Conditions
-from irtiming.apply.stamps import UNKNOWN_CLOCK, EventTimes, Generator, Latency, Raw
+from irtiming.apply.stamps import EventTimes, Generator, Latency, Raw
 from irtiming.archive import layout, reader
 from irtiming.archive.frames.opening import open_frames
 from irtiming.archive.frames.source import FrameFacts
@@ -96,7 +96,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     if path.suffix.lower() in _CSV:
         column = read_stamps(path, column=wanted.column, unit=wanted.unit)
         raw = Raw(time_s=column.time_s, origin_s=column.origin_s, step_s=1e-9, numbers=column.numbers)
-        events = _events(raw, wanted, camera=camera, kind=wanted.kind or KIND_OF[camera.event])
+        events = _events(raw, wanted, camera=camera, generator=generator, kind=wanted.kind or KIND_OF[camera.event])
         return _all_of(raw, events, numbers=column.numbers, found=None)
     if path.suffix.lower() == layout.SUFFIX:
         return of_recording(reader.read(path), wanted, camera=camera, generator=generator)
@@ -107,7 +107,7 @@ def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | N
     if wanted.kind is None and camera.event == "trigger" and facts.trigger_times_s is None:
         kind = "camera"
     raw = _of_facts(facts, wanted, kind=kind)
-    events = _events(raw, wanted, camera=camera, kind=kind)
+    events = _events(raw, wanted, camera=camera, generator=generator, kind=kind)
     stamped = _all_of(raw, events, numbers=facts.frame_id, found=found)
     return _with(stamped, remarks, found, None)
 
@@ -142,7 +142,7 @@ def of_recording(
     if camera.event != "trigger" and recording.frame_event == "trigger":
         remarks = (*remarks, "the recording's camera was triggered, the result measured it running free")
     raw = _of_recording(recording, kind)
-    events = _events(raw, wanted, camera=camera, kind=kind)
+    events = _events(raw, wanted, camera=camera, generator=generator, kind=kind)
     return _with(_all_of(raw, events, numbers=recording.frame_number, found=found), remarks, found, recording)
 
 
@@ -227,7 +227,9 @@ def _of_facts(facts: FrameFacts, wanted: StampsWanted, *, kind: StampKind) -> Ra
     return Raw(time_s=times - origin_s, origin_s=origin_s, step_s=facts.time_step_s or 0.0, numbers=facts.frame_id)
 
 
-def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: StampKind) -> EventTimes:
+def _events(
+    raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, generator: Generator | None, kind: StampKind
+) -> EventTimes:
     """Events that follow from stamps: latency taken off, on a grid where they scatter, or by a clock of another recording."""
     is_own = kind == KIND_OF[camera.event]
     late, scale = Latency(value_s=wanted.latency_s or 0.0, u_s=wanted.latency_u_s), _SCALES[kind]
@@ -241,7 +243,10 @@ def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: Stamp
             )
         remarks = ("by how much later than the trigger edge a stamp is: not stated, none was taken off",)
     if wanted.calibrated_by is not None:
-        return _by_calibration(raw, wanted, late=late, kind=kind)
+        recording = reader.read(wanted.calibrated_by)
+        edges = (_of_strobe if camera.event == "strobe" else _of_triggers)(recording, generator)
+        found = _by_calibration(raw, edges, theirs=_of_recording(recording, kind), late=late)
+        return replace(found, scale=f"s of the trigger generator's counter in {wanted.calibrated_by.name}")
     if kind in ("trigger", "strobe"):
         return replace(stamps.each_exact(raw, scale=scale, latency=late), remarks=remarks)
     is_few = is_own and camera.scatter is not None and raw.time_s.size < stamp_line.FEWEST
@@ -259,22 +264,18 @@ def _events(raw: Raw, wanted: StampsWanted, *, camera: CameraTiming, kind: Stamp
     return replace(found, remarks=(*remarks, *found.remarks))
 
 
-def _by_calibration(raw: Raw, wanted: StampsWanted, *, late: Latency, kind: StampKind) -> EventTimes:
-    """Onto the trigger generator's clock, by a recording that has its triggers and the same stamps."""
-    assert wanted.calibrated_by is not None
-    recording = reader.read(wanted.calibrated_by)
-    stamped = _of_triggers(recording, None)
-    theirs = _of_recording(recording, kind)
-    line = stamp_line.median_line(stamped.events.time_s, theirs.time_s[stamped.frames])
+def _by_calibration(raw: Raw, edges: Stamped, *, theirs: Raw, late: Latency) -> EventTimes:
+    """Onto the trigger generator's clock, by its ``edges`` in a recording whose frames have such stamps too, ``theirs``."""
+    line = stamp_line.median_line(edges.events.time_s, theirs.time_s[edges.frames])
     time_s = line.x_of(raw.time_s + (raw.origin_s - theirs.origin_s) - late.value_s)
     beyond = float(np.max(np.abs(time_s - line.middle)))
-    return EventTimes(
+    return replace(
+        edges.events,
         time_s=time_s,
         u_own_s=float(np.hypot(line.jitter_s, raw.u_step_s)),
         u_common_s=float(np.hypot(late.u_s, line.u_s(np.array([line.middle + beyond]))[0])),
-        u_rate=UNKNOWN_CLOCK,
-        scale=f"s of the trigger generator's counter in {wanted.calibrated_by.name}",
         remarks=(
+            *edges.events.remarks,
             f"stamps follow that counter at a rate of 1 {line.rate - 1:+.3e}, jitter {readable_time(line.jitter_s)}: it is taken "
             "that neither clock was switched off since",
         ),

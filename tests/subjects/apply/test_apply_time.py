@@ -12,9 +12,12 @@ import pytest
 from made_up_result import BOLOMETER, COOLED, made_up_result
 from pyarrow import parquet
 
+from irtiming.apply.stamps import Generator, Latency
 from irtiming.archive import layout, reader
 from irtiming.archive.result_file import write_result
 from irtiming.cli.main import run
+from irtiming.session.apply_time import camera_of
+from irtiming.session.frame_stamps import StampsWanted, read
 
 CLOCK_HZ = 49_152_000
 
@@ -275,7 +278,10 @@ def test_recordings_whose_camera_calls_another_number_are_refused(tmp_path, hand
 
 
 def test_stamps_of_the_camera_go_onto_the_counter_by_a_calibration(tmp_path, hand_made, told):
-    """Oracle: by hand; the camera's clock runs 40 ppm fast and 3 s ahead, with 20 us of jitter; triggers as recorded."""
+    """Oracle: by hand; the camera's clock runs 40 ppm fast and 3 s ahead, with 20 us of jitter; triggers as recorded.
+
+    The trigger's latency of 1 ms is part of the calibration, and the generator's clock is as known as rig.toml says.
+    """
     result = _result(tmp_path, "photon", "snapshot", COOLED)
     content = json.loads(result.read_text())
     content["inputs"][0]["image"] = {"rows": 4, "columns": 6}
@@ -302,6 +308,12 @@ def test_stamps_of_the_camera_go_onto_the_counter_by_a_calibration(tmp_path, han
     for line, true_s in zip(found, later_s, strict=True):
         assert line["start_s"] == pytest.approx(true_s + 4e-4, abs=4 * line["u_start_s"])
         assert 1.5e-5 < line["u_start_s"] < 6e-5
+
+    wanted = StampsWanted(source=stamps, kind="camera", calibrated_by=measured)
+    known = Generator(relative_error=1e-5, u_relative_error=1e-7, way=Latency(value_s=1e-3, u_s=2e-4))
+    without, better = (read(wanted, camera_of(result), generator=one).events for one in (None, known))
+    assert np.allclose(better.time_s, without.time_s + 1e-3, rtol=0, atol=1e-9)
+    assert (better.relative_rate, better.u_rate, better.u_cancelled_s) == (1e-5, 1e-7, 2e-4)
 
 
 def test_times_on_the_standard_output_are_csv_alone(tmp_path):
