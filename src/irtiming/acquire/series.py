@@ -124,13 +124,14 @@ class _Made:
     def __init__(self, rig: Rig, series: Series, *, attendant: Attendant, journal: Journal) -> None:
         self._rig, self._series, self._attendant, self._journal = rig, series, attendant, journal
         self._latency_s: float | None = None
+        self._is_set = False
         self.outcomes: list[RunOutcome] = []
 
     async def make(self, pending: list[NumberedRun]) -> str:
         """References and runs; gives the ending."""
         if pending:
             self._journal.note(f"begun: runs {', '.join(str(one.number) for one in pending)}")
-            await set_camera(self._rig, self._series.plan)
+            await self._set_camera()
         reference = await self._references_before(pending)
         for one in pending:
             if self._attendant.is_leaving():
@@ -146,6 +147,12 @@ class _Made:
         else:
             ending = COMPLETE
         return await self._references_after(ending)
+
+    async def _set_camera(self) -> None:
+        """As planned, once: a feature may be a command, such as a correction, that must not come between references and runs."""
+        if not self._is_set:
+            await set_camera(self._rig, self._series.plan)
+            self._is_set = True
 
     async def _run(self, one: NumberedRun, *, reference: NonuniformityReference | None) -> str:
         blackbody = await self._stable(one.target_k)
@@ -226,6 +233,7 @@ class _Made:
         wishes = self._series.plan.references
         if wishes is None:
             raise InstrumentError("no references are planned; write [references]")
+        await self._set_camera()
         found = await record_references(
             self._rig,
             wishes,

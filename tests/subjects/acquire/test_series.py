@@ -242,6 +242,19 @@ def test_references_after_the_runs_join_their_files(with_references):
         assert file["entry/nonuniformity_reference/low"].attrs["temperature"] == 290.0
 
 
+def test_references_that_alone_are_missing_are_recorded_as_planned(with_references):
+    """Oracle: by hand; runs were made at 100 us, the camera was switched to 250 us since, and only the references lack."""
+    plan = with_references.plan
+    camera = CameraWishes(camera_type="photon", integration_time_s=1e-4)
+    with_references.plan = replace(plan, camera=camera, references=replace(plan.references, when="after"))
+    assert with_references.recorded().is_good
+    (with_references.folder / "references-after.npz").unlink()
+    with_references.camera.features["ExposureTime"] = "250"
+    assert with_references.recorded().is_good
+    assert (with_references.folder / "references-after.npz").exists()
+    assert with_references.camera.features["ExposureTime"] == "100"
+
+
 def test_references_on_both_sides_say_how_far_the_camera_drifted(with_references):
     """Oracle: the journal; both stacks are kept, and a camera that does not drift moves by less than its noise."""
     plan = with_references.plan
