@@ -2,9 +2,11 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import final
+
+from irtiming.archive.toml_text import sections
 
 
 @final
@@ -60,6 +62,8 @@ temperature = "23 C"
 """What else may stand there, to begin with."""
 
 _OWN = ("certificate", "laboratory", "customer", "person")
+_OF_ONE = ("replaces", "amendment")
+"""Keys of one certificate alone: they would be wrong on the next."""
 
 
 def as_toml(values: Mapping[str, str], more: str) -> str:
@@ -70,32 +74,48 @@ def as_toml(values: Mapping[str, str], more: str) -> str:
     values
         By name of the field; empty ones are left out.
     more
-        Further sections, as they stand.
+        Further sections, as they stand. What is in one that the page has fields of goes below these; persons with a name are
+        further ones.
     """
+    beside: dict[str, str] = {}
+    others = []
+    for one in sections(more):
+        if one.name not in _OWN or one.name in beside or (one.name == "person" and one.has("name")):
+            others.append(one.heading + one.body)
+        else:
+            beside[one.name] = one.body.strip()
     parts = []
     for section in _OWN:
         lines = [
             f"{one.key} = {_written(values[one.name], is_day=one.is_day)}"
-            for group in FIELDS.values()
-            for one in group
-            if one.section == section and values.get(one.name, "").strip()
+            for one in _fields_of(section)
+            if values.get(one.name, "").strip()
         ]
+        lines += [beside[section]] if beside.get(section) else []
         parts.append("\n".join(["[[person]]" if section == "person" else f"[{section}]", *lines]))
-    return "\n\n".join([*parts, more.strip()]) + "\n"
+    return "\n\n".join([*parts, "".join(others).strip()]) + "\n"
 
 
 def rest_of(text: str) -> str:
-    """Sections of a file that the page has no fields for, as they stand; of several persons, those after the first."""
-    sections = re.split(r"(?m)^(?=\[)", text)
+    """What a file says that the page has no fields for, as it stands, but for what was said of one certificate alone."""
     kept, persons = [], 0
-    for one in sections:
-        name = re.match(r"\[+\s*([\w-]+)", one)
-        if name is None:
+    for one in sections(text):
+        persons += one.name == "person"
+        if not one.name:
             continue
-        persons += name[1] == "person"
-        if name[1] not in _OWN or (name[1] == "person" and persons > 1):
-            kept.append(one.rstrip())
+        if one.name not in _OWN or (one.name == "person" and persons > 1):
+            kept.append((one.heading + one.body).rstrip())
+            continue
+        known = {field.key for field in _fields_of(one.name)}.union(_OF_ONE)
+        told = [each for each in one.statements() if each.keys and not known.intersection(each.keys)]
+        rest = "".join(each.text for each in told)
+        if rest:
+            kept.append((one.heading + rest).rstrip())
     return "\n\n".join(kept) + "\n"
+
+
+def _fields_of(section: str) -> Iterator[Field]:
+    return (one for group in FIELDS.values() for one in group if one.section == section)
 
 
 def _written(text: str, *, is_day: bool) -> str:
