@@ -65,8 +65,10 @@ class Folder:
             raise ArchiveError(f"{one_line(name):.200}: is not there (any more); choose another")
         return found
 
-    def free(self, name: str, *, within: str = "") -> Path:
+    def free(self, name: str, *, within: str = "", beside: tuple[str, ...] = ()) -> Path:
         """A path for a new file of about that name, which no other file has; its folder is made.
+
+        With the suffixes ``beside`` in place of its own it is free too: files that belong together have one stem.
 
         Raises
         ------
@@ -78,7 +80,7 @@ class Folder:
         place.mkdir(parents=True, exist_ok=True)
         stem, dot, suffix = plain.partition(".")
         tries = (place / plain, *(place / f"{stem}-{number}{dot}{suffix}" for number in range(2, 10_000)))
-        return self.inside(self.name_of(next(one for one in tries if not one.exists())))
+        return self.inside(self.name_of(next(one for one in tries if not _is_taken(one, beside))))
 
     def name_of(self, path: Path) -> str:
         """Its name within the folder."""
@@ -104,6 +106,10 @@ class Folder:
 
     def _outside(self, name: str) -> ArchiveError:
         return ArchiveError(f"{one_line(name):.200}: is no file of {self.root}; choose one that the library lists")
+
+
+def _is_taken(path: Path, beside: tuple[str, ...]) -> bool:
+    return any(one.exists() for one in (path, *(path.with_suffix(suffix) for suffix in beside)))
 
 
 def _is_hidden(part: str) -> bool:

@@ -57,3 +57,11 @@ def test_a_new_file_gets_a_plain_name_of_its_own(folder, given, made):
     assert folder.name_of(first) == made
     first.touch()
     assert folder.free(given) != first
+
+
+def test_files_that_belong_together_have_one_stem(folder):
+    """Oracle: by hand; a report is left of an analysis that was broken off, so neither it nor its result takes that name."""
+    (folder.root / "day.html").touch()
+    result = folder.free("day.json", beside=(".html",))
+    assert (folder.name_of(result), result.with_suffix(".html").exists()) == ("day-2.json", False)
+    assert folder.name_of(folder.free("day.json")) == "day.json"

@@ -52,13 +52,14 @@ def _form(desk: Desk) -> None:
         try:
             if not chosen.value:
                 raise IrTimingError("no recording is chosen; choose one or more")
+            result = desk.folder.free(f"{name.value or 'result'}.json", within=RESULTS, beside=(".html",))
             order = AnalyseOrder(
                 recordings=tuple(desk.folder.existing(str(one)) for one in chosen.value),
                 rig=desk.folder.existing(str(rig.value or "")),
                 method=str(method.value),
                 language=str(language.value),
-                result=desk.folder.free(f"{name.value or 'result'}.json", within=RESULTS),
-                report=desk.folder.free(f"{name.value or 'result'}.html", within=RESULTS),
+                result=result,
+                report=result.with_suffix(".html"),
             )
             desk.jobs.start("analysis", f"the analysis {name.value}", task="analysis:analyse", order=order)
         except IrTimingError as error:

@@ -120,7 +120,7 @@ def _deeds(desk: Desk, form: _Form) -> None:
         if not number:
             show.complain("the certificate has no number; give it one")
             return
-        name = desk.folder.free(f"{number.replace('.', '-')}.pdf", within=PLACE).stem
+        name = desk.folder.free(f"{number.replace('.', '-')}.pdf", within=PLACE, beside=(".xml", ".html")).stem
         make((".pdf", ".xml", ".html"), name)
 
     with ui.element("div").classes("actions"):
