@@ -1,6 +1,5 @@
 """Recording a series: the live image, the estimate as it tightens, how the edges come; it goes on whoever looks."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
@@ -66,11 +65,14 @@ def _form(desk: Desk) -> Callable[[Job | None], None]:
         )
     command, state = show.html(), show.html()
 
-    def tell_command() -> None:
-        show.put(command, _command(desk, str(plan.value or "")))
+    async def tell_command() -> None:
+        name = str(plan.value or "")
+        found = await _command(desk, name)
+        if name == str(plan.value or ""):
+            show.put(command, found)
 
     plan.on_value_change(tell_command)
-    tell_command()
+    ui.timer(0.05, tell_command, once=True)
 
     def start(*, checks_only: bool) -> None:
         try:
@@ -110,14 +112,15 @@ def _beside(plans: list[str], rigs: list[str]) -> str:
     return next((one for one in wanted if one in rigs), rigs[0])
 
 
-def _command(desk: Desk, name: str) -> str:
-    """The program that a plan runs, to be read before it does."""
+async def _command(desk: Desk, name: str) -> str:
+    """The program that a plan runs, to be read before it does; what is wrong with a plan that cannot be read."""
     try:
-        text = desk.folder.existing(name).read_text(encoding="utf-8", errors="replace")
-    except (IrTimingError, OSError):
+        found = await desk.ask("recording:command_of", desk.folder.existing(name))
+    except IrTimingError:
         return ""
-    found = re.search(r"(?m)^\s*command\s*=\s*(.+)$", text)
-    return show.finding_html("info", found[1].strip(), title="This plan runs a program:") if found else ""
+    if not found.is_good:
+        return show.finding_html("error", found.text)
+    return show.finding_html("info", found.answer, title="This plan runs a program:") if found.answer else ""
 
 
 def _say(desk: Desk, word: str) -> None:

@@ -14,6 +14,7 @@ from PIL import Image
 
 from irtiming.acquire.rig import RigNotReady
 from irtiming.acquire.run_order import INTERRUPTED, RunOutcome
+from irtiming.archive.series_file import read_series
 from irtiming.errors import InstrumentError
 from irtiming.records.camera_frame import CameraFrame
 from irtiming.records.series_plan import SeriesPlan
@@ -52,6 +53,12 @@ def record(line: Line, order: RecordingOrder) -> dict[str, Any]:
     except RigNotReady as error:
         line.fact("complaints", [" ".join(text.split()) for text in error.complaints])
         raise InstrumentError("the rig is not ready, nothing was moved; see what it lacks") from error
+
+
+def command_of(line: Line, plan: Path) -> str:
+    """The program that a plan runs for its references; empty where it runs none."""
+    references = read_series(plan).references
+    return "" if references is None else references.command
 
 
 def _told(made: series.SeriesMade, folder: Path) -> dict[str, Any]:
