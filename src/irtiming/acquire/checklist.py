@@ -6,9 +6,10 @@ from collections.abc import AsyncIterator, Iterator
 from fractions import Fraction
 from pathlib import Path
 
+from irtiming.acquire import frame_rate
 from irtiming.acquire.journal import Journal
 from irtiming.acquire.rig import Rig
-from irtiming.acquire.series import Series
+from irtiming.acquire.series import Series, features_of
 from irtiming.archive.reference_file import read_reference
 from irtiming.errors import ArchiveError, InstrumentError
 from irtiming.records.series_plan import SeriesPlan
@@ -18,7 +19,6 @@ _BYTES_PER_PIXEL = 2
 _MOST_SAVED = 0.5
 """Noise of a camera compresses to about half; less than that is not to be hoped for."""
 
-_READOUT_FEATURES = ("ResultingFrameRate", "AcquisitionResultingFrameRate")
 _BLADES_WITH_CONTROL_SLOTS = ("MC1F2",)
 _INNER = "external-inner"
 
@@ -67,10 +67,7 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
             f"{camera.name} is number {serial or 'unknown'}, the plan is for {wishes.serial_number}; connect that "
             "one, or correct serial_number"
         )
-    names = [name for name, _ in wishes.features]
-    if wishes.integration_time_s is not None:
-        names.append("ExposureTime")
-    for name in names:
+    for name, _ in features_of(plan):
         try:
             await camera.feature(name)
         except InstrumentError as error:
@@ -89,22 +86,11 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
             f"the integration time is {readable_time(window_s)}, the camera is triggered every "
             f"{readable_time(shortest_s)}; integrate shorter, or plan a lower frame rate"
         )
-    fastest_hz = await _frame_rate_hz(rig)
-    if fastest_hz is not None and shortest_s * fastest_hz < 1 - 1e-9:
-        yield (
-            f"{camera.name} makes {fastest_hz:.6g} frames per second at most as it is set, the plan asks for "
-            f"{1 / shortest_s:.6g}; plan a lower frame rate, or a smaller window"
-        )
-
-
-async def _frame_rate_hz(rig: Rig) -> float | None:
-    """Highest frame rate that the camera says is possible; None where it does not say."""
-    for name in _READOUT_FEATURES:
-        try:
-            return float(await rig.camera.feature(name))
-        except (InstrumentError, ValueError):
-            continue
-    return None
+    slow = await frame_rate.complaint(camera, series.triggers)
+    if slow is not None and await frame_rate.is_set(
+        camera, dict(features_of(plan))
+    ):  # else known when the series sets it
+        yield slow
 
 
 async def _of_chopper(rig: Rig, series: Series) -> AsyncIterator[str]:
@@ -155,8 +141,10 @@ def _of_folder(folder: Path) -> Iterator[str]:
 
 
 async def _of_disk(rig: Rig, series: Series, *, journal: Journal) -> AsyncIterator[str]:
+    planned = dict(features_of(series.plan))
     try:
-        pixels = int(float(await rig.camera.feature("Width"))) * int(float(await rig.camera.feature("Height")))
+        width, height = [planned.get(name) or await rig.camera.feature(name) for name in ("Width", "Height")]
+        pixels = int(float(width)) * int(float(height))
     except (InstrumentError, ValueError) as error:
         yield f"{rig.camera.name} does not report the size of its frames ({error}); check the camera"
         return

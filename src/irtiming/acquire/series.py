@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import final
 
+from irtiming.acquire import frame_rate
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.journal import Journal
 from irtiming.acquire.references import drift, record_references
@@ -152,6 +153,8 @@ class _Made:
         """As planned, once: a feature may be a command, such as a correction, that must not come between references and runs."""
         if not self._is_set:
             await set_camera(self._rig, self._series.plan)
+            if (slow := await frame_rate.complaint(self._rig.camera, self._series.triggers)) is not None:
+                raise InstrumentError(slow)
             self._is_set = True
 
     async def _run(self, one: NumberedRun, *, reference: NonuniformityReference | None) -> str:
@@ -261,6 +264,13 @@ class _Made:
         return free_path(self._series.folder, name)
 
 
+def features_of(plan: SeriesPlan) -> tuple[tuple[str, str], ...]:
+    """The camera's features as planned, in the order in which they are set: integration time first."""
+    window_s = plan.camera.integration_time_s
+    first = () if window_s is None else (("ExposureTime", f"{window_s * _MICROSECONDS:.10g}"),)
+    return (*first, *plan.camera.features)
+
+
 async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
     """Set the camera's features as planned, integration time first; each is read back.
 
@@ -269,9 +279,7 @@ async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
     InstrumentError
         If it does not take one.
     """
-    if plan.camera.integration_time_s is not None:
-        await rig.camera.set_feature("ExposureTime", value=f"{plan.camera.integration_time_s * _MICROSECONDS:.10g}")
-    for name, value in plan.camera.features:
+    for name, value in features_of(plan):
         await rig.camera.set_feature(name, value=value)
 
 

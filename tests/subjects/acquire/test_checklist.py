@@ -47,6 +47,25 @@ def test_a_camera_that_is_too_slow_is_told(laboratory):
     assert "makes 60 frames per second at most as it is set, the plan asks for 94.1176" in text
 
 
+def test_a_camera_that_the_plan_makes_fast_enough_is_no_complaint(laboratory, monkeypatch):
+    """Oracle: by hand; 60 frames a second at 4 rows are 120 at the 2 of the plan; where they are not, no run begins."""
+    features = laboratory.camera.features
+    features["ResultingFrameRate"] = "60.0"
+    camera = CameraWishes(camera_type="photon", integration_time_s=250e-6, features=(("Height", "2"),))
+    laboratory.plan = replace(laboratory.plan, camera=camera)
+    monkeypatch.setattr(checklist.shutil, "disk_usage", lambda place: type("Usage", (), {"free": 192})())
+    assert _complaints(laboratory) == []
+    assert "makes 60 frames per second at most" in laboratory.recorded().ending
+    assert laboratory.generator.begun == []
+
+    async def set_faster(self, name, *, value):
+        features[name] = value
+        features["ResultingFrameRate"] = f"{240 / int(features['Height'])}"
+
+    monkeypatch.setattr(type(laboratory.camera), "set_feature", set_faster)
+    assert laboratory.recorded().is_good
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
