@@ -19,6 +19,7 @@ MOST_BYTES = 2**20
 
 _SAFE = ("GET", "HEAD")
 _COOKIE_BYTES = 8192
+_FIELDS = 16  # of an address, at most
 _POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; object-src 'none'; frame-ancestors 'self'; base-uri 'self'; form-action 'self'"
@@ -108,7 +109,12 @@ class Guard:
         return None
 
     def _token_in_address(self, scope: Scope) -> bool:
-        given = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=16) if scope["path"] == "/" else {}
+        if scope["path"] != "/":
+            return False
+        try:
+            given = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=_FIELDS)
+        except ValueError:  # there are more
+            return False
         return any(self._is_token(one) for one in given.get("token", ()))
 
     def _is_known(self, headers: Headers) -> bool:

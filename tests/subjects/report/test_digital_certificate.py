@@ -17,7 +17,7 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.camera_frame import CameraIdentity
 from irtiming.report.calibration import dcc, page
 from irtiming.report.calibration.content import collect
-from irtiming.report.calibration.dcc_numbers import decimal
+from irtiming.report.calibration.dcc_numbers import decimal, real
 
 ROOT = Path(__file__).parents[3]
 NAMES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
@@ -58,6 +58,13 @@ def test_the_shortest_certificate_is_valid(analysis: Analysis, schema: etree.XML
     assert schema.validate(root), schema.error_log
     assert len(root.findall(".//dcc:item", NAMES)) == 2
     assert root.find(".//dcc:statement[@id='simulated']", NAMES) is not None
+
+
+@pytest.mark.parametrize(("distribution", "share"), [("normal", 0.682689), ("rectangular", 0.57735)])
+def test_u_alone_covers_what_its_distribution_has_within_it(distribution: str, share: float) -> None:
+    """Oracle: GUM 4.3.7 and G.1.3: 1 / sqrt(3) = 57.74 % of a rectangle lie within u of it, 68.27 % of a Gaussian."""
+    found = real(0.0, "s", u=1e-6, distribution=distribution)
+    assert found.findtext("si:expandedUnc/si:coverageProbability", namespaces=NAMES) == f"{share:g}"
 
 
 def test_another_reader_gets_value_u_k_and_unit(analysis: Analysis) -> None:

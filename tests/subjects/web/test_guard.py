@@ -54,6 +54,7 @@ def test_the_token_is_taken_once_from_the_address_and_then_from_the_cookie():
         {},
         {"query": "token=wrong"},
         {"query": "token="},
+        {"query": f"token={TOKEN}&" + "&".join(f"a={n}" for n in range(16))},
         {"path": "/plan", "query": f"token={TOKEN}"},
         {"method": "POST", "query": f"token={TOKEN}"},
         {"headers": (COOKIE,)},

@@ -16,6 +16,7 @@ UNITS = {
 """Units of this program, and what D-SI calls them."""
 
 _FORBIDDEN = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
+_WITHIN_U = {"rectangular": 1 / sqrt(3)}
 _ONE_SIGMA = erf(1 / sqrt(2))
 
 
@@ -57,7 +58,8 @@ def real(
         wide = Xml.SubElement(found, f"{{{SI}}}expandedUnc")
         add(wide, "uncertainty", decimal(k * u))
         add(wide, "coverageFactor", _factor(k))
-        add(wide, "coverageProbability", f"{_ONE_SIGMA if k == 1 else COVERAGE_PERCENT / 100:.6g}")
+        within_u = _WITHIN_U.get(distribution, _ONE_SIGMA)
+        add(wide, "coverageProbability", f"{within_u if k == 1 else COVERAGE_PERCENT / 100:.6g}")
         add(wide, "distribution", distribution)
     return found
 
