@@ -4,17 +4,16 @@ from pathlib import Path
 
 from irtiming.acquire.attendant import Attendant
 from irtiming.acquire.journal import Journal
-from irtiming.archive.layout import PART
+from irtiming.archive.layout import PART, SET_ASIDE
 from irtiming.archive.live.recovery import recover
 from irtiming.archive.live.unfinished import is_claimed
 from irtiming.errors import ArchiveError
 
-FOLDER = "set-aside"
-"""Beside the whole recordings of a series, so that all files of the series' own folder can be analysed together."""
-
 
 def set_aside(path: Path, *, attendant: Attendant) -> Path:
     """Move a file into the folder for those that are not whole; it stays where that cannot be done.
+
+    The folder is beside the whole recordings of a series, so that all files of the series' own folder can be analysed together.
 
     Parameters
     ----------
@@ -27,7 +26,7 @@ def set_aside(path: Path, *, attendant: Attendant) -> Path:
     -------
     Where it is now.
     """
-    folder = path.parent / FOLDER
+    folder = path.parent / SET_ASIDE
     try:
         folder.mkdir(exist_ok=True)
         return path.rename(free_path(folder, path.name))

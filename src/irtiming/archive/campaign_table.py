@@ -63,6 +63,8 @@ def _rows(rows: "csv.DictReader[str]", names: list[str], table: Path) -> list[Li
 def in_folder(folder: str | Path) -> tuple[Listed, ...]:
     """Every recording below a folder, by name; those in one folder are of one run.
 
+    What is in folders below it that are `layout.NOT_MEASURED` is left out.
+
     Raises
     ------
     ArchiveError
@@ -72,6 +74,7 @@ def in_folder(folder: str | Path) -> tuple[Listed, ...]:
     found = [
         Listed(path=path, run="" if path.parent == top else str(path.parent.relative_to(top)))
         for path in sorted(top.rglob(f"*{layout.SUFFIX}"))
+        if not set(path.relative_to(top).parts[:-1]) & set(layout.NOT_MEASURED)
     ]
     return _each_once(found, where=str(folder))
 

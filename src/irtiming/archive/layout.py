@@ -12,6 +12,10 @@ SUFFIX = ".nxs"
 PART = ".part"
 """What a name ends in until its file is finished."""
 
+SET_ASIDE, CONVERTED, APPLIED = "set-aside", "converted", "applied"
+NOT_MEASURED = (SET_ASIDE, CONVERTED, APPLIED)
+"""Folders of what is not analysed with the recordings beside them: those that are not whole, copies, what was made of others."""
+
 REFERENCE_PAGE = "docs/reference/recording-file.md"
 
 Kind = Literal["text", "number", "integer", "ticks", "index", "numbers", "frames"]

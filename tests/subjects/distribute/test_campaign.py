@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from irtiming.archive import rig_writer
+from irtiming.archive.campaign_table import in_folder
 from irtiming.cli.main import app
 from irtiming.distribute.pieces import Seen
 from irtiming.distribute.workers import workers
@@ -92,6 +93,22 @@ def test_every_camera_is_judged_by_the_rule(laboratory):
     page = (folder / "out" / "campaign.html").read_text()
     assert "1 of 4 pass" in page
     assert "tail-unknown" in page
+
+
+def test_recordings_that_are_not_whole_and_copies_are_left_out(laboratory):
+    """Oracle: by hand; of six recordings, two are in folders of the folder that are no run, and one below such a folder."""
+    folder, _ = laboratory
+    apart = {"set-aside/b": "A 402", "applied/c": "A 403", "monday/converted/old/d": "A 404"}
+    for name, text in {"a": "A 400", "monday/a": "A 401", "my-set-aside/a": "A 405", **apart}.items():
+        (folder / "in" / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "in" / f"{name}.nxs").write_text(text)
+    found = in_folder(folder / "in")
+    assert [(one.path.name, one.run) for one in found] == [
+        ("a.nxs", ""),
+        ("a.nxs", "monday"),
+        ("a.nxs", "my-set-aside"),
+    ]
+    assert len(in_folder(folder / "in" / "set-aside")) == 1
 
 
 def test_the_page_of_a_campaign_in_german(laboratory):

@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 from nicegui import ui
 
+from irtiming.archive import layout
 from irtiming.errors import IrTimingError
 from irtiming.web import files, frame, one_job, show
 from irtiming.web.desk import Desk
@@ -32,9 +33,7 @@ def add(desk: Desk) -> None:
 
 
 def _form(desk: Desk) -> None:
-    recordings = [
-        one for one in desk.folder.files(".nxs") if one.parent.name not in ("set-aside", "converted", "applied")
-    ]
+    recordings = [one for one in desk.folder.files(".nxs") if one.parent.name not in layout.NOT_MEASURED]
     newest = [one for one in recordings if one.parent == recordings[0].parent] if recordings else []
     names = [desk.folder.name_of(one) for one in recordings]
     rigs = [desk.folder.name_of(one) for one in desk.folder.files("rig.toml")]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from nicegui import ui
 
+from irtiming.archive import layout
 from irtiming.errors import IrTimingError
 from irtiming.records.frame_view import PairOrder
 from irtiming.web import files, frame, show
@@ -13,8 +14,6 @@ from irtiming.web.desk import Desk
 from irtiming.web.jobs import Job
 from irtiming.web.orders import ApplyOrder
 from irtiming.web.pages.analyse_page import RESULTS
-
-PLACE = "applied"
 
 
 def add(desk: Desk) -> None:
@@ -31,7 +30,7 @@ def add(desk: Desk) -> None:
 
 def _form(desk: Desk) -> None:
     results = [desk.folder.name_of(one) for one in desk.folder.files(".json") if one.parent.name == RESULTS]
-    sources = [one for one in desk.folder.files(*files.FRAMES) if one.parent.name != PLACE]
+    sources = [one for one in desk.folder.files(*files.FRAMES) if one.parent.name != layout.APPLIED]
     names = [desk.folder.name_of(one) for one in sources]
     with ui.element("div").classes("form"):
         result = ui.select(results, value=results[0] if results else None, label="Result")
@@ -51,11 +50,11 @@ def _form(desk: Desk) -> None:
             order = ApplyOrder(
                 result=desk.folder.existing(str(result.value or "")),
                 source=path,
-                out=desk.folder.free(f"{path.stem}-at-one-instant.nxs", within=PLACE),
+                out=desk.folder.free(f"{path.stem}-at-one-instant.nxs", within=layout.APPLIED),
                 series=tuple(desk.folder.existing(name) for name in series.value if name != result.value),
                 period=str(period.value or "").strip(),
                 alone=bool(alone.value),
-                times=desk.folder.free(f"{path.stem}-times.csv", within=PLACE) if times.value else None,
+                times=desk.folder.free(f"{path.stem}-times.csv", within=layout.APPLIED) if times.value else None,
             )
             desk.jobs.start("application", f"the result on {path.name}", task="applying:apply", order=order)
         except IrTimingError as error:

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from nicegui import events, ui
 
+from irtiming.archive import layout
 from irtiming.errors import ArchiveError, IrTimingError
 from irtiming.web import files, frame, show
 from irtiming.web.desk import Desk
@@ -117,7 +118,7 @@ def _deeds(desk: Desk, path: Path) -> None:
         suffix = str(kind.value)
 
         def start() -> Job:
-            out = desk.folder.free(f"{path.stem}{suffix}", within="converted")
+            out = desk.folder.free(f"{path.stem}{suffix}", within=layout.CONVERTED)
             order = ConvertOrder(path=path, out=out)
             return desk.jobs.start("conversion", f"the conversion of {path.name}", task="files:convert", order=order)
 
