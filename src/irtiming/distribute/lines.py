@@ -11,10 +11,9 @@ import numpy as np
 
 from irtiming.archive.certificate_file import limit_of
 from irtiming.archive.limits_file import LimitsFile
-from irtiming.estimate.series.over_settings import agree
 from irtiming.inference import common_inputs, weighted_line
 from irtiming.records.campaign import WORST_FIRST, CampaignLine, CampaignPoint, JudgedValue, Judgement
-from irtiming.records.setting_point import PointParameter, SettingPoint
+from irtiming.records.setting_point import PointParameter, SettingPoint, groups
 from irtiming.report import budget
 from irtiming.report.calibration.decision import Outcome, judged
 
@@ -34,12 +33,7 @@ def of(points: Sequence[CampaignPoint], limits: LimitsFile) -> tuple[CampaignLin
     limits
         For some parameters, or none.
     """
-    groups: dict[object, list[list[SettingPoint]]] = {}
-    for one in sorted((each.point for each in points), key=_order):
-        same_camera = groups.setdefault(one.camera, [])
-        mine = next((group for group in same_camera if agree(group[0], one)), None)
-        same_camera.append([one]) if mine is None else mine.append(one)
-    return tuple(_line(group, limits) for each in groups.values() for group in each)
+    return tuple(_line(group, limits) for group in groups(sorted((one.point for one in points), key=_order)))
 
 
 def _order(one: SettingPoint) -> tuple[object, ...]:

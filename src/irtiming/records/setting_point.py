@@ -1,7 +1,7 @@
 """What one result says of a camera at one setting: the point of a series over settings, of a campaign, and of a history."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal, final
 
 from irtiming.records.frame_events import FrameEvent
@@ -48,6 +48,11 @@ class CameraKey:
         """What to call it."""
         return " ".join(word for word in (self.model, self.serial_number) if word) or "camera without a name"
 
+    @property
+    def kind(self) -> "CameraKey":
+        """The same of all cameras that differ from it in their serial number alone."""
+        return replace(self, serial_number="")
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -83,3 +88,39 @@ class SettingPoint:
     n_recordings: int = 1
     findings: tuple[str, ...] = ()
     simulated: bool = False
+
+
+def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None = None) -> bool:
+    """Whether two results have the same settings, but for one that is named and the FPA temperature, which sways.
+
+    Parameters
+    ----------
+    one, other
+        Of one camera.
+    besides
+        What may differ.
+    """
+    names = (set(one.settings) | set(other.settings)) - {besides, "sensor_temperature"}
+    return all(is_same_setting(one.settings.get(name), other.settings.get(name)) for name in names)
+
+
+def groups(
+    points: Iterable[SettingPoint], *, besides: SettingName | None = None, of_kind: bool = False
+) -> list[list[SettingPoint]]:
+    """Results of one camera at one setting together; cameras, settings and results in the order in which they come.
+
+    Parameters
+    ----------
+    points
+        Of any cameras.
+    besides
+        A setting that may differ within a group.
+    of_kind
+        Whether cameras of one kind, of whatever serial numbers, are taken together.
+    """
+    found: dict[CameraKey, list[list[SettingPoint]]] = {}
+    for one in points:
+        same_camera = found.setdefault(one.camera.kind if of_kind else one.camera, [])
+        mine = next((group for group in same_camera if agree(group[0], one, besides=besides)), None)
+        same_camera.append([one]) if mine is None else mine.append(one)
+    return [group for each in found.values() for group in each]

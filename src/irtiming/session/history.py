@@ -99,7 +99,8 @@ def as_json(history: History) -> dict[str, Any]:
         "model": key.model or None,
         "results": [
             {
-                "file": one.label, "measured": one.start_time or None, "settings": dict(one.settings),
+                "file": one.label, "measured": one.start_time or None, "readout_mode": one.camera.readout_mode,
+                "frame_event": one.camera.event, "settings": dict(one.settings),
                 "parameters": {
                     name: {"value": p.value, "standard_uncertainty": p.standard_uncertainty,
                            "expanded_uncertainty": p.expanded_uncertainty, "unit": p.unit, "reference_event": p.event}
@@ -111,7 +112,8 @@ def as_json(history: History) -> dict[str, Any]:
         ],
         "drift": [
             {
-                "parameter": one.parameter, "unit": one.unit, "settings": dict(one.newest[0].settings),
+                "parameter": one.parameter, "unit": one.unit, "readout_mode": one.newest[0].camera.readout_mode,
+                "frame_event": one.newest[0].camera.event, "settings": dict(one.newest[0].settings),
                 "from": one.earlier[0].start_time, "to": one.newest[0].start_time, "value": one.value,
                 "standard_uncertainty": one.standard_uncertainty, "change": one.change,
                 "change_standard_uncertainty": one.u_change, "has_moved": one.has_moved, "days": one.n_days,

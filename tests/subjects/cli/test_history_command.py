@@ -55,6 +55,20 @@ def test_drift_has_the_uncertainty_that_the_days_do_not_share(register, tmp_path
     assert since["change"] == pytest.approx(2e-6)
 
 
+def test_one_serial_number_read_out_in_two_ways_has_a_history(register, tmp_path):
+    """Oracle: by hand; two days of rolling readout beside the three of a snapshot: a drift of each, which its rows tell apart."""
+    for day, us in {"2025-11-23": 900.0, "2026-11-23": 905.0}.items():
+        path = tmp_path / f"rolling-{day}.json"
+        result = result_by_hand(us * 1e-6, start=f"{day}T10:00:00Z").model_copy(update={"readout_mode": "rolling"})
+        path.write_text(result.model_dump_json())
+        _run("--register", register, "--add", path)
+    said = _run("A", "--register", register, "--json", tmp_path / "a.json")
+    assert "rolling, 250" in said
+    told = json.loads((tmp_path / "a.json").read_text())["drift"]
+    changes = {one["readout_mode"]: one["change"] for one in told if one["parameter"] == "trigger_delay"}
+    assert changes == {"snapshot": pytest.approx(1e-6), "rolling": pytest.approx(5e-6)}
+
+
 def test_the_register_is_plain_tables(register):
     """Oracle: Python's own sqlite3, and the page that describes the tables."""
     with sqlite3.connect(register) as line:

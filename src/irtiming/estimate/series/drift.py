@@ -13,37 +13,31 @@ from datetime import UTC, date, datetime
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.series.over_settings import agree
 from irtiming.inference import common_inputs, weighted_line
 from irtiming.records.drift import Drift
-from irtiming.records.setting_point import SettingPoint
+from irtiming.records.setting_point import SettingPoint, groups
 
 _DAYS_OF_A_YEAR = 365.25
 _FEWEST_DAYS = 3
 
 
 def drifts(points: Sequence[SettingPoint], *, since: date | None = None) -> tuple[Drift, ...]:
-    """Each parameter at each setting that was calibrated on two days or more.
+    """Each parameter of each camera, at each setting that was calibrated on two days or more.
 
     Parameters
     ----------
     points
-        Of one camera, in any order; those that do not say when they were measured are left out.
+        Of any cameras, in any order; those that do not say when they were measured are left out.
     since
         The earlier day is the last one up to this; None: the last day before the newest.
 
     Raises
     ------
     EstimationError
-        If they are of several cameras.
+        If a time is none of ISO 8601.
     """
-    if len({one.camera for one in points}) > 1:
-        raise EstimationError("results are of several cameras, or of one read out in two ways; ask for each by itself")
-    groups: list[list[SettingPoint]] = []
-    for one in sorted((each for each in points if each.start_time), key=lambda each: each.start_time):
-        mine = next((group for group in groups if agree(group[0], one)), None)
-        groups.append([one]) if mine is None else mine.append(one)
-    return tuple(found for group in groups for found in _of_setting(group, since))
+    dated = sorted((one for one in points if one.start_time), key=lambda one: one.start_time)
+    return tuple(found for group in groups(dated) for found in _of_setting(group, since))
 
 
 def day_of(point: SettingPoint) -> date:

@@ -7,15 +7,14 @@ ed., chapter III; ISO 22514-7). The interaction is pooled with the rest where it
 estimate below 0 becomes 0. With one operator it is the one-way analysis: repeatability and cameras alone.
 """
 
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 from scipy.special import fdtrc
 
-from irtiming.estimate.series.over_settings import agree
 from irtiming.records.arrays import Array
 from irtiming.records.campaign import CampaignPoint, GaugeStudy
+from irtiming.records.setting_point import CameraKey, groups
 
 _POOLED = 0.25
 _FEWEST_CAMERAS = 2
@@ -73,7 +72,7 @@ def studies(points: Sequence[CampaignPoint]) -> tuple[tuple[GaugeStudy, ...], st
     """
     cells = _cells(points)
     operators = sorted({operator for _, operator in cells})
-    cameras = sorted({camera for camera, _ in cells})
+    cameras = sorted({camera for camera, _ in cells}, key=lambda camera: camera.serial_number)
     whole = [camera for camera in cameras if all(len(cells.get((camera, one), ())) >= 2 for one in operators)]
     if len(whole) < _FEWEST_CAMERAS:
         return (), "repeatability takes two results or more, by every operator, of at least two cameras at one setting"
@@ -100,19 +99,11 @@ def studies(points: Sequence[CampaignPoint]) -> tuple[tuple[GaugeStudy, ...], st
     return tuple(found), words
 
 
-def _cells(points: Sequence[CampaignPoint]) -> dict[tuple[str, str], list[CampaignPoint]]:
-    """Results by serial number and operator, of the kind of camera and the setting that most of them have; by run and time."""
-    kinds = Counter((one.point.camera.model, one.point.camera.camera_type, one.point.camera.event) for one in points)
-    kind, _ = kinds.most_common(1)[0]
-    mine = [
-        one for one in points if (one.point.camera.model, one.point.camera.camera_type, one.point.camera.event) == kind
-    ]
-    settings: list[list[CampaignPoint]] = []
-    for one in mine:
-        group = next((each for each in settings if agree(each[0].point, one.point)), None)
-        settings.append([one]) if group is None else group.append(one)
-    cells: dict[tuple[str, str], list[CampaignPoint]] = {}
-    largest = settings[int(np.argmax([len(group) for group in settings]))]
-    for one in sorted(largest, key=lambda each: (each.run, each.point.start_time, each.point.label)):
-        cells.setdefault((one.point.camera.serial_number, one.operator), []).append(one)
+def _cells(points: Sequence[CampaignPoint]) -> dict[tuple[CameraKey, str], list[CampaignPoint]]:
+    """Results by camera and operator, of the kind of camera and the setting that most of them have; by run and time."""
+    largest = {id(one) for one in max(groups((one.point for one in points), of_kind=True), key=len)}
+    mine = [one for one in points if id(one.point) in largest]
+    cells: dict[tuple[CameraKey, str], list[CampaignPoint]] = {}
+    for one in sorted(mine, key=lambda each: (each.run, each.point.start_time, each.point.label)):
+        cells.setdefault((one.point.camera, one.operator), []).append(one)
     return cells

@@ -11,7 +11,7 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.inference import common_inputs, weighted_line
-from irtiming.records.setting_point import SETTINGS, CameraKey, SettingName, SettingPoint, is_same_setting
+from irtiming.records.setting_point import SETTINGS, CameraKey, SettingName, SettingPoint, groups, is_same_setting
 from irtiming.records.setting_series import CameraSeries, OverSetting
 
 _CLEAR_STEP = 0.01
@@ -54,27 +54,9 @@ def _series(camera: CameraKey, points: list[SettingPoint]) -> CameraSeries:
 
 def _alike_besides(points: list[SettingPoint], setting: SettingName) -> list[list[SettingPoint]]:
     """Groups of points that differ in one setting alone; a setting that is a word has no axis."""
-    groups: list[list[SettingPoint]] = []
-    for one in points:
-        if isinstance(one.settings.get(setting), float | int):
-            mine = next((group for group in groups if agree(group[0], one, besides=setting)), None)
-            groups.append([one]) if mine is None else mine.append(one)
-    varying = [sorted(group, key=lambda one: _x(one, setting)) for group in groups]
+    numbers = [one for one in points if isinstance(one.settings.get(setting), float | int)]
+    varying = [sorted(group, key=lambda one: _x(one, setting)) for group in groups(numbers, besides=setting)]
     return [group for group in varying if not is_same_setting(_x(group[0], setting), _x(group[-1], setting))]
-
-
-def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None = None) -> bool:
-    """Whether two results have the same settings, but for one that is named and the FPA temperature, which sways.
-
-    Parameters
-    ----------
-    one, other
-        Of one camera.
-    besides
-        What may differ.
-    """
-    names = (set(one.settings) | set(other.settings)) - {besides, "sensor_temperature"}
-    return all(is_same_setting(one.settings.get(name), other.settings.get(name)) for name in names)
 
 
 def _x(one: SettingPoint, setting: SettingName) -> float:

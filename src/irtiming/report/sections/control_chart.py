@@ -1,6 +1,5 @@
 """Control charts: values in order of time, about their mean and within the limits of their moving range."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import final
@@ -8,7 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array
-from irtiming.records.setting_point import SettingPoint
+from irtiming.records.setting_point import SettingPoint, groups
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel
 from irtiming.report.language import several, t, with_capital
@@ -59,7 +58,8 @@ def charts(results: Sequence[SettingPoint]) -> Iterator[Chart]:
     -----
     Individuals and moving range (ISO 7870-2, 6.3): sigma is the mean of |x_i - x_(i-1)| over 1.128.
     """
-    points = _most_alike(results)
+    largest = max(groups(results, of_kind=True), key=len)
+    points = sorted(largest, key=lambda one: (one.start_time, one.label))
     for name in LEADING:
         measured = [one for one in points if name in one.parameters]
         if len(measured) < FEWEST_POINTS:
@@ -71,20 +71,6 @@ def charts(results: Sequence[SettingPoint]) -> Iterator[Chart]:
             u=np.array([one.standard_uncertainty for one in found]), centre=float(values.mean()),
             sigma=float(np.mean(np.abs(np.diff(values)))) / _OF_MOVING_RANGE,
         )  # fmt: skip
-
-
-def _most_alike(points: Sequence[SettingPoint]) -> list[SettingPoint]:
-    """Results of the kind of camera and the setting that most have, in order of time."""
-
-    def kind(one: SettingPoint) -> str:
-        key, setting = one.camera, one.settings
-        settings = [(name, f"{value:.3g}" if isinstance(value, float) else value)
-                    for name, value in sorted(setting.items()) if name != "sensor_temperature"]  # fmt: skip
-        return f"{key.manufacturer} {key.model} {key.camera_type} {key.readout_mode} {key.event} {settings}"
-
-    most, _ = Counter(kind(one) for one in points).most_common(1)[0]
-    mine = [one for one in points if kind(one) == most]
-    return sorted(mine, key=lambda one: (one.start_time, one.label))
 
 
 def panel(chart: Chart, *, limits: tuple[float | None, float | None] = (None, None), aside: str = "") -> Panel:

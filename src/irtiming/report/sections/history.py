@@ -13,10 +13,11 @@ from irtiming.report.sections.over_settings import LEADING, setting_text
 
 def drift(drifts: Sequence[Drift]) -> Table:
     """What has moved; leading parameters alone."""
+    newest = [one.newest[0] for one in drifts]
     rows = tuple(
         (
             words(one.parameter),
-            _settings(one.newest[0]),
+            _settings(one.newest[0], among=newest),
             f"{one.earlier[0].start_time[:10]} … {one.newest[0].start_time[:10]}",
             value_text(one.value, one.standard_uncertainty, unit=one.unit),
             value_text(one.change, one.u_change, unit=one.unit),
@@ -44,7 +45,7 @@ def results(points: Sequence[SettingPoint]) -> Table:
     rows = tuple(
         (
             one.start_time[:19].replace("T", " ") or "–",
-            _settings(one),
+            _settings(one, among=points),
             *(value_text(one.parameters[name].value, one.parameters[name].standard_uncertainty, unit=one.parameters[name].unit)
               if name in one.parameters else "–" for name in names),
             one.label.rsplit("/", 1)[-1],
@@ -59,6 +60,9 @@ def results(points: Sequence[SettingPoint]) -> Table:
     )
 
 
-def _settings(one: SettingPoint) -> str:
-    texts = (setting_text(name, one.settings[name]) for name in SETTINGS if name in one.settings and name != "rows")
+def _settings(one: SettingPoint, *, among: Sequence[SettingPoint]) -> str:
+    """In words; how the camera was read out stands with them where others were read out otherwise."""
+    texts = [setting_text(name, one.settings[name]) for name in SETTINGS if name in one.settings and name != "rows"]
+    if len({each.camera.readout_mode for each in among}) > 1:
+        texts.insert(0, t(one.camera.readout_mode))
     return ", ".join(texts) or "–"

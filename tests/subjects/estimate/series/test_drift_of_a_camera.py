@@ -1,5 +1,7 @@
 """Drift of a camera over three days: by hand."""
 
+from dataclasses import replace
+
 import pytest
 
 from irtiming.estimate.series.drift import drifts
@@ -11,8 +13,8 @@ _CAMERA = CameraKey(
 _DAYS = ("2016-01-01", "2020-01-01", "2024-01-01")  # 1461 days, four years, apart
 
 
-def _drift_of(values, u=0.5, common=None):
-    points = [
+def _points(values, u=0.5, common=None):
+    return [
         SettingPoint(
             label=day,
             camera=_CAMERA,
@@ -26,7 +28,10 @@ def _drift_of(values, u=0.5, common=None):
         )
         for day, value in zip(_DAYS, values, strict=True)
     ]
-    (found,) = drifts(points)
+
+
+def _drift_of(values, **more):
+    (found,) = drifts(_points(values, **more))
     return found
 
 
@@ -52,3 +57,11 @@ def test_what_all_days_have_in_common_is_no_drift():
     assert found.u_rate_per_year == pytest.approx(0.3 / 32**0.5)
     assert found.u_change == pytest.approx(0.3 * 2**0.5)
     assert found.standard_uncertainty == pytest.approx(0.5)
+
+
+def test_a_camera_that_is_read_out_in_two_ways_has_a_drift_of_each():
+    """Oracle: by hand; the last change of one is 1, of the other 5."""
+    rolling = replace(_CAMERA, readout_mode="rolling")
+    points = [*_points([1.0, 2.0, 3.0]), *(replace(one, camera=rolling) for one in _points([7.0, 2.0, 7.0]))]
+    found = {one.newest[0].camera.readout_mode: one.change for one in drifts(points)}
+    assert found == {"snapshot": pytest.approx(1.0), "rolling": pytest.approx(5.0)}

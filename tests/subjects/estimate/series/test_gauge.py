@@ -77,9 +77,13 @@ def test_another_program_says_the_same(interaction):
     assert found.cameras == pytest.approx((ms["C(c)"] - crossed) / 12)
 
 
-def _result(serial_number, run, value):
+def _result(serial_number, run, value, *, manufacturer="m", readout_mode="snapshot"):
     camera = CameraKey(
-        manufacturer="m", model="k", serial_number=serial_number, camera_type="photon detector", readout_mode="snapshot"
+        manufacturer=manufacturer,
+        model="k",
+        serial_number=serial_number,
+        camera_type="photon",
+        readout_mode=readout_mode,
     )
     delay = PointParameter(
         value=value, standard_uncertainty=5.0, unit="s", expanded_uncertainty=10.0, common={"gate": 3.0, "wheel": 2.0}
@@ -95,3 +99,12 @@ def test_repeatability_stands_beside_what_is_each_result_s_own():
     assert found.rms_u_own == pytest.approx(12**0.5)
     assert (found.parameter, found.repeatability, found.cameras) == ("trigger_delay", 2.0, 7.0)
     assert words.startswith("1 of 5 results")
+
+
+@pytest.mark.parametrize("other", [{"readout_mode": "rolling"}, {"manufacturer": "n"}])
+def test_cameras_that_share_a_serial_number_alone_are_not_mixed(other):
+    """Oracle: by hand; of one number there is one result of each of two cameras: only camera 2 was measured twice."""
+    mixed = [_result("1", "a", 0.0), _result("1", "b", 500.0, **other), _result("2", "a", 4.0), _result("2", "b", 6.0)]
+    found, words = studies(mixed)
+    assert found == ()
+    assert "at least two cameras" in words
