@@ -81,7 +81,7 @@ def mean(values: Sequence[PointParameter]) -> JudgedValue:
         one = values[0]
         return JudgedValue(
             value=one.value, standard_uncertainty=one.standard_uncertainty, expanded_uncertainty=one.expanded_uncertainty,
-            unit=one.unit,
+            degrees_of_freedom=one.degrees_of_freedom, unit=one.unit,
         )  # fmt: skip
     u = np.array([one.standard_uncertainty for one in values])
     covariance = common_inputs.covariance(u, [one.common for one in values])
@@ -91,11 +91,12 @@ def mean(values: Sequence[PointParameter]) -> JudgedValue:
     birge = found.birge if found.probability < _DOUBTFUL else 1.0
     spread = (birge**2 - 1) / float(np.sum(1 / own))  # the own parts alone grow
     variance = float(found.covariance[0, 0]) + max(0.0, spread)
-    freedom = min(one.degrees_of_freedom for one in values) if birge == 1.0 else float(found.degrees_of_freedom)
+    freedom = max(1.0, min(one.degrees_of_freedom for one in values) if birge == 1.0 else found.degrees_of_freedom)
     whole = float(np.sqrt(variance))
     return JudgedValue(
         value=float(found.coefficients[0]), standard_uncertainty=whole,
-        expanded_uncertainty=budget.coverage_factor(max(1.0, freedom)) * whole, unit=values[0].unit, birge=birge,
+        expanded_uncertainty=budget.coverage_factor(freedom) * whole, degrees_of_freedom=freedom,
+        unit=values[0].unit, birge=birge,
     )  # fmt: skip
 
 
@@ -106,7 +107,7 @@ def _held(found: JudgedValue, limits: LimitsFile, *, name: str, serial: str) -> 
         return found
     lower, upper = limit.bounds_s
     said = judged(
-        found.value, u=found.standard_uncertainty, expanded=found.expanded_uncertainty, degrees_of_freedom=float("inf"),
-        limits=(lower, upper), rule=limits.decision.rule,
+        found.value, u=found.standard_uncertainty, expanded=found.expanded_uncertainty,
+        degrees_of_freedom=found.degrees_of_freedom, limits=(lower, upper), rule=limits.decision.rule,
     )  # fmt: skip
     return replace(found, lower=lower, upper=upper, judgement=_WORDS[said.outcome], probability=said.probability)

@@ -48,12 +48,14 @@ class CampaignPoint:
 class JudgedValue:
     """A parameter of a camera: value, u, U = k u, limits, what the rule says, and the probability of lying within them.
 
-    Without limits ``probability`` is None; ``birge`` is the ratio by which results scatter beyond their u, 1 for one result.
+    ``degrees_of_freedom`` are those of u. Without limits ``probability`` is None; ``birge`` is the ratio by which results scatter
+    beyond their u, 1 for one result.
     """
 
     value: float
     standard_uncertainty: float
     expanded_uncertainty: float
+    degrees_of_freedom: float
     unit: str
     lower: float | None = None
     upper: float | None = None
