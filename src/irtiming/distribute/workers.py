@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar, final
 
 from irtiming.archive.held_signals import held_signals
-from irtiming.errors import ArchiveError, IrTimingError
+from irtiming.errors import ArchiveError, EstimationError, GeometryError, IrTimingError, ReductionError
 
 _Piece = TypeVar("_Piece")
 _Found = TypeVar("_Found")
 HERE = "here"
 """In place of a scheduler's address: no other process at all."""
 
+_OF_THE_DATA = (ReductionError, EstimationError, GeometryError)
 _ALLOWED_DEATHS = 3
 _SETTINGS = {
     "distributed.scheduler.allowed-failures": _ALLOWED_DEATHS,
@@ -87,10 +88,10 @@ class _Dask:
 
 
 def failure(error: Exception) -> Failed:
-    """What an error of a piece of work says; one that the program raises on purpose would come again."""
+    """What an error of a piece of work says; one of what the data say would come again, a file may be read the next time."""
     if isinstance(error, IrTimingError):
         notes = "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
-        return Failed(what=f"{error}{notes}", is_lasting=True)
+        return Failed(what=f"{error}{notes}", is_lasting=isinstance(error, _OF_THE_DATA))
     if type(error).__name__ == "KilledWorker":
         return Failed(
             what=f"{_ALLOWED_DEATHS + 1} workers died while they worked on it; give them more memory, or analyse it alone",

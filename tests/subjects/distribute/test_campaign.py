@@ -13,7 +13,7 @@ from irtiming.archive.campaign_table import in_folder
 from irtiming.cli.main import app
 from irtiming.distribute.pieces import Seen
 from irtiming.distribute.workers import workers
-from irtiming.errors import ArchiveError, IrTimingError
+from irtiming.errors import ArchiveError, ReductionError
 from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.setting_point import CameraKey
 from irtiming.session.campaign import Order, run
@@ -53,7 +53,9 @@ def laboratory(tmp_path, monkeypatch):
         analysed.append(unit.recordings[0].name)
         serial, delay_us, *_ = unit.recordings[0].read_text().split()
         if delay_us == "nan":
-            raise IrTimingError("the wheel stood still")
+            raise ReductionError("the wheel stood still")
+        if delay_us == "gone":
+            raise ArchiveError("cannot be read (stale file handle)")
         return result_by_hand(float(delay_us) * 1e-6, serial=serial, findings=("tail-unknown",)).model_dump()
 
     monkeypatch.setattr("irtiming.distribute.campaign.look", look)
@@ -138,6 +140,17 @@ def test_a_restart_does_what_is_missing_or_has_changed(laboratory):
     _record(folder, a="A 402", c="C 403")
     run(_order(folder))
     assert sorted(analysed[4:]) == ["a.nxs", "c.nxs"]
+
+
+def test_a_file_that_could_not_be_read_is_tried_again(laboratory):
+    """Oracle: the count of analyses; what the data do not tell is told no better the second time, a file may be there again."""
+    folder, analysed = laboratory
+    _record(folder, a="A 400", f="F nan", g="G gone")
+    for names in (["a.nxs", "f.nxs", "g.nxs"], ["g.nxs"]):
+        analysed.clear()
+        broken = run(_order(folder)).campaign.broken
+        assert sorted(analysed) == names
+        assert [Path(one.files[0]).name for one in broken] == ["f.nxs", "g.nxs"]
 
 
 def test_results_of_one_camera_are_a_mean_that_keeps_the_rig(laboratory):
