@@ -34,13 +34,11 @@ class Seen:
     wheel_hz: float
 
     def goes_with(self, other: "Seen") -> bool:
-        """Whether both are of one camera at one setting, by one operator, of one run."""
+        """Whether both are at one setting; they are of one camera."""
         one, two = self.settings, other.settings
         periods = (self.frame_period_s or 0.0, other.frame_period_s or 0.0)
         return (
-            self.camera == other.camera
-            and (self.listed.operator, self.listed.run) == (other.listed.operator, other.listed.run)
-            and (self.integration_time_s, self.size) == (other.integration_time_s, other.size)
+            (self.integration_time_s, self.size) == (other.integration_time_s, other.size)
             and (one.gain_setting, one.internal_delay_set_s, one.region_first_row, one.region_first_column)
             == (two.gain_setting, two.internal_delay_set_s, two.region_first_row, two.region_first_column)
             and abs(periods[0] - periods[1]) <= _SAME_PERIOD * max(periods)
