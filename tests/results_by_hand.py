@@ -31,7 +31,7 @@ def result_by_hand(
         "findings": [{"code": code, "severity": "warning", "where": "", "what": "is odd"} for code in findings],
         "relative_delays": [], "budget": [], "edge_delays": None, "warnings": [], "geometry": {}, "wheel": None, "choices": {},
         "inputs": [
-            {"file": "run.nxs", "sha256": f"{serial}{window_s}{start}", "frames": 10, "trigger_delay_time_set": 0.0,
+            {"file": "run.nxs", "sha256": f"{serial}{delay_s}{window_s}{start}", "frames": 10, "trigger_delay_time_set": 0.0,
              "rotation_speed": 3.0, "roi": [0, 1, 0, 1], "border_px": 1, "bad_pixels": 0, "axle_row_column_px": None,
              "integration_time": window_s, "image": {"rows": 120, "columns": 160}, "frame_period": 0.033, "start_time": start,
              "settings": settings or {}}

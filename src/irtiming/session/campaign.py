@@ -144,5 +144,6 @@ def summary(campaign: Campaign, rows: Sequence[dict[str, Any]]) -> dict[str, Any
 def _entries(measured: Measured) -> Iterator[Entry]:
     for path, one, result in measured.results:
         yield Entry(
-            point=one.point, sha256=sha256_of(path), rig_sha256=result.rig.sha256, operator=one.operator, run=one.run
-        )
+            point=one.point, sha256=sha256_of(path), recordings_sha256=tuple(each.sha256 for each in result.inputs),
+            rig_sha256=result.rig.sha256, operator=one.operator, run=one.run,
+        )  # fmt: skip

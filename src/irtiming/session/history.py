@@ -54,7 +54,10 @@ def add(results: Sequence[Path], register: str) -> int:
             raise EstimationError(
                 "names no serial number, by which the register knows a camera; record it", where=str(path)
             )
-        found.append(Entry(point=made, sha256=sha256_of(path), rig_sha256=result.rig.sha256))
+        recordings = tuple(one.sha256 for one in result.inputs)
+        found.append(
+            Entry(point=made, sha256=sha256_of(path), recordings_sha256=recordings, rig_sha256=result.rig.sha256)
+        )
     return entries.add(register, found)
 
 

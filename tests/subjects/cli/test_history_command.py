@@ -2,6 +2,7 @@
 
 import json
 import sqlite3
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -9,6 +10,8 @@ from typer.testing import CliRunner
 from irtiming.cli.main import app
 from irtiming.errors import IrTimingError
 from results_by_hand import OWN_S, RIG_S, result_by_hand
+
+_TABLES = ("setting", "value", "common_input", "recording")
 
 
 def _run(*arguments):
@@ -69,6 +72,32 @@ def test_one_serial_number_read_out_in_two_ways_has_a_history(register, tmp_path
     assert changes == {"snapshot": pytest.approx(1e-6), "rolling": pytest.approx(5e-6)}
 
 
+def test_a_recording_counts_once_however_often_it_is_analysed(register, tmp_path):
+    """Oracle: by hand; the result of another rig.toml stands in place of that of the same recording, the other days stay."""
+    again = tmp_path / "again.json"
+    again.write_text(result_by_hand(402.0 * 1e-6, start="2026-11-23T10:00:00Z", rig="second").model_dump_json())
+    assert "1 new of 1" in _run("--register", register, "--add", again)
+    _run("A", "--register", register, "--json", tmp_path / "a.json")
+    files = [Path(one["file"]).name for one in json.loads((tmp_path / "a.json").read_text())["results"]]
+    assert files == ["A-2025-11-23.json", "A-2026-05-24.json", "again.json"]
+    with sqlite3.connect(register) as line:
+        rows = {name: line.execute(f"select count(distinct result_id) from {name}").fetchone()[0] for name in _TABLES}
+    line.close()
+    assert set(rows.values()) == {4}
+
+
+def test_a_register_without_recordings_can_be_used(register, tmp_path):
+    """Oracle: by hand; the table that earlier programs did not make is gone: what is in it stays, what comes is added."""
+    with sqlite3.connect(register) as line:
+        line.execute("drop table recording")
+    line.close()
+    path = tmp_path / "A.json"
+    path.write_text(result_by_hand(403e-6, start="2027-11-23T10:00:00Z").model_dump_json())
+    assert "1 new of 1" in _run("--register", register, "--add", path)
+    _run("A", "--register", register, "--json", tmp_path / "a.json")
+    assert len(json.loads((tmp_path / "a.json").read_text())["results"]) == 4
+
+
 def test_the_register_is_plain_tables(register):
     """Oracle: Python's own sqlite3, and the page that describes the tables."""
     with sqlite3.connect(register) as line:
@@ -79,7 +108,7 @@ def test_the_register_is_plain_tables(register):
     line.close()
     assert [serial for serial, _ in found] == ["A", "A", "A", "B"]
     assert found[0][1] == pytest.approx(400e-6)
-    assert set(tables) == {"register_version", "result", "setting", "value", "common_input", "finding"}
+    assert set(tables) == {"register_version", "result", "setting", "value", "common_input", "finding", "recording"}
     assert [line for line in _run("--register", register).splitlines() if " B " in line]
 
 

@@ -1,4 +1,8 @@
-"""Results written into the register, each once by its checksum, and points read back."""
+"""Results written into the register, each recording once, and points read back.
+
+A result that shares a recording with an earlier one takes its place: analysed again, by a later program or beside others, it is
+the same measurement, and counted twice it would make the uncertainty too small.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +14,9 @@ from irtiming.archive.nexus import program_version
 from irtiming.archive.register.tables import library, metadata, opened, unusable
 from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint
 
+_OF_RESULT = ("setting", "value", "common_input", "finding")
+"""Tables of what a point says."""
+
 _NOT_OURS = (UnicodeDecodeError, TypeError, ValueError, OverflowError)
 """Raised by cells that no irtiming wrote."""
 
@@ -17,10 +24,11 @@ _NOT_OURS = (UnicodeDecodeError, TypeError, ValueError, OverflowError)
 @final
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A result for the register: its point, the checksum of its file and of its rig.toml, who measured, which time."""
+    """A result for the register: its point, who measured, which time; and checksums of its file, recordings and rig.toml."""
 
     point: SettingPoint
     sha256: str
+    recordings_sha256: tuple[str, ...] = ()
     rig_sha256: str = ""
     operator: str = ""
     run: str = ""
@@ -37,7 +45,7 @@ class KnownCamera:
 
 
 def add(register: str, entries: Sequence[Entry], *, registered_at: str | None = None) -> int:
-    """Write entries that are not there yet, all or none; gives how many were new.
+    """Write entries that are not there yet, all or none, in place of those of the same recordings; gives how many were new.
 
     Parameters
     ----------
@@ -62,6 +70,7 @@ def add(register: str, entries: Sequence[Entry], *, registered_at: str | None = 
             for one in entries:
                 known = sql.select(tables["result"].c.id).where(tables["result"].c.sha256 == one.sha256)
                 if line.execute(known).first() is None:
+                    _remove_earlier(line, tables, one)
                     _insert(line, tables, one, when)
                     new += 1
     except sql.exc.SQLAlchemyError as error:
@@ -69,6 +78,16 @@ def add(register: str, entries: Sequence[Entry], *, registered_at: str | None = 
     finally:
         engine.dispose()
     return new
+
+
+def _remove_earlier(line: Any, tables: Mapping[str, Any], one: Entry) -> None:
+    """Remove results that have a recording of this one."""
+    sql, recording = library(), tables["recording"].c
+    shared = sql.select(recording.result_id).where(recording.sha256.in_(one.recordings_sha256)).distinct()
+    earlier = line.execute(shared).scalars().all()
+    for name in ("recording", *_OF_RESULT):
+        line.execute(tables[name].delete().where(tables[name].c.result_id.in_(earlier)))
+    line.execute(tables["result"].delete().where(tables["result"].c.id.in_(earlier)))
 
 
 def _insert(line: Any, tables: Mapping[str, Any], one: Entry, when: str) -> None:
@@ -101,6 +120,7 @@ def _insert(line: Any, tables: Mapping[str, Any], one: Entry, when: str) -> None
             for name, p in point.parameters.items() for source, adds in p.common.items()
         ],
         "finding": [here | {"code": code} for code in point.findings],
+        "recording": [here | {"sha256": sha256} for sha256 in dict.fromkeys(one.recordings_sha256)],
     }  # fmt: skip
     for name, values in rows.items():
         if values:
@@ -150,7 +170,7 @@ def of_camera(register: str, serial_number: str) -> tuple[SettingPoint, ...]:
                 name: line.execute(
                     sql.select(tables[name]).join(tables["result"]).where(tables["result"].c.serial_number == serial_number)
                 ).mappings().all()
-                for name in ("setting", "value", "common_input", "finding")
+                for name in _OF_RESULT
             }  # fmt: skip
         points = [
             _point(one, {name: [row for row in each if row["result_id"] == one["id"]] for name, each in rows.items()})

@@ -123,6 +123,10 @@ def metadata() -> Any:
         sql.Column("contribution", number, nullable=False), sql.UniqueConstraint("result_id", "parameter", "source"),
     )  # fmt: skip
     sql.Table(
+        "recording", found, sql.Column("result_id", sql.ForeignKey("result.id"), **of_result),
+        sql.Column("sha256", sql.String(64), nullable=False, index=True), sql.UniqueConstraint("result_id", "sha256"),
+    )  # fmt: skip
+    sql.Table(
         "finding", found, sql.Column("result_id", sql.ForeignKey("result.id"), **of_result),
         sql.Column("code", text, nullable=False),
     )  # fmt: skip
