@@ -17,9 +17,10 @@ from irtiming.acquire.run import record_run
 from irtiming.acquire.run_order import ENOUGH, INTERRUPTED, RunOrder, RunOutcome
 from irtiming.acquire.set_aside import free_path, recovered_parts, set_aside
 from irtiming.acquire.temperature import as_it_is, celsius, settled
+from irtiming.archive import reader
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.reference_file import add_reference, read_reference, write_reference
-from irtiming.errors import ArchiveError, InstrumentError, IrTimingError
+from irtiming.errors import InstrumentError, IrTimingError
 from irtiming.records.instrument_state import BlackbodyState
 from irtiming.records.recording import NonuniformityReference
 from irtiming.records.series_plan import SeriesPlan
@@ -219,7 +220,7 @@ class _Made:
             self._tell_drift(read_reference(self._series.folder / BEFORE), reference)
         if wishes.when == "after":
             for file in files:
-                if file is not None and read_nothing(file):
+                if file is not None and lacks_reference(file):
                     add_reference(reference, file)
         return ending
 
@@ -283,10 +284,12 @@ async def set_camera(rig: Rig, plan: SeriesPlan) -> None:
         await rig.camera.set_feature(name, value=value)
 
 
-def read_nothing(path: Path) -> bool:
-    """Whether a recording has no references yet."""
-    try:
-        read_reference(path)
-    except ArchiveError:
-        return True
-    return False
+def lacks_reference(path: Path) -> bool:
+    """Whether a recording has no references yet.
+
+    Raises
+    ------
+    ArchiveError
+        If it cannot be read.
+    """
+    return reader.read(path).nonuniformity is None

@@ -9,6 +9,7 @@ import pytest
 
 from irtiming.acquire.references import drift
 from irtiming.acquire.run_order import INTERRUPTED
+from irtiming.acquire.series import lacks_reference
 from irtiming.archive import reader
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.archive.live.unfinished import claimed
@@ -240,6 +241,16 @@ def test_references_after_the_runs_join_their_files(with_references):
     assert recording.frames.shape[0] == 16
     with h5py.File(outcome.outcomes[0].path) as file:
         assert file["entry/nonuniformity_reference/low"].attrs["temperature"] == 290.0
+
+
+def test_a_recording_that_cannot_be_read_is_not_one_without_references(with_references, hand_made):
+    """Oracle: by hand; a file with references, one without, and one that is no recording, which is refused."""
+    (made,) = with_references.recorded().outcomes
+    assert not lacks_reference(made.path)
+    assert lacks_reference(hand_made(lambda file: file.pop("entry/nonuniformity_reference")))
+    made.path.write_bytes(b"no recording")
+    with pytest.raises(ArchiveError):
+        lacks_reference(made.path)
 
 
 def test_references_that_alone_are_missing_are_recorded_as_planned(with_references):
