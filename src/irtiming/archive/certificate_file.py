@@ -16,6 +16,17 @@ from irtiming.units import seconds
 Rule = Literal["simple acceptance", "guard band"]
 """How a result at a limit is judged: as if it were exact, or with the expanded uncertainty as a guard band (ILAC-G8)."""
 
+RULES: dict[Rule, str] = {
+    "simple acceptance": (
+        "simple acceptance: a value within the limits passes, whatever its uncertainty (ILAC-G8:09/2019, 4.2.1)."
+    ),
+    "guard band": (
+        "guard band w = U: a value passes if it lies at least U within the limits, fails if it lies more than U outside, and "
+        "passes or fails on condition in between (ILAC-G8:09/2019, 4.2.3)."
+    ),
+}
+"""The same in a sentence, in English, as it stands on certificates and on the pages of campaigns."""
+
 _KIND = FileKind(name="certificate.toml")
 
 

@@ -5,16 +5,11 @@ from typing import Annotated
 
 from pydantic import Field
 
-from irtiming.archive.certificate_file import Decision, Limit, Rule
+from irtiming.archive.certificate_file import RULES, Decision, Limit
 from irtiming.archive.typed_file import OneOrSeveral, Part, read_toml
 from irtiming.archive.typed_misfit import FileKind
 
 _KIND = FileKind(name="limits.toml")
-_RULES: dict[Rule, str] = {
-    "simple acceptance": "simple acceptance: a value within the limits passes, whatever its uncertainty (JCGM 106, 8.2)",
-    "guard band": "guard band w = U: a value passes if it lies at least U within the limits, fails if it lies more than U "
-    "outside, and passes or fails on condition between (JCGM 106, 8.3; ISO 14253-1)",
-}
 
 
 class LimitsFile(Part):
@@ -26,7 +21,7 @@ class LimitsFile(Part):
     @property
     def rule_in_words(self) -> str:
         """What is said on the page; empty without limits."""
-        return _RULES[self.decision.rule] if self.limit else ""
+        return RULES[self.decision.rule] if self.limit else ""
 
 
 def read_limits(path: str | Path) -> LimitsFile:

@@ -57,7 +57,7 @@ def verdict(campaign: Campaign) -> Verdict:
     )  # fmt: skip
     others = [f"{counts[word]} {t(word)}" for word in WORST_FIRST if counts[word] and word not in ("pass", "no limits")]
     remarks = (
-        [t("Decision rule: {rule}.", rule=t(campaign.rule))]
+        [t("Decision rule: {rule}", rule=t(campaign.rule))]
         if campaign.rule
         else [t("No limits were given: nothing was judged.")]
     )

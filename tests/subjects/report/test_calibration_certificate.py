@@ -11,6 +11,8 @@ from certificates_by_hand import EVERY_KEY, EXAMPLE, form, result_file, sheet
 from lxml import html as lxml_html
 
 import irtiming.report.calibration as package
+from irtiming.archive.certificate_file import RULES
+from irtiming.archive.limits_file import LimitsFile
 from irtiming.errors import ArchiveError
 from irtiming.records.analysis import Analysis
 from irtiming.records.camera_frame import CameraIdentity
@@ -120,7 +122,7 @@ def test_everything_that_is_said_has_its_german() -> None:
     """Oracle: the template and the constants of the package; each text that is printed is in the catalogue."""
     template = (Path(package.__file__).parent / "certificate.html").read_text()
     texts = set(re.findall(r't\("([^"]+)"\)', template)) | set(re.findall(r'fact\("([^"]+)"', template))
-    texts |= {*conditions.PLACES.values(), *conditions.RULES.values(), *conditions.METHODS.values(), *VERDICTS.values()}
+    texts |= {*conditions.PLACES.values(), *RULES.values(), *conditions.METHODS.values(), *VERDICTS.values()}
     texts |= {*conditions.KINDS.values(), conditions.TRACEABILITY, conditions.NOT_TRACEABLE}
     assert sorted(texts - GERMAN) == []
     assert len(texts) > 80
@@ -211,6 +213,13 @@ def test_what_cannot_be_is_refused(analysis: Analysis, changes: dict, said: str)
         _page(analysis, **changes)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_campaign_and_certificate_word_a_decision_rule_alike(analysis: Analysis, rule: str) -> None:
+    """Oracle: a law; what limits.toml says of a rule stands on a certificate that is judged by it."""
+    limits = {"decision": {"rule": rule}, "limit": [{"parameter": "trigger_delay", "upper": "1 ms"}]}
+    assert LimitsFile.model_validate(limits).rule_in_words in _text(_page(analysis, **limits))
 
 
 @pytest.mark.parametrize("own_first", [False, True])

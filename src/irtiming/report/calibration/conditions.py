@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from irtiming.archive.certificate_file import Rule
 from irtiming.archive.result_model import Input
 from irtiming.report.calibration.content import MeasuredItem, Sheet
 from irtiming.report.calibration.numbers import plain, with_unit
@@ -16,15 +15,6 @@ PLACES = {
     "laboratoryBranch": "in a branch of the laboratory",
     "customerBranch": "in a branch of the customer",
     "other": "elsewhere",
-}
-RULES: dict[Rule, str] = {
-    "simple acceptance": (
-        "simple acceptance: a value within the limits passes, whatever its uncertainty (ILAC-G8:09/2019, 4.2.1)."
-    ),
-    "guard band": (
-        "guard band w = U: a value passes if it lies at least U within the limits, fails if it lies more than U outside, and "
-        "passes or fails on condition in between (ILAC-G8:09/2019, 4.2.3)."
-    ),
 }
 METHODS = {
     "published": (

@@ -7,7 +7,7 @@ import base64
 from typing import final
 from xml.etree import ElementTree as Xml
 
-from irtiming.archive.certificate_file import Organisation
+from irtiming.archive.certificate_file import RULES, Organisation
 from irtiming.report.calibration import conditions, rows
 from irtiming.report.calibration.content import CalibratedItem, MeasuredItem, Sheet
 from irtiming.report.calibration.dcc_numbers import UNITS, printable, real
@@ -289,7 +289,7 @@ class _Writer:
         quantity.append(real(row.value, row.unit, u=row.u, k=row.coverage_factor, label=row.name))
         if row.conformity is not None:
             metadata = _child(_child(quantity, "measurementMetaData"), "metaData")
-            self._words(metadata, "declaration", self._t(conditions.RULES[self._form.decision.rule]))
+            self._words(metadata, "declaration", self._t(RULES[self._form.decision.rule]))
             _child(metadata, "conformity", row.conformity.outcome)
             self._limits(_child(metadata, "data"), row)
         budget = _child(data, "list", refType="irtiming_budget")

@@ -8,6 +8,7 @@ from typing import Any, final
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from irtiming.archive.certificate_file import RULES
 from irtiming.errors import ArchiveError
 from irtiming.records.choices import Language
 from irtiming.report.calibration import conditions, rows
@@ -91,7 +92,7 @@ def _texts(sheet: Sheet, text: Text) -> dict[str, Any]:
             )
         ],
         "conformity": rows.conformity(sheet),
-        "rule": text.of(conditions.RULES[form.decision.rule]),
+        "rule": text.of(RULES[form.decision.rule]),
         "environment": conditions.environment(sheet),
         "method": text.of(conditions.method(sheet)),
         "traceability": traced

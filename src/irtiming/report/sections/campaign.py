@@ -44,7 +44,7 @@ def judged(campaign: Campaign) -> Section | None:
                 align="llrrlr",
                 rows=tuple(lines),
                 note=t(
-                    "Decision rule: {rule}. Probability: that the measurand lies within the limits, from value and u.",
+                    "Decision rule: {rule} Probability: that the measurand lies within the limits, from value and u.",
                     rule=t(campaign.rule),
                 ),
             ),
