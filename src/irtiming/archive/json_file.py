@@ -24,8 +24,18 @@ def write_json(content: Mapping[str, Any], path: str | Path) -> None:
     ArchiveError
         If the file cannot be written, or the content holds something that JSON cannot express.
     """
-    text = json.dumps(plain(content), indent=1, ensure_ascii=False, allow_nan=False)
-    write_atomically(text + "\n", path)
+    write_atomically(json_text(content), path)
+
+
+def json_text(content: Mapping[str, Any]) -> str:
+    """What `write_json` writes.
+
+    Raises
+    ------
+    ArchiveError
+        If the content holds something that JSON cannot express.
+    """
+    return json.dumps(plain(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:

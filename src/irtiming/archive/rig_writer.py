@@ -15,6 +15,11 @@ def write_rig(rig: Rig, path: str | Path) -> None:
     ArchiveError
         If the file cannot be written.
     """
+    write_atomically(rig_text(rig), path)
+
+
+def rig_text(rig: Rig) -> str:
+    """What rig.toml says of a rig, in millimetres and degrees."""
     edges = rig.wheel.cutout_edges_rad
     wheel = [f"control_slots = {rig.wheel.control_slots}", f'rotation = "{rig.wheel.rotation}"']
     if edges is not None:
@@ -35,7 +40,7 @@ def write_rig(rig: Rig, path: str | Path) -> None:
         ["[camera]", *_camera_lines(rig.camera)],
     ]
     sections = [lines for lines in sections if len(lines) > 1]
-    write_atomically("\n\n".join("\n".join(lines) for lines in sections) + "\n", path)
+    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
 def _beam_lines(gates: LightGates) -> list[str]:
@@ -51,7 +56,9 @@ def _beam_lines(gates: LightGates) -> list[str]:
 
 def _latency_lines(latency: Latency) -> list[str]:
     stated = {name: getattr(latency, f"{name}_s") for name in LATENCIES}
-    return [line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)]
+    lines = [line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)]
+    common_s = latency.gates_common_u_s
+    return lines if common_s is None else [*lines, f"gates_common_u_us = {_toml(common_s / SI['us'])}"]
 
 
 def _camera_lines(camera: CameraOptics) -> list[str]:

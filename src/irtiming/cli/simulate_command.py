@@ -214,7 +214,9 @@ def simulate(
     tail: TailTime = None,
     count_time_error: CountTimeError = None,
     laboratory: Laboratory = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace recordings of those names.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace recordings of those names, rig.toml and truth.json.")
+    ] = False,
     json: Json = None,
 ) -> None:
     """Simulate a measurement: recordings, rig.toml and truth.json.

@@ -99,17 +99,17 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
     start = _Start.of(found, window, is_significant=is_significant)
     rows = _rows(found, start, is_significant=is_significant)
     own = {one.name: one for one in base}
-    budget = _budget(
-        joint,
-        {name: _sum([own[part] for part in parts], list(parts.values())) for name, parts in rows.items()},
-        degrees_of_freedom=degrees_of_freedom,
-    )
+    reported = {
+        name: replace(_sum([own[part] for part in parts], list(parts.values())), name=name, offset=start.offset_s(name))
+        for name, parts in rows.items()
+    }
+    budget = _budget(joint, reported, degrees_of_freedom=degrees_of_freedom)
     profiled = [
         replace(own[next(iter(parts))], name=name, offset=start.offset_s(name))
         for name, parts in rows.items()
         if list(parts.values()) == [1.0] and name not in MEMORIES
     ]
-    estimate = mixed(found, rows, offsets={name: start.offset_s(name) for name in rows})
+    estimate = joint.estimate(list(reported.values()))
     follows = np.array([start.u_beside_s(name) for name in rows])
     trusted = _trusted(_of_frames(joint, window) if is_significant else None, window, u_middle_s=found.u(_MIDDLE))
     return Reported(

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import final
 
 from irtiming.archive import rig_writer, writer
-from irtiming.archive.json_file import make_folder, write_json
+from irtiming.archive.json_file import json_text, make_folder, write_json
+from irtiming.archive.rig_writer import rig_text
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
 from irtiming.records.camera_settings import CameraSettings
@@ -108,7 +109,7 @@ class CameraOrder:
 class SimulationOrder:
     """What a person wants simulated: a rig whose imperfections the ``seed`` draws, and runs at all speeds with all delays.
 
-    ``force`` replaces recordings of those names.
+    ``force`` replaces recordings of those names, and the rig that the folder tells of.
     """
 
     folder: Path
@@ -191,6 +192,9 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
     make_folder(order.folder)
     known = truth(rig.scene)
     measured, true = order.folder / "rig.toml", order.folder / "truth.json"
+    if not order.force:
+        _refuse_another_rig(measured, rig_text(rig.measured))
+        _refuse_another_rig(true, json_text(known))
     rig_writer.write_rig(rig.measured, measured)
     write_json(known, true)
     recordings = list[Path]()
@@ -201,6 +205,16 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
         )
         recordings.append(path)
     return Simulated(recordings=tuple(recordings), rig=measured, truth=true)
+
+
+def _refuse_another_rig(path: Path, text: str) -> None:
+    """Nothing, if a file is not there or says the same: recordings in its folder may be of the rig that it tells of."""
+    if path.exists() and path.read_bytes() != text.encode():
+        raise PlanError(
+            f"{path}: exists already, and tells of another simulated rig, of which recordings may be there; choose another "
+            "folder, or have it replaced with {force}",
+            "force",
+        )
 
 
 def _drawn(order: SimulationOrder) -> SimulatedRig:

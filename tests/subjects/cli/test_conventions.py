@@ -110,6 +110,18 @@ def test_a_simulation_replaces_only_when_it_is_told_to(tmp_path: Path) -> None:
     assert done.output.splitlines()[-1].startswith("1 recording, rig.toml and truth.json in")
 
 
+def test_a_simulation_of_another_rig_leaves_a_folder_as_it_is(tmp_path: Path) -> None:
+    """Oracle: the bytes of rig.toml and truth.json; the same rig at another speed goes in beside, another rig does not."""
+    command = ["simulate", str(tmp_path), *["--rows", "16", "--columns", "16", "--frames", "20"]]
+    assert CliRunner().invoke(app, command).exit_code == 0
+    before = [(tmp_path / name).read_bytes() for name in ("rig.toml", "truth.json")]
+    refused = CliRunner().invoke(app, [*command, "--seed", "2"])
+    assert "tells of another simulated rig" in str(refused.exception)
+    assert "--force" in str(refused.exception)
+    assert [(tmp_path / name).read_bytes() for name in ("rig.toml", "truth.json")] == before
+    assert CliRunner().invoke(app, [*command, "--wheel-hz", "5"]).exit_code == 0
+
+
 def test_methods_are_called_as_results_call_them(hand_made) -> None:
     """Oracle: the three names in results; row sums of a snapshot photon camera there are none."""
     from irtiming.archive import reader
