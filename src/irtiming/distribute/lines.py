@@ -13,7 +13,7 @@ from irtiming.archive.certificate_file import limit_of
 from irtiming.archive.limits_file import LimitsFile
 from irtiming.inference import common_inputs, weighted_line
 from irtiming.records.campaign import WORST_FIRST, CampaignLine, CampaignPoint, JudgedValue, Judgement
-from irtiming.records.setting_point import PointParameter, SettingPoint, groups
+from irtiming.records.setting_point import PointParameter, SettingPoint, groups, in_time
 from irtiming.report import budget
 from irtiming.report.calibration.decision import Outcome, judged
 
@@ -39,7 +39,7 @@ def of(points: Sequence[CampaignPoint], limits: LimitsFile) -> tuple[CampaignLin
 def _order(one: SettingPoint) -> tuple[object, ...]:
     settings = sorted((name, f"{value:024.12f}" if isinstance(value, float | int) else value)
                       for name, value in one.settings.items() if name != "sensor_temperature")  # fmt: skip
-    return one.camera.model, one.camera.serial_number, str(settings), one.start_time, one.label
+    return one.camera.model, one.camera.serial_number, str(settings), in_time(one.start_time), one.label
 
 
 def _line(group: Sequence[SettingPoint], limits: LimitsFile) -> CampaignLine:
@@ -64,7 +64,7 @@ def _line(group: Sequence[SettingPoint], limits: LimitsFile) -> CampaignLine:
     return CampaignLine(
         camera=camera, settings=settings, values=values, judgement=min(judgements, key=WORST_FIRST.index, default="no limits"),
         n_results=len(group), n_recordings=sum(one.n_recordings for one in group),
-        first_measured=min((one.start_time for one in group if one.start_time), default=""),
+        first_measured=min((one.start_time for one in group if one.start_time), key=in_time, default=""),
         findings=tuple(code for one in group for code in one.findings), simulated=any(one.simulated for one in group),
     )  # fmt: skip
 

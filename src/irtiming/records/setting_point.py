@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from typing import Literal, final
 
 from irtiming.records.frame_events import FrameEvent
@@ -88,6 +89,20 @@ class SettingPoint:
     n_recordings: int = 1
     findings: tuple[str, ...] = ()
     simulated: bool = False
+
+
+def utc(start_time: str) -> datetime | None:
+    """A time of ISO 8601, which is UTC where it says no other; None where the text is none."""
+    try:
+        when = datetime.fromisoformat(start_time)
+        return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC)
+    except (ValueError, OverflowError):
+        return None
+
+
+def in_time(start_time: str) -> tuple[datetime, str]:
+    """By what times of ISO 8601 are sorted, whatever zone each is told in; text that is none comes first."""
+    return utc(start_time) or datetime.min.replace(tzinfo=UTC), start_time
 
 
 def agree(one: SettingPoint, other: SettingPoint, *, besides: SettingName | None = None) -> bool:

@@ -37,3 +37,10 @@ def test_the_probability_of_conformity_is_by_the_degrees_of_freedom_of_u():
 
     (line,) = lines.of([_point(401.0, u_us=2.0, freedom=3.0)], _LIMITS)
     assert line.values["trigger_delay"].probability == pytest.approx(below(2.0) - below(-3.0), rel=1e-6)
+
+
+def test_the_first_measured_is_the_first_whatever_zone_its_time_is_told_in():
+    """Oracle: by hand; 23:00 at five hours behind UTC is 04:00 of the next day, after 01:00 UTC."""
+    early, late = "2026-01-02T01:00:00+00:00", "2026-01-01T23:00:00-05:00"
+    (line,) = lines.of([_point(400.0, start=late), _point(401.0, start=early)], LimitsFile())
+    assert line.first_measured == early

@@ -12,7 +12,7 @@ from typing import Any, final
 
 from irtiming.archive.nexus import program_version
 from irtiming.archive.register.tables import library, metadata, opened, unusable
-from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint
+from irtiming.records.setting_point import CameraKey, PointParameter, SettingPoint, in_time
 
 _OF_RESULT = ("setting", "value", "common_input", "finding")
 """Tables of what a point says."""
@@ -180,7 +180,7 @@ def of_camera(register: str, serial_number: str) -> tuple[SettingPoint, ...]:
         raise unusable(register, error) from error
     finally:
         engine.dispose()
-    return tuple(sorted(points, key=lambda one: (one.start_time, one.label)))
+    return tuple(sorted(points, key=lambda one: (in_time(one.start_time), one.label)))
 
 
 def _point(one: Any, rows: Mapping[str, Sequence[Any]]) -> SettingPoint:

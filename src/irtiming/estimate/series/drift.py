@@ -8,14 +8,14 @@ numbers shares less.
 """
 
 from collections.abc import Iterator, Sequence
-from datetime import UTC, date, datetime
+from datetime import date
 
 import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.inference import common_inputs, weighted_line
 from irtiming.records.drift import Drift
-from irtiming.records.setting_point import SettingPoint, groups
+from irtiming.records.setting_point import SettingPoint, groups, in_time, utc
 
 _DAYS_OF_A_YEAR = 365.25
 _FEWEST_DAYS = 3
@@ -36,7 +36,7 @@ def drifts(points: Sequence[SettingPoint], *, since: date | None = None) -> tupl
     EstimationError
         If a time is none of ISO 8601.
     """
-    dated = sorted((one for one in points if one.start_time), key=lambda one: one.start_time)
+    dated = sorted((one for one in points if one.start_time), key=lambda one: in_time(one.start_time))
     return tuple(found for group in groups(dated) for found in _of_setting(group, since))
 
 
@@ -48,14 +48,13 @@ def day_of(point: SettingPoint) -> date:
     EstimationError
         If its time is none of ISO 8601.
     """
-    try:
-        when = datetime.fromisoformat(point.start_time)
-        return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC).date()
-    except (ValueError, OverflowError) as error:
+    when = utc(point.start_time)
+    if when is None:
         raise EstimationError(
             f"was measured at '{point.start_time:.40}', which is no time of ISO 8601; correct start_time of its recordings",
             where=point.label,
-        ) from error
+        )
+    return when.date()
 
 
 def _of_setting(group: Sequence[SettingPoint], since: date | None) -> Iterator[Drift]:

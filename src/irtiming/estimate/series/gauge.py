@@ -14,7 +14,7 @@ from scipy.special import fdtrc
 
 from irtiming.records.arrays import Array
 from irtiming.records.campaign import CampaignPoint, GaugeStudy
-from irtiming.records.setting_point import CameraKey, groups
+from irtiming.records.setting_point import CameraKey, groups, in_time
 
 _POOLED = 0.25
 _FEWEST_CAMERAS = 2
@@ -104,6 +104,6 @@ def _cells(points: Sequence[CampaignPoint]) -> dict[tuple[CameraKey, str], list[
     largest = {id(one) for one in max(groups((one.point for one in points), of_kind=True), key=len)}
     mine = [one for one in points if id(one.point) in largest]
     cells: dict[tuple[CameraKey, str], list[CampaignPoint]] = {}
-    for one in sorted(mine, key=lambda each: (each.run, each.point.start_time, each.point.label)):
+    for one in sorted(mine, key=lambda each: (each.run, in_time(each.point.start_time), each.point.label)):
         cells.setdefault((one.point.camera, one.operator), []).append(one)
     return cells

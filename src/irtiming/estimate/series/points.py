@@ -10,7 +10,14 @@ from irtiming.archive.result_model import Contribution, Result
 from irtiming.errors import EstimationError
 from irtiming.records.recording import USUAL_READOUT
 from irtiming.records.rig_inputs import CLOCK, OF_THE_RIG, RIG_KEYS
-from irtiming.records.setting_point import CameraKey, PointParameter, SettingName, SettingPoint, is_same_setting
+from irtiming.records.setting_point import (
+    CameraKey,
+    PointParameter,
+    SettingName,
+    SettingPoint,
+    in_time,
+    is_same_setting,
+)
 
 _NORMAL_K = 2.0
 
@@ -38,7 +45,7 @@ def point(result: Result, *, label: str) -> SettingPoint:
     if not names:
         raise EstimationError("the result determines nothing of the camera; analyse more recordings", where=label)
     item = result.item
-    starts = sorted(one.start_time for one in result.inputs if one.start_time)
+    starts = [one.start_time for one in result.inputs if one.start_time]
     codes = [one.code for one in result.findings if one.severity in ("warning", "doubt", "error")]
     return SettingPoint(
         label=label,
@@ -49,7 +56,7 @@ def point(result: Result, *, label: str) -> SettingPoint:
         ),
         settings=_settings(result, label),
         parameters={name: _parameter(result, name) for name in names},
-        start_time=starts[0] if starts else "",
+        start_time=min(starts, key=in_time, default=""),
         n_recordings=len(result.inputs),
         findings=tuple(dict.fromkeys(codes)),
         simulated=result.simulated,

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array
-from irtiming.records.setting_point import SettingPoint, groups
+from irtiming.records.setting_point import SettingPoint, groups, in_time
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel
 from irtiming.report.language import several, t, with_capital
@@ -59,7 +59,7 @@ def charts(results: Sequence[SettingPoint]) -> Iterator[Chart]:
     Individuals and moving range (ISO 7870-2, 6.3): sigma is the mean of |x_i - x_(i-1)| over 1.128.
     """
     largest = max(groups(results, of_kind=True), key=len)
-    points = sorted(largest, key=lambda one: (one.start_time, one.label))
+    points = sorted(largest, key=lambda one: (in_time(one.start_time), one.label))
     for name in LEADING:
         measured = [one for one in points if name in one.parameters]
         if len(measured) < FEWEST_POINTS:
