@@ -56,7 +56,9 @@ def _beam_lines(gates: LightGates) -> list[str]:
 
 def _latency_lines(latency: Latency) -> list[str]:
     stated = {name: getattr(latency, f"{name}_s") for name in LATENCIES}
-    lines = [line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)]
+    lines = [
+        line for name, number in stated.items() if number is not None for line in _lines(name, "us", number=number)
+    ]
     common_s = latency.gates_common_u_s
     return lines if common_s is None else [*lines, f"gates_common_u_us = {_toml(common_s / SI['us'])}"]
 

@@ -223,7 +223,7 @@ def _shares(joint: Joint, names: Sequence[str]) -> list[Measurand]:
     return [Measurand(name=name, unit="1", weights={name: 1.0}) for name in names if name in joint.names]
 
 
-def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[str, float] | None = None) -> Estimate:
+def mixed(found: Estimate, rows: Mapping[str, Mapping[str, float]]) -> Estimate:
     """Weighted sums of the numbers of an estimate, with their covariance.
 
     Parameters
@@ -232,14 +232,12 @@ def mixed(found: Estimate, rows: dict[str, dict[str, float]], *, offsets: dict[s
         Numbers.
     rows
         By the name of each sum, the weights of the numbers.
-    offsets
-        Added to the values of some.
     """
     mix = np.array([[weights.get(name, 0.0) for name in found.names] for weights in rows.values()])
     return Estimate(
         names=tuple(rows),
         units=tuple(found.units[found.names.index(next(iter(weights)))] for weights in rows.values()),
-        values=mix @ found.values + np.array([(offsets or {}).get(name, 0.0) for name in rows]),
+        values=mix @ found.values,
         covariance=mix @ found.covariance @ mix.T,
     )
 
