@@ -52,18 +52,20 @@ def whole_number(text: str, name: str) -> int:
 
 
 def exact_seconds(text: str, name: str) -> Fraction:
-    """Seconds, exact, from text such as ``"25 ms"``, ``"20 min"`` or ``"0.025"``; zero is allowed.
+    """Seconds, exact, from text such as ``"25 ms"``, ``"20 min"`` or ``"0"``.
 
     Raises
     ------
     UnitError
-        If the text is not a number followed by s, ms, us, ns, min or h.
+        If the text is not a number followed by s, ms, us, ns, min or h; only zero needs no unit.
     PlanError
         If it is negative.
     """
     match = _TIME.fullmatch(text)
     if match is None or match[2] not in _SECONDS:
         raise UnitError(f"{name} is '{text}', which is not a time; write it such as '25 ms', '250 us' or '20 min'")
+    if not match[2] and Fraction(match[1]) != 0:
+        raise UnitError(f"{name} is '{text}', which has no unit; write it such as '{match[1]} ms'")
     if Fraction(match[1]) < 0:
         raise PlanError(f"{name} is {text.strip()}, but must not be negative")
     return Fraction(match[1]) * _SECONDS[match[2]]

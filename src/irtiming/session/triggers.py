@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+from irtiming.archive import layout
 from irtiming.archive.plan_file import read_plan
 from irtiming.errors import PlanError
 from irtiming.plan.schedule import schedule
@@ -62,9 +63,19 @@ def exact(asked: TriggerWishes, *, clock_frequency_hz: int) -> Wishes:
         samples_per_turn=_wish(asked.samples, asked.samples_limits, samples, name="samples per turn"),
         control_slots=whole_number(asked.control_slots, "the number of control slots"),
         longest_uninterrupted_s=None if pause is None else exact_seconds(pause, "the time between corrections"),
-        trigger_delays_s=tuple(exact_seconds(text, "the trigger delay") for text in asked.delays),
+        trigger_delays_s=tuple(map(_delay, asked.delays)),
         repeats=whole_number(asked.repeats, "the number of repeats"),
     )
+
+
+def _delay(text: str) -> Fraction:
+    """Delay that a recording can hold, s."""
+    delay_s, longest_s = exact_seconds(text, "the trigger delay"), layout.TRIGGER_DELAY_TIME_SET.highest
+    if delay_s > longest_s:
+        raise PlanError(
+            f"the trigger delay is {text.strip()}, must be at most {longest_s:g} s, the longest that a recording holds"
+        )
+    return delay_s
 
 
 def _exactly(wish: Wish) -> Wish:

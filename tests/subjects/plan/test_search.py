@@ -291,6 +291,7 @@ def test_limits_too_wide_to_search_are_refused_and_not_cut():
         (lambda: exact_number("-3", "the wheel rate"), PlanError, "greater than 0"),
         (lambda: whole_number("1000.5", "samples"), UnitError, "whole"),
         (lambda: exact_seconds("20 parsec", "the delay"), UnitError, "20 parsec"),
+        (lambda: exact_seconds("25", "the delay"), UnitError, "has no unit; write it such as '25 ms'"),
         (lambda: exact_seconds("-1 s", "the delay"), PlanError, "negative"),
         (lambda: ratio("100%", "the tolerance"), PlanError, "below 100%"),
         (lambda: ratio("a bit", "the tolerance"), UnitError, "a bit"),

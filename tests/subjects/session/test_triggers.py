@@ -32,6 +32,13 @@ def test_wishes_become_runs_for_the_generators_clock():
     assert rates == pytest.approx([3, 9], rel=0.01)
 
 
+def test_a_delay_that_no_recording_holds_is_refused_before_it_is_recorded():
+    """Oracle: the limit of trigger_delay_time_set in a recording, 60 s."""
+    assert exact(_plan(delays=("60 s",)).triggers, clock_frequency_hz=49_152_000).trigger_delays_s == (60,)
+    with pytest.raises(PlanError, match=r"the trigger delay is 61 s, must be at most 60 s"):
+        exact(_plan(delays=("61 s",)).triggers, clock_frequency_hz=49_152_000)
+
+
 def test_a_plan_file_is_read(tmp_path):
     """Oracle: the numbers in the file."""
     run = {
