@@ -131,7 +131,10 @@ class CameraTiming:
         if both:
             start = Moment(name="start", factors={"trigger_delay": 1.0})
             middle = Moment(name="middle", factors={"exposure_midpoint_delay": 1.0})
-            end = Moment(name="end", factors={"exposure_midpoint_delay": 2.0, "trigger_delay": -1.0})
+            last = {"exposure_midpoint_delay": 2.0, "trigger_delay": -1.0}
+            if "integration_time" in self.estimate:  # what comes after the window makes its middle later, not its end
+                last = {"trigger_delay": 1.0, "integration_time": 1.0}
+            end = Moment(name="end", factors=last)
         elif "exposure_midpoint_delay" in self.estimate or window_s is None:
             only = "exposure_midpoint_delay" if "exposure_midpoint_delay" in self.estimate else "trigger_delay"
             middle = Moment(name="middle", factors={only: 1.0})

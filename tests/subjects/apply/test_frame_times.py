@@ -136,6 +136,18 @@ def test_the_events_of_a_photon_camera_are_in_order():
         times.time_s("reading")
 
 
+def test_a_tail_makes_the_middle_later_and_not_the_end():
+    """Oracle: by hand; a window of 250 us from 400 us on, whose tail has its middle 8 us later: it ends at 650 us, not at 666."""
+    numbers = {
+        "trigger_delay": (400e-6, 2e-7),
+        "exposure_midpoint_delay": (533e-6, 3e-7),
+        "integration_time": (250e-6, 4e-7),
+    }
+    timing = camera_timing.of_result(made_up_result("photon", "snapshot", numbers))
+    times = frame_times.apply(timing, EventTimes(time_s=np.array([1.0]), scale="s"))
+    assert times.time_s("end")[0, 0] == pytest.approx(1.00065, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
