@@ -41,6 +41,7 @@ _TAKEN = (
 _SHARES = ("recursive_filter", "pixel_memory")
 _MOST_SHARE, _LONGEST_S, _MOST_ROWS = 0.9, 60.0, 2**16
 _SHARE = re.compile(r"0?\.[0-9]{1,9}")
+_SAME_PERIOD = 1.01  # plans for several wheel speeds have frame periods that differ by a few thousandths
 _SURE = 2.0  # standard uncertainties, from which a share of the frame before counts as there
 
 
@@ -322,7 +323,7 @@ def _conditions(result: Result) -> Conditions:
         integration_time_s=windows.pop() if len(windows) == 1 else None,
         rows=rows,
         columns=columns,
-        frame_period_s=periods.pop() if len(periods) == 1 else None,
+        frame_period_s=sum(periods) / len(periods) if periods and max(periods) < _SAME_PERIOD * min(periods) else None,
     )
 
 

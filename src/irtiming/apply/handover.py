@@ -90,9 +90,15 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
     Raises
     ------
     EstimationError
-        If the camera is rolling and its result does not say how many rows it has.
+        If the camera is rolling and its result does not say how many rows it has, or if each frame holds a share of the one
+        before, which lies at no one time before it.
     """
     conditions = camera.conditions
+    if conditions.frame_period_s is None and (camera.response.recursive_filter or camera.response.pixel_memory):
+        raise EstimationError(
+            "each frame holds a share of the one before, and the result's recordings have frame periods that differ: when a "
+            "frame was like the scene depends on the period; analyse recordings of one frame rate, or use irtiming apply time"
+        )
     moments = {one.name: one for one in camera.moments(conditions.frame_period_s)}
     if camera.row_delay_s and conditions.rows is None:
         raise EstimationError("the result does not say how many rows the image has; analyse the recordings anew")

@@ -126,12 +126,29 @@ def test_a_filter_s_share_counts_every_frame_before():
     assert given.frames_back.u_s == pytest.approx(1e-4 / 0.96**2 * 0.033, rel=1e-9)
 
 
-def test_without_one_frame_period_the_share_is_named_as_left_out(tmp_path):
-    """Oracle: by hand; recordings at 33 and 34 ms have no one frame before: 525 us stay, and the words say what is not held."""
-    one, other = REMEMBERING.inputs[0], REMEMBERING.inputs[0].model_copy(update={"frame_period": 0.034})
-    path = tmp_path / "two.json"
-    write_result(REMEMBERING.model_copy(update={"inputs": [one, other]}).model_dump(mode="json"), path)
-    said = " ".join(hand_over.explain(path))
+def _with_periods(result, *periods_s, folder):
+    path, (one, *_) = folder / "several.json", result.inputs
+    inputs = [one.model_copy(update={"frame_period": period_s}) for period_s in periods_s]
+    write_result(result.model_copy(update={"inputs": inputs}).model_dump(mode="json"), path)
+    return path
+
+
+def test_frame_periods_that_plans_for_several_speeds_have_are_one(tmp_path):
+    """Oracle: by hand, 0.2 % of 33.1 ms, the mean of 33.0 ms and 33.2 ms, before 525 us."""
+    said = " ".join(hand_over.explain(_with_periods(REMEMBERING, 0.033, 0.0332, folder=tmp_path)))
+    assert "459 ± 17 µs" in said
+
+
+def test_a_share_of_a_frame_that_was_at_no_one_time_before_is_refused(tmp_path):
+    """Oracle: by hand; recordings at 33 and 34 ms have no one frame before; the share is 4 u, so 525 us would be 4 u wrong."""
+    with pytest.raises(EstimationError, match="have frame periods that differ"):
+        hand_over.explain(_with_periods(REMEMBERING, 0.033, 0.034, folder=tmp_path))
+
+
+def test_a_share_that_may_be_none_is_named_as_left_out(tmp_path):
+    """Oracle: by hand; a share of 1 u at 33 and 34 ms: 525 us stay, and the words say what is not held."""
+    doubtful = made_up_result("photon", "snapshot", COOLED | {"pixel_memory": (5e-4, 5e-4)})
+    said = " ".join(hand_over.explain(_with_periods(doubtful, 0.033, 0.034, folder=tmp_path)))
     assert "525.0" in said
     assert "pixel memory (the recordings' frame periods differ)" in said
 
