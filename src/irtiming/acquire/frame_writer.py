@@ -113,10 +113,11 @@ class FrameWriter:
         finally:
             self._thread.shutdown()
 
-    async def abandon(self, why: str) -> None:
-        """Close the file with what is in it, whatever went wrong outside; errors of the file are let go."""
+    async def abandon(self, why: str) -> Path | None:
+        """Close the file with what is in it, whatever went wrong outside; errors of the file are let go, and none came of it."""
         with suppress(ArchiveError):
-            await self.finish(" ".join(why.split()))
+            return await self.finish(" ".join(why.split()))
+        return None
 
     def _close(self, ended: str) -> Path:
         part, is_empty = self._recording.part, self._recording.n_frames == 0

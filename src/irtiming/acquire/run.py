@@ -20,6 +20,7 @@ from irtiming.acquire.free_count import FreeCount
 from irtiming.acquire.pairing import Pairing, Verdict
 from irtiming.acquire.rig import Rig
 from irtiming.acquire.run_order import ENOUGH, INTERRUPTED, RunOrder, RunOutcome
+from irtiming.acquire.set_aside import set_aside
 from irtiming.acquire.temperature import TemperatureWatch
 from irtiming.acquire.trigger_train import Accompaniment, FreeAccompaniment, listen, trigger, wheel_at_speed
 from irtiming.acquire.wheel_watch import WheelWatch
@@ -154,7 +155,10 @@ class _Capture:
             counts = await self._disarm(frames)
         except BaseException as error:
             if self._writer is not None:
-                await self._writer.abandon(f"broken off: {error or type(error).__name__}")
+                why = f"{NOT_TRUSTED}broken off before its frames had their triggers: {str(error) or type(error).__name__}"
+                path = await self._writer.abandon(why)
+                if path is not None:
+                    set_aside(path, attendant=self._attendant)
             raise
         finally:
             for task in (*beside, frames):

@@ -117,6 +117,25 @@ def test_a_person_may_end_it(laboratory):
     assert made.verdict.frames == made.verdict.triggers == laboratory.camera.sent
 
 
+def test_a_run_that_is_torn_away_is_no_recording_of_the_series(laboratory):
+    """Oracle: the folders; what came is in a file set aside, which nobody can take for a recording whose frames are proven."""
+
+    def torn():
+        if len(laboratory.heard.numbers) > 20:
+            raise asyncio.CancelledError
+        return False
+
+    laboratory.heard.leaves = torn
+    with pytest.raises(asyncio.CancelledError):
+        _long(laboratory).recorded()
+    assert list(laboratory.folder.glob("*.nxs")) == []
+    (path,) = laboratory.folder.glob("set-aside/*.nxs")
+    with pytest.raises(
+        ArchiveError, match=f"{NOT_TRUSTED}broken off before its frames had their triggers: CancelledError"
+    ):
+        reader.read(path)
+
+
 def test_it_ends_when_it_is_enough(laboratory):
     """Oracle: a listener that is content with 30 frames."""
     laboratory.heard.enough_after = 30
