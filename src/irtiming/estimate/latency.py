@@ -15,6 +15,7 @@ from irtiming.records.rig import Latency, Measured
 _SPEEDS_APART = 1.2
 _SIGNIFICANCE = 0.01
 _BEFORE_S = 10e-6
+_LEAST_BACK = 0.5  # of the triggers: a line loses hardly any, another signal meets few
 """A stamp may be so much earlier than its trigger, where more latency was taken off than there is."""
 
 
@@ -153,7 +154,7 @@ def of_loop(trigger_ticks: Ticks, stamp_ticks: Ticks, *, name: str, line: str, c
     Raises
     ------
     EstimationError
-        If no trigger came back.
+        If no trigger came back, or fewer than half of them: then another signal is at that input.
     """
     early = round(_BEFORE_S * clock_frequency_hz)
     most = int(np.median(np.diff(trigger_ticks))) - early if trigger_ticks.size > 1 else early
@@ -164,6 +165,11 @@ def of_loop(trigger_ticks: Ticks, stamp_ticks: Ticks, *, name: str, line: str, c
     if not late.size:
         raise EstimationError(
             f"{name}: no trigger came back at {line}; lead camera_out to that input, and record it (--spare, or --camera-input)"
+        )
+    if late.size < _LEAST_BACK * trigger_ticks.size:
+        raise EstimationError(
+            f"{name}: {late.size} of {trigger_ticks.size} triggers came back at {line}, most must: another signal is at that "
+            "input; lead camera_out to it, and record it (--spare, or --camera-input)"
         )
     values, counts = np.unique(late, return_counts=True)
     return LoopBack(

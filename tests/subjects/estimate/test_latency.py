@@ -129,7 +129,7 @@ def test_one_speed_alone_is_refused():
 
 
 def test_a_trigger_that_is_led_back():
-    """Oracle: by hand; 3, 3, 4 and 6 ticks of 1 MHz later, one trigger never came back and one stamp is a stray."""
+    """Oracle: by hand; 3, 3, 4 and 6 ticks of 1 MHz later, one trigger never came back and one stamp is a stray; a pulse per second meets few."""
     trigger = np.array([1000, 2000, 3000, 4000, 5000])
     stamps = np.array([1003, 2003, 2500, 3004, 4006])
     found = latency.of_loop(trigger, stamps, name="x", line="spare", clock_frequency_hz=1e6)
@@ -138,5 +138,9 @@ def test_a_trigger_that_is_led_back():
     assert found.mean_s == pytest.approx(4e-6)
     assert found.spread_s == pytest.approx(1.5**0.5 * 1e-6)
     assert found.latency.trigger_s.value == pytest.approx(2e-6)
+    with pytest.raises(
+        EstimationError, match="2 of 5 triggers came back at spare, most must: another signal is at that input"
+    ):
+        latency.of_loop(trigger, stamps[:2], name="x", line="spare", clock_frequency_hz=1e6)
     with pytest.raises(EstimationError, match="no trigger came back"):
         latency.of_loop(trigger, stamps[:0], name="x", line="spare", clock_frequency_hz=1e6)
