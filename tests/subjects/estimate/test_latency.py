@@ -129,7 +129,7 @@ def test_one_speed_alone_is_refused():
 
 
 def test_a_trigger_that_is_led_back():
-    """Oracle: by hand; 3, 3, 4 and 6 ticks of 1 MHz later, one trigger never came back and one stamp is a stray; a pulse per second meets few."""
+    """Oracle: by hand; 3, 3, 4 and 6 ticks of 1 MHz later, one never came back, one stamp is a stray; few are another signal."""
     trigger = np.array([1000, 2000, 3000, 4000, 5000])
     stamps = np.array([1003, 2003, 2500, 3004, 4006])
     found = latency.of_loop(trigger, stamps, name="x", line="spare", clock_frequency_hz=1e6)
