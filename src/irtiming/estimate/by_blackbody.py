@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from irtiming.estimate.chains import chains
+
 _SAME_K = 1.0  # blackbodies that differ by less count as one
 
 
@@ -22,13 +24,8 @@ def groups(temperature_k: Sequence[float | None], *, is_colder: Sequence[bool]) 
     order = sorted(
         range(len(temperature_k)), key=lambda k: (is_colder[k], temperature_k[k] is None, temperature_k[k] or 0)
     )
-    found: list[list[int]] = []
-    for k in order:
-        if found and _alike(found[-1][-1], k, temperature_k, is_colder):
-            found[-1].append(k)
-        else:
-            found.append([k])
-    return sorted((sorted(group) for group in found), key=lambda group: group[0])
+    found = chains(order, lambda before, k: _alike(before, k, temperature_k, is_colder))
+    return sorted(found, key=lambda group: group[0])
 
 
 def _alike(one: int, other: int, temperature_k: Sequence[float | None], is_colder: Sequence[bool]) -> bool:

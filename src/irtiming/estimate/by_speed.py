@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from irtiming.estimate.chains import chains
+
 _SAME = 2e-3  # of the speed: recordings whose speeds differ by less count as one
 
 
@@ -18,10 +20,4 @@ def groups(speeds: Sequence[float]) -> list[list[int]]:
     Groups from the slowest to the fastest; within one, each speed exceeds the one before by less than 0.2 %.
     """
     order = sorted(range(len(speeds)), key=lambda k: speeds[k])
-    found: list[list[int]] = []
-    for k in order:
-        if found and speeds[k] < (1 + _SAME) * speeds[found[-1][-1]]:
-            found[-1].append(k)
-        else:
-            found.append([k])
-    return [sorted(group) for group in found]
+    return chains(order, lambda before, k: speeds[k] < (1 + _SAME) * speeds[before])

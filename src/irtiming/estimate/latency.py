@@ -14,8 +14,8 @@ from irtiming.records.rig import Latency, Measured
 
 _SPEEDS_APART = 1.2
 _SIGNIFICANCE = 0.01
-_BEFORE_S = 10e-6
 _LEAST_BACK = 0.5  # of the triggers: a line loses hardly any, another signal meets few
+_BEFORE_S = 10e-6
 """A stamp may be so much earlier than its trigger, where more latency was taken off than there is."""
 
 
@@ -125,11 +125,12 @@ def of_gates(application: LatencyDifference, *, photodiode: LatencyDifference | 
     """
     difference = application.difference_s
     if photodiode is None:
-        first, control = known, _sum(known, difference, sign=-1)
-        return Latency(application_gate_s=first, control_gate_s=control, gates_common_u_s=first.standard_uncertainty)
-    first = _sum(known, photodiode.difference_s, sign=-1)
-    other = _sum(first, difference, sign=1)
-    return Latency(application_gate_s=other, control_gate_s=first, gates_common_u_s=first.standard_uncertainty)
+        application_s, control_s = known, _sum(known, difference, sign=-1)
+    else:
+        control_s = _sum(known, photodiode.difference_s, sign=-1)
+        application_s = _sum(control_s, difference, sign=1)
+    common_u_s = min(one.standard_uncertainty for one in (application_s, control_s))
+    return Latency(application_gate_s=application_s, control_gate_s=control_s, gates_common_u_s=common_u_s)
 
 
 def _sum(one: Measured, other: Measured, *, sign: int) -> Measured:
