@@ -5,10 +5,11 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from geometry_by_hand import GATES
 
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.reduced import AxleView
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
+from irtiming.records.wheel_geometry import WheelGeometry
 
 TURN = 2 * np.pi
 CLOCK_HZ, START = 49_152_000, 7_000_000
@@ -58,9 +59,7 @@ def _ring_of_pixels():
 
 GEOMETRY = WheelGeometry(
     model=wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=CENTRE),
-    gates=GateAngles(
-        application_rad=GATE, control_rad=0.3, height_m=0.047, control_height_m=0.0415, sensitivity=(0.5, 0.0, 1.0)
-    ),
+    gates=replace(GATES, application_rad=GATE),
     angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

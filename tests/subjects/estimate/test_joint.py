@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from geometry_by_hand import GATES
 
 from irtiming.estimate import joint, shared_numbers
 from irtiming.estimate.joint import Measurand
 from irtiming.inference.information import NOISE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry, WheelModel
+from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 TURN = 2 * np.pi
 U_EDGE, U_MASK, U_GATE = 2e-4, 5e-4, 3e-4
@@ -18,9 +19,7 @@ GEOMETRY = WheelGeometry(
     model=WheelModel(
         cutout_edges_rad=(0.0, 1.57, 3.14, 4.71), gate_angle_rad=1.8, opening_angle_rad=1.3, centre_angle_rad=-1.5
     ),
-    gates=GateAngles(
-        application_rad=0.27, control_rad=0.3, height_m=0.05, control_height_m=0.0445, sensitivity=(1.0, 1.0, 1.0)
-    ),
+    gates=replace(GATES, height_m=0.05, control_height_m=0.0445, sensitivity=(1.0, 1.0, 1.0)),
     angle_budget=(("mask", "B", U_MASK), ("register", "A", U_GATE)),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from geometry_by_hand import GATES
 from iminuit import Minuit
 
 from irtiming.estimate import doubts, joint, profiles, row_fit, row_light, timing
@@ -13,7 +14,7 @@ from irtiming.estimate.timing import Timing
 from irtiming.physics.camera import camera as bolometer
 from irtiming.physics.light.row_sum import timing_names
 from irtiming.physics.response.first_order_lag import HARMONICS
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
+from irtiming.records.wheel_geometry import WheelGeometry
 
 TURN = 2 * np.pi
 U_ANGLE, U_EDGE = 5e-4, 2e-4
@@ -31,13 +32,7 @@ def camera(brute_bolometer):
 def geometry(camera):
     return WheelGeometry(
         model=camera.model,
-        gates=GateAngles(
-            application_rad=0.2682,
-            control_rad=0.3,
-            height_m=0.047,
-            control_height_m=0.0415,
-            sensitivity=(0.5, 0.0, 1.0),
-        ),
+        gates=replace(GATES, application_rad=0.2682),
         angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
         u_edge_rad=U_EDGE,
         edges_from="rig.toml",

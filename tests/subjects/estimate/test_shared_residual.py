@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from geometry_by_hand import GATES
 
 from irtiming.estimate import shared_numbers, shared_residual, timing
 from irtiming.estimate.joint import LocalModel
@@ -10,16 +11,14 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
+from irtiming.records.wheel_geometry import WheelGeometry
 
 TURN = 2 * np.pi
 N, NOISE, WINDOW, U_ANGLE, U_EDGE = 600, 1e-4, 250e-6, 5e-4, 2e-4
 WHEEL = wheel_model((0.0, 1.5718, 3.1421, 4.7125), 0.27, opening_angle_rad=1.31, centre_angle_rad=-np.pi / 2)
 GEOMETRY = WheelGeometry(
     model=WHEEL,
-    gates=GateAngles(
-        application_rad=0.27, control_rad=0.3, height_m=0.047, control_height_m=0.0415, sensitivity=(0.5, 0.0, 1.0)
-    ),
+    gates=GATES,
     angle_budget=(("mask centre angle phi_M", "B", U_ANGLE),),
     u_edge_rad=U_EDGE,
     edges_from="rig.toml",

@@ -1,16 +1,16 @@
 """The generalised mean over edges, recordings and speeds against formulas written out element by element."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from geometry_by_hand import geometry_by_hand
 
 from irtiming.estimate import joint, shared_numbers, timing
-from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
@@ -70,28 +70,7 @@ def fits():
 @pytest.fixture
 def geometry():
     """What is known of the angles: two common errors and, where told, that of a single edge."""
-
-    def make(*, common=(5e-4, 2e-4), u_edge=1e-4):
-        model = wheel_model(
-            (0.0, 1.57, 3.15, 4.71), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-90))
-        )
-        return WheelGeometry(
-            model=model,
-            gates=GateAngles(
-                application_rad=0.27,
-                control_rad=0.3,
-                height_m=0.047,
-                control_height_m=0.0415,
-                sensitivity=(0.5, 0.0, 1.0),
-            ),
-            angle_budget=tuple((f"angle {k}", "B", u) for k, u in enumerate(common)),
-            u_edge_rad=u_edge,
-            edges_from="ideal",
-            camera_roll_rad=None,
-            findings=(KNOWN,),
-        )
-
-    return make
+    return partial(geometry_by_hand, edges_from="ideal", findings=(KNOWN,))
 
 
 def _combined(fits, geometry, *, integration_time_s, u_window_s=None):

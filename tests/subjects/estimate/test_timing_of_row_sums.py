@@ -2,19 +2,19 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from geometry_by_hand import geometry_by_hand
 
 from irtiming.estimate import timing
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADES, timing_names
-from irtiming.physics.wheel import wheel_model
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.row_timing import RowTimingFit
-from irtiming.records.wheel_geometry import GateAngles, WheelGeometry
 
 TURN = 2 * np.pi
 OMEGA = TURN * 3
@@ -80,28 +80,7 @@ def fits():
 @pytest.fixture
 def geometry():
     """What is known of the angles: two common errors and, where told, that of a single edge."""
-
-    def make(*, common=(5e-4, 2e-4), u_edge=1e-4):
-        model = wheel_model(
-            (0.0, 1.57, 3.15, 4.71), 0.27, opening_angle_rad=1.3, centre_angle_rad=float(np.radians(-90))
-        )
-        return WheelGeometry(
-            model=model,
-            gates=GateAngles(
-                application_rad=0.27,
-                control_rad=0.3,
-                height_m=0.047,
-                control_height_m=0.0415,
-                sensitivity=(0.5, 0.0, 1.0),
-            ),
-            angle_budget=tuple((f"angle {k}", "B", u) for k, u in enumerate(common)),
-            u_edge_rad=u_edge,
-            edges_from="rig.toml",
-            camera_roll_rad=None,
-            findings=(KNOWN,),
-        )
-
-    return make
+    return partial(geometry_by_hand, findings=(KNOWN,))
 
 
 @pytest.fixture
