@@ -18,11 +18,12 @@ Rule = Literal["simple acceptance", "guard band"]
 
 RULES: dict[Rule, str] = {
     "simple acceptance": (
-        "simple acceptance: a value within the limits passes, whatever its uncertainty (ILAC-G8:09/2019, 4.2.1)."
+        "simple acceptance: a value within the limits passes, whatever its uncertainty "
+        "(ILAC-G8:09/2019, 4.2.1; JCGM 106:2012, 8.2)."
     ),
     "guard band": (
         "guard band w = U: a value passes if it lies at least U within the limits, fails if it lies more than U outside, and "
-        "passes or fails on condition in between (ILAC-G8:09/2019, 4.2.3)."
+        "passes or fails on condition in between (ILAC-G8:09/2019, 4.2.3; JCGM 106:2012, 8.3; ISO 14253-1)."
     ),
 }
 """The same in a sentence, in English, as it stands on certificates and on the pages of campaigns."""
