@@ -79,17 +79,14 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
             f"[camera] frame_event is '{wishes.frame_event}', and a delay of {readable_time(max(delayed) / clock)} is planned; a "
             "camera that runs free knows none: leave delays out"
         )
-    shortest_s = min(run.scheme.camera_period_ticks for run in series.triggers) / clock
-    window_s = wishes.integration_time_s or 0.0
+    shortest_s, window_s = series.triggers.shortest_period_s, wishes.integration_time_s or 0.0
     if window_s >= shortest_s:
         yield (
             f"the integration time is {readable_time(window_s)}, the camera is triggered every "
             f"{readable_time(shortest_s)}; integrate shorter, or plan a lower frame rate"
         )
-    slow = await frame_rate.complaint(camera, series.triggers)
-    if slow is not None and await frame_rate.is_set(
-        camera, dict(features_of(plan))
-    ):  # else known when the series sets it
+    is_set = await frame_rate.is_set(camera, dict(features_of(plan)))  # else the series asks when it has set the camera
+    if is_set and (slow := await frame_rate.complaint(camera, series.triggers)) is not None:
         yield slow
 
 

@@ -11,8 +11,7 @@ _READOUT_FEATURES = ("ResultingFrameRate", "AcquisitionResultingFrameRate")
 
 async def complaint(camera: Camera, triggers: TriggerPlan) -> str | None:
     """What stands against the triggers; None where nothing does, or the camera does not say how fast it can be."""
-    fastest_hz = await _fastest_hz(camera)
-    shortest_s = min(run.scheme.camera_period_ticks for run in triggers) / triggers.clock_frequency_hz
+    fastest_hz, shortest_s = await _fastest_hz(camera), triggers.shortest_period_s
     if fastest_hz is None or shortest_s * fastest_hz >= 1 - 1e-9:
         return None
     return (

@@ -125,13 +125,19 @@ def require_place(
         raise unwritable(place, PermissionError("no permission"))
 
 
-def require_places(outputs: Iterable[str | Path | None], *, inputs: Iterable[str | Path | None] = ()) -> None:
-    """`require_place` for all texts that a command writes, None for those that it does not.
+def require_places(
+    texts: Iterable[str | Path | None],
+    *,
+    files: Iterable[str | Path | None] = (),
+    new: Iterable[str | Path | None] = (),
+    inputs: Iterable[str | Path | None] = (),
+) -> None:
+    """`require_place` for all that a command writes, None for what it does not: each to a file of its own.
 
     Parameters
     ----------
-    outputs
-        Where the results should go: each to a file of its own.
+    texts, files, new
+        Where texts should go, what is no text, and what is none and replaces no file.
     inputs
         All files that are read, or written to in another way: none of them may be overwritten.
 
@@ -141,7 +147,8 @@ def require_places(outputs: Iterable[str | Path | None], *, inputs: Iterable[str
         As `require_place`.
     """
     taken = [one for one in inputs if one is not None]
-    for place in outputs:
-        if place is not None:
-            require_place(place, besides=taken)
-            taken.append(place)
+    for places, is_text, is_new in ((new, False, True), (texts, True, False), (files, False, False)):
+        for place in places:
+            if place is not None:
+                require_place(place, besides=taken, is_text=is_text, is_new=is_new)
+                taken.append(place)

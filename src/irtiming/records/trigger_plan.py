@@ -192,6 +192,11 @@ class TriggerPlan:
     def __iter__(self) -> Iterator[PlannedRun]:
         return iter(self.runs)
 
+    @property
+    def shortest_period_s(self) -> float:
+        """Between triggers of the camera, of all runs, s."""
+        return min(run.scheme.camera_period_ticks for run in self.runs) / self.clock_frequency_hz
+
 
 def _check_exact(number: object, name: str) -> None:
     if isinstance(number, bool) or not isinstance(number, int | Fraction):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, final
 
 from irtiming.archive import reader
-from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.map_file import write_maps
 from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
@@ -101,16 +101,16 @@ def write(
 
 def _require_places(order: AnalysisOrder) -> None:
     """No place where nothing may be written, before the long work."""
-    taken = [*order.recordings, order.rig, *([order.wheel_calibration] if order.wheel_calibration else [])]
     if order.maps is not None and order.maps.suffix.lower() not in (".h5", ".hdf5", ".nxs"):
         raise ArchiveError(
             f"{order.maps}: maps are written as HDF5 with a picture, NAME.png, beside them; give a name that ends in .h5"
         )
     beside = None if order.maps is None else order.maps.with_suffix(".png")
-    for place in (order.result, order.report, order.maps, beside, order.picture):
-        if place is not None:
-            require_place(place, besides=taken, is_text=place in (order.result, order.report))
-            taken.append(place)
+    require_places(
+        [order.result, order.report],
+        files=[order.maps, beside, order.picture],
+        inputs=[*order.recordings, order.rig, order.wheel_calibration],
+    )
 
 
 def _read(order: AnalysisOrder) -> Iterator[Recording]:

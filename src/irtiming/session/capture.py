@@ -8,7 +8,7 @@ from typing import final
 from irtiming.archive.captures.streams import CapturedTicks, captured_ticks, line_map
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
 from irtiming.archive.frames.opening import files_read
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 
@@ -76,10 +76,8 @@ def import_capture(order: CaptureOrder) -> Imported:
     IrTimingError
         If a file cannot be read or written, data were lost in the capture, or it contradicts the frames.
     """
-    taken = [order.capture, *(files_read(order.frames) if order.frames else [])]
-    for place in order.places:
-        require_place(place, besides=taken, is_text=place is not order.out, is_new=place is order.out)
-        taken.append(place)
+    read = [order.capture, *(files_read(order.frames) if order.frames else [])]
+    require_places([order.json], new=[order.out], inputs=read)
     lines = line_map(order.lines)
     ticks = captured_ticks(order.capture, lines, clock_hz=order.clock_hz, shortest_s=order.shortest_s)
     if order.json is not None:

@@ -8,7 +8,7 @@ from typing import final
 
 from irtiming.archive.certificate_check import CheckedCertificate, check_certificate
 from irtiming.archive.certificate_file import CertificateFile, read_certificate_file
-from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.result_file import read_result
 from irtiming.errors import ArchiveError
 from irtiming.records.choices import Language
@@ -51,10 +51,7 @@ def certify(order: CertificateOrder) -> Sheet:
     IrTimingError
         If a file cannot be read or written, results and certificate.toml contradict each other, or WeasyPrint is missing.
     """
-    taken = [*order.results, order.form]
-    for place in (*order.out, *([] if order.crate is None else [order.crate])):
-        require_place(place, besides=taken, is_text=place is not order.crate)
-        taken.append(place)
+    require_places(order.out, files=[order.crate], inputs=[*order.results, order.form])
     form = _in_language(read_certificate_file(order.form), order.language)
     sheet = collect(read_results(order.results), form, called=str(order.form))
     made = {path: _made(sheet, path.suffix.lower(), beside=order.form.parent) for path in order.out}

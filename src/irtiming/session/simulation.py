@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
-from irtiming.archive import rig_writer, writer
-from irtiming.archive.json_file import json_text, make_folder, write_json
+from irtiming.archive import writer
+from irtiming.archive.json_file import json_text, make_folder, write_atomically
 from irtiming.archive.rig_writer import rig_text
 from irtiming.errors import PlanError, listed
 from irtiming.measurement import Progress
@@ -192,11 +192,12 @@ def simulate(order: SimulationOrder, *, progress: Progress | None = None) -> Sim
     make_folder(order.folder)
     known = truth(rig.scene)
     measured, true = order.folder / "rig.toml", order.folder / "truth.json"
+    texts = {measured: rig_text(rig.measured), true: json_text(known)}
     if not order.force:
-        _refuse_another_rig(measured, rig_text(rig.measured))
-        _refuse_another_rig(true, json_text(known))
-    rig_writer.write_rig(rig.measured, measured)
-    write_json(known, true)
+        for path, text in texts.items():
+            _refuse_another_rig(path, text)
+    for path, text in texts.items():
+        write_atomically(text, path)
     recordings = list[Path]()
     for recording in _recordings(scenes, order):
         path = order.folder / f"{recording.name}.nxs"
