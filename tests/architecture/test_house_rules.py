@@ -137,7 +137,7 @@ def _over_budget(path: Path, function: ast.FunctionDef) -> Iterator[str]:
         yield f"{where}: {body} lines"
     if len(positional) + len(args.kwonlyargs) > MOST_PARAMETERS:
         yield f"{where}: too many parameters"
-    is_public = not function.name.startswith("_") and path.name not in ("kernels.py", "progress.py")
+    is_public = not function.name.startswith("_") and path.name not in ("kernels.py", "array_kernels.py", "progress.py")
     if is_public and len(positional) > MOST_POSITIONAL:
         yield f"{where}: {positional} may be given by position"
 

@@ -8,7 +8,7 @@ import typer
 
 from irtiming.cli.options import Edge, RigFile, filled, in_options
 from irtiming.errors import UnitError
-from irtiming.records.choices import Choices, Language, Method
+from irtiming.records.choices import Choices, Language, Method, Processor
 
 _SLOPE_LIMITS = "0.05,0.95"
 
@@ -73,6 +73,9 @@ def analyse(
             metavar="FILE", help="Slots of the same wheel, from irtiming calibrate-wheel, taken together with these."
         ),
     ] = None,
+    processor: Annotated[
+        Processor, typer.Option(help="What sums the frames; automatic is a GPU where CuPy finds one.")
+    ] = "automatic",
 ) -> None:
     """Timing of a camera from its recordings, with uncertainties.
 

@@ -21,6 +21,9 @@ Language = Literal["en", "de"]
 ReferenceEdge = Literal["automatic", "first", "second"]
 """Which of the two alternating application edges is edge 0: the one before the longer interval, or as chosen."""
 
+Processor = Literal["automatic", "cpu", "gpu"]
+"""What sums the frames; automatic is a GPU where there is one, else the processor."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +35,8 @@ class Choices:
     ``border_px`` is by how much the summed region exceeds the opening; ``plateau_margin`` the share of a plateau's width that
     is kept away from each of its corners. ``slope_limits`` are the opening fractions between which lines are fitted.
     ``reference_edge`` names the application edge that is the angle zero. ``substrate_temperature_k`` of a microbolometer
-    detector and ``wheel_temperature_k`` are what its two time constants are separated with.
+    detector and ``wheel_temperature_k`` are what its two time constants are separated with. ``processor`` is what sums the
+    frames.
     """
 
     method: Method = "pixel-sum"
@@ -45,6 +49,7 @@ class Choices:
     reference_edge: ReferenceEdge = "automatic"
     substrate_temperature_k: float | None = None
     wheel_temperature_k: float | None = None
+    processor: Processor = "automatic"
 
     def __post_init__(self) -> None:
         """Refuse what cannot be, whatever the recording."""

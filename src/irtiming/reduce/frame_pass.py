@@ -14,8 +14,10 @@ from typing import Protocol, final
 import numpy as np
 
 from irtiming.records.arrays import Mask, Pixels, Ticks
+from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Region
+from irtiming.reduce import frame_memory
 
 SHORTEST = 60
 """Frames between two shutter events that are worth offsets of their own; fewer are dropped."""
@@ -27,7 +29,7 @@ class Block:
     """Some frames in a row.
 
     ``now`` are their numbers in the recording; ``whole`` (frame, row, column) the frames, ``part`` what they show of the region
-    of interest, contiguous in memory. Both are valid until the next block.
+    of interest, contiguous in memory. Both are valid until the next block; both may be in the memory of a GPU.
     """
 
     now: slice
@@ -85,28 +87,46 @@ class Stretches:
     short: Ticks
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Accumulators:
+    """Those of every frame, in the order in which they are to be fed; the judge; those of the good frames."""
+
+    every: Sequence[OfEveryFrame]
+    judge: Judge
+    good: Sequence[OfGoodFrames]
+
+
 def run(
-    recording: Recording, roi: Region, *, every: Sequence[OfEveryFrame], judge: Judge, good: Sequence[OfGoodFrames],
-    progress: Callable[[int], None],
-) -> Stretches:  # fmt: skip
+    recording: Recording, roi: Region, *, feeding: Accumulators, progress: Callable[[int], None], choices: Choices
+) -> Stretches:
     """Read all frames once.
 
     Parameters
     ----------
     recording, roi
         Its frames, and their region of interest.
-    every, judge, good
-        Accumulators of every frame, in the order in which they are to be fed; the judge; accumulators of the good frames.
+    feeding
+        What is given them.
     progress
         Is given the number of frames done so far.
+    choices
+        Of the processor that sums them.
+
+    Raises
+    ------
+    ReductionError
+        If a GPU is wanted and there is none.
     """
+    moved = frame_memory.mover(choices.processor)
     rows, columns = slice(*roi[:2]), slice(*roi[2:])
     n_frames = recording.frames.shape[0]
-    held = _HeldBack(judge, good, n_frames=n_frames)
-    for first, whole in recording.frames.blocks():
-        part = np.ascontiguousarray(whole[:, rows, columns])
-        block = Block(now=slice(first, first + len(whole)), whole=whole, part=part)
-        for one in (*every, judge):
+    held = _HeldBack(feeding.judge, feeding.good, n_frames=n_frames)
+    for first, read in recording.frames.blocks():
+        whole = moved(read)
+        part = frame_memory.contiguous(whole[:, rows, columns])
+        block = Block(now=slice(first, first + len(read)), whole=whole, part=part)
+        for one in (*feeding.every, feeding.judge):
             one.add(block)
         held.add(block, at_end=block.now.stop == n_frames)
         progress(block.now.stop)
@@ -132,24 +152,24 @@ class _HeldBack:
         part, first, n_read = block.part, block.now.start, block.now.stop
         end = n_read if at_end else max(self._held_first, n_read - self._judge.reach)
         good, near = self._judge.decide(self._held_first, end, n_read=n_read)
-        held = part[:0] if self._held is None else self._held
-        n_held = len(held)
+        held = part[:0, ...] if self._held is None else self._held
+        n_held = held.shape[0]
         for start, stop in pairwise([0, *(np.flatnonzero(np.diff(near)) + 1), near.size]):
             if stop > start and near[start]:
                 self.close()
             elif stop > start:
-                self._take(held[start:stop], self._held_first + start, good[start:stop])
+                earlier = slice(min(start, n_held), min(stop, n_held))
+                self._take(held[earlier, ...], self._held_first + earlier.start, good[earlier])
                 own = slice(max(start - n_held, 0), max(stop - n_held, 0))
-                self._take(part[own], first + own.start, good[max(start, n_held) : max(stop, n_held)])
-        self._held = np.concatenate([held[near.size :], part[max(near.size - n_held, 0) :]])
+                self._take(part[own, ...], first + own.start, good[max(start, n_held) : max(stop, n_held)])
+        self._held = frame_memory.joined(held[min(near.size, n_held) :, ...], part[max(near.size - n_held, 0) :, ...])
         self._held_first = end
 
     def _take(self, frames: Pixels, first: int, good: Mask) -> None:
-        good = good[: len(frames)]
         index = first + np.flatnonzero(good)
         if not index.size:
             return
-        frames = frames if good.all() else frames[good]
+        frames = frames if good.all() else frame_memory.taken(frames, good)
         for one in self._good:
             one.add(index, frames)
         self._stretch.append(index)

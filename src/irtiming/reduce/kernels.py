@@ -2,17 +2,38 @@
 
 Frames are shared among threads where that pays: not in the loops at the end, which on pixels side by side in memory take less
 time than a thread needs to wake up. Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one
-vector register where eight bytes per count would fit four, and memory, not arithmetic, sets the pace.
+vector register where eight bytes per count would fit four, and memory, not arithmetic, sets the pace. Frames in a GPU's memory
+are left to the loops of `array_kernels`.
 """
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numba import njit, prange
 
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
+from irtiming.reduce import array_kernels
 
 _TILE = 512  # pixels
 
+_Given = ParamSpec("_Given")
+_Found = TypeVar("_Found")
 
+
+def _or_on_a_gpu(compiled: Callable[_Given, _Found]) -> Callable[_Given, _Found]:
+    """The compiled loop, or its namesake where the frames, which come first, are not in this machine's memory."""
+    elsewhere: Callable[_Given, _Found] = getattr(array_kernels, compiled.__name__)
+
+    @wraps(compiled)
+    def loop(*given: Any, **named: Any) -> _Found:
+        return (compiled if isinstance(given[0], np.ndarray) else elsewhere)(*given, **named)
+
+    return loop
+
+
+@_or_on_a_gpu
 @njit(parallel=True, cache=True)
 def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
     """Pixels above their own threshold in each frame.
@@ -42,6 +63,7 @@ def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
     return counts
 
 
+@_or_on_a_gpu
 @njit(parallel=True, cache=True, fastmath=True)
 def weighted_sum(frames: Pixels, weights: np.ndarray) -> Array:
     """Sum of weight times value over each frame, shape (frame,); weights float32 (row, column)."""
@@ -59,6 +81,7 @@ def weighted_sum(frames: Pixels, weights: np.ndarray) -> Array:
     return sums
 
 
+@_or_on_a_gpu
 @njit(cache=True)
 def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
     """Pixels at zero and at full scale in each frame (frame, row, column), looking at every nth row, shape (2, frame)."""
@@ -77,6 +100,7 @@ def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
     return counts
 
 
+@_or_on_a_gpu
 @njit(cache=True)
 def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
     """Sum of the taken pixels of each row, shape (frame, row).
@@ -96,6 +120,7 @@ def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
     return sums
 
 
+@_or_on_a_gpu
 @njit(cache=True, fastmath=True)
 def weighted_row_sum(frames: Pixels, weights: np.ndarray) -> Array:
     """Sum of weight times value over each row, shape (frame, row).
@@ -114,6 +139,7 @@ def weighted_row_sum(frames: Pixels, weights: np.ndarray) -> Array:
     return sums
 
 
+@_or_on_a_gpu
 @njit(cache=True)
 def repeats(frames: Pixels, before: Pixels) -> Mask:
     """Which frames are, bit by bit, the one before them, shape (frame,); ``before`` (row, column) precedes the first."""
@@ -132,6 +158,7 @@ def repeats(frames: Pixels, before: Pixels) -> Mask:
     return same
 
 
+@_or_on_a_gpu
 @njit(cache=True, fastmath=True)
 def add_projection(frames: Pixels, cosine: Array, sine: Array, into: Array) -> None:
     """Add cosine[frame] * value, sine[frame] * value and value to ``into``, shape (3, row, column), in double precision."""
@@ -147,6 +174,7 @@ def add_projection(frames: Pixels, cosine: Array, sine: Array, into: Array) -> N
                 into[2, row, column] += value
 
 
+@_or_on_a_gpu
 @njit(cache=True)
 def gather(frames: Pixels, spans: Ticks, into: Pixels) -> None:
     """Copy spans of pixels, shape (span, 3) with row, first and end column, side by side into ``into`` (frame, pixel)."""
@@ -160,6 +188,7 @@ def gather(frames: Pixels, spans: Ticks, into: Pixels) -> None:
                 place += 1
 
 
+@_or_on_a_gpu
 @njit(cache=True, fastmath=True)
 def add_waves(values: Pixels, weights: np.ndarray, base: np.ndarray, into: np.ndarray) -> None:
     """Add weights (wave, frame) times values (frame, pixel) less ``base`` (pixel,) to ``into`` (wave, pixel); all float32.

@@ -21,7 +21,7 @@ from irtiming.reduce.accumulators.counts import Counts
 from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
-from irtiming.reduce.frame_pass import Block, OfGoodFrames
+from irtiming.reduce.frame_pass import Accumulators, Block, OfGoodFrames
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import contrast_image, in_plateau_frames, motion, steady_levels
 from irtiming.reduce.opening.in_plateau_frames import Sighting
@@ -72,8 +72,8 @@ def reduce(
         projection = contrast_image.projection(angles.angle_rad, found, share=share)
         waves = pixel_waves.of(angles, found) if maps else None
         good: list[OfGoodFrames] = [projection, waves] if waves else [projection]
-        every = (counts, sums, limits, repeats)
-        stretches = frame_pass.run(recording, found.roi, every=every, judge=judge, good=good, progress=progress)
+        feeding = Accumulators(every=(counts, sums, limits, repeats), judge=judge, good=good)
+        stretches = frame_pass.run(recording, found.roi, feeding=feeding, progress=progress, choices=choices)
         if not judge.is_shut.any() and not judge.is_odd.any():
             judge.leave_out(_far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn))
         if judge.good.sum() == n_known:

@@ -19,7 +19,7 @@ from irtiming.reduce.accumulators.limits import Limits
 from irtiming.reduce.accumulators.quiet_level import QuietLevel
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.drift import Drift
-from irtiming.reduce.frame_pass import SHORTEST, Stretches
+from irtiming.reduce.frame_pass import SHORTEST, Accumulators, Stretches
 from irtiming.reduce.opening import contrast_image, in_contrast, motion
 from irtiming.reduce.opening.in_contrast import Sighting
 from irtiming.reduce.remarks import doubt
@@ -85,10 +85,10 @@ def reduce(
     judge = ShutterJudge(watch, expected, rows=rows, quiet=quiet, limits=limits, repeats=repeats)
     projection = contrast_image.projection(angles.angle_rad, found, trigger_ticks=angles.trigger_ticks)
     waves = pixel_waves.of(angles, found) if maps else None
-    stretches = frame_pass.run(
-        recording, found.roi, every=(rows, quiet, limits, repeats), judge=judge,
-        good=(projection, *([waves] if waves else [])), progress=progress,
-    )  # fmt: skip
+    feeding = Accumulators(
+        every=(rows, quiet, limits, repeats), judge=judge, good=(projection, *([waves] if waves else []))
+    )
+    stretches = frame_pass.run(recording, found.roi, feeding=feeding, progress=progress, choices=choices)
     harvest = _Harvest(angles=angles, sighting=sighting, rows=rows, judge=judge, stretches=stretches)
     events = shutter.events(judge.event, judge.zone, levels=judge.levels)
     dropped = _dropped(recording, harvest, events)

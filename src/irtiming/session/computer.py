@@ -22,6 +22,7 @@ from irtiming.instruments.blackbodies import open_blackbody
 from irtiming.instruments.choppers import open_chopper
 from irtiming.instruments.device_address import CAMERAS, connect, drivers
 from irtiming.instruments.generator import trigger_generator
+from irtiming.reduce.frame_memory import gpu
 
 DeviceKind = Literal["camera", "chopper", "blackbody", "generator"]
 Status = Literal["ok", "warning", "missing"]
@@ -92,6 +93,7 @@ def checks(folder: Path, devices: Iterable[Device] = ()) -> Iterator[Check]:
     yield from _packages()
     yield _aravis()
     yield _compression()
+    yield _gpu()
     yield from _drivers()
     yield from _serial_ports()
     yield _disk(folder)
@@ -133,6 +135,14 @@ def _compression() -> Check:
         is_there, found = False, " ".join(str(error).split())
     cure = "" if is_there else "pip install --force-reinstall hdf5plugin h5py"
     return Check(part="HDF5 filters", status="ok" if is_there else "missing", found=found, cure=cure)
+
+
+def _gpu() -> Check:
+    found = gpu()
+    if found is None:
+        return Check(part="GPU", status="ok", found="none that CuPy finds: the processor sums the frames")
+    name = found.cuda.runtime.getDeviceProperties(0)["name"].decode()
+    return Check(part="GPU", status="ok", found=f"{name}, which sums the frames")
 
 
 def _drivers() -> Iterator[Check]:

@@ -1,6 +1,7 @@
 """`irtiming doctor`, as typed, and its checks on files that stand in for those of the system."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 import typer
@@ -52,6 +53,16 @@ def test_a_package_that_is_not_there_is_told_with_its_cure(run, monkeypatch):
     """Oracle: the words for a package of no such name."""
     monkeypatch.setattr(computer, "_PACKAGES", (("no_such_package", "no-such", "nothing", "pip install it"),))
     assert "missing  no-such: not installed, for nothing; pip install it" in run().stdout
+
+
+@pytest.mark.parametrize("there", [None, b"Model Z"])
+def test_a_gpu_is_told_by_its_name(run, monkeypatch, there):
+    """Oracle: the words for the device's own name, and for none."""
+    runtime = SimpleNamespace(getDeviceProperties=lambda number: {"name": there})
+    cupy = SimpleNamespace(cuda=SimpleNamespace(runtime=runtime))
+    monkeypatch.setattr(computer, "gpu", lambda: cupy if there else None)
+    words = "Model Z, which sums the frames" if there else "none that CuPy finds"
+    assert f"ok       GPU: {words}" in run().stdout
 
 
 def test_a_driver_that_cannot_be_loaded_is_told(run, monkeypatch):

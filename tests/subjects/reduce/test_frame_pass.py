@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from irtiming.records.choices import Choices
 from irtiming.reduce import frame_pass
 
 ROI = (1, 4, 2, 6)
@@ -66,7 +67,8 @@ class _Good:
 
 def _run(n, judge, *, block):
     recording, every, good, told = _Recording(n, block), _Every(), _Good(), []
-    found = frame_pass.run(recording, ROI, every=(every,), judge=judge, good=(good,), progress=told.append)
+    feeding = frame_pass.Accumulators(every=(every,), judge=judge, good=(good,))
+    found = frame_pass.run(recording, ROI, feeding=feeding, progress=told.append, choices=Choices())
     assert every.seen == judge.seen == list(range(n))
     assert np.array_equal(np.concatenate(every.parts), recording.values[:, 1:4, 2:6])
     assert told == [*range(block, n, block), n]

@@ -30,4 +30,4 @@ class Limits:
     def add(self, block: Block) -> None:
         """Look at some frames."""
         most = kernels.count_at_limits(block.part, self._full_scale, _SOME_ROWS).max(axis=0)
-        self.is_dead[block.now] = most > _MOSTLY * block.part[0, ::_SOME_ROWS].size
+        self.is_dead[block.now] = most > _MOSTLY * block.part[0, ::_SOME_ROWS, :].size

@@ -9,7 +9,7 @@ from irtiming.physics import wheel_waves
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.pixel_waves import PixelWaves
 from irtiming.records.reduced import Opening
-from irtiming.reduce import kernels
+from irtiming.reduce import frame_memory, kernels
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.reduce.wheel.frame_angles import FrameAngles
@@ -46,10 +46,10 @@ class WavesOfPixels:
         self._wanted: Mask = summed[self._row_px, self._column_px]
         self._spans[:, 0] -= opening.roi[0]
         self._spans[:, 1:] -= opening.roi[2]
-        self._held: Pixels = np.empty((_TOGETHER, self._row_px.size), np.uint16)
+        self._held: Pixels | None = None
         self._of_held: list[Ticks] = []
         self._base: np.ndarray | None = None
-        self._sums = np.zeros((len(self._waves), self._row_px.size), np.float32)
+        self._sums: np.ndarray | None = None
         self._total = np.zeros((len(self._waves) - 1, self._row_px.size))
         self._kept: list[Ticks] = []
 
@@ -59,11 +59,13 @@ class WavesOfPixels:
 
     def add(self, index: Ticks, frames: Pixels) -> None:
         """Take frames of the region of interest in, shape (frame, roi rows, roi columns)."""
+        if self._held is None:
+            self._held = frame_memory.zeros((_TOGETHER, self._row_px.size), "uint16", beside=frames)
         done = 0
         while done < index.size:
             n_held = sum(one.size for one in self._of_held)
             more = min(index.size - done, _TOGETHER - n_held)
-            kernels.gather(frames[done : done + more], self._spans, self._held[n_held : n_held + more])
+            kernels.gather(frames[done : done + more, ...], self._spans, self._held[n_held : n_held + more, :])
             self._of_held.append(index[done : done + more])
             done += more
             if n_held + more == _TOGETHER:
@@ -73,14 +75,15 @@ class WavesOfPixels:
         """Take the means of the waves off the stretch, and add it to the others."""
         self._multiply()
         means = self._waves[:-1, index].mean(axis=1, dtype=float)
-        self._total += self._sums[:-1] - np.multiply.outer(means, self._sums[-1])
+        sums = frame_memory.to_host(self._sums)
+        self._total += sums[:-1] - np.multiply.outer(means, sums[-1])
         self._kept.append(index)
         self.drop()
 
     def drop(self) -> None:
         """Forget the stretch."""
         self._of_held = []
-        self._sums[:] = 0
+        self._sums = None
 
     def found(self, *, correct: Correction, drift_dn: Array) -> PixelWaves:
         """The sums of corrected values.
@@ -108,12 +111,14 @@ class WavesOfPixels:
         )
 
     def _multiply(self) -> None:
-        if not self._of_held:
+        if not self._of_held or self._held is None:
             return
         index = np.concatenate(self._of_held)
-        held = self._held[: index.size]
+        held = self._held[: index.size, :]
         if self._base is None:  # sums of small numbers stay exact
-            self._base = held[0].astype(np.float32)
+            self._base = frame_memory.single_precision(held[0, :])
+        if self._sums is None:
+            self._sums = frame_memory.zeros((len(self._waves), self._row_px.size), "float32", beside=held)
         with one_thread():
             kernels.add_waves(held, np.ascontiguousarray(self._waves[:, index]), self._base, self._sums)
         self._of_held = []

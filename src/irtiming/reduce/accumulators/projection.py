@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
-from irtiming.reduce import kernels
+from irtiming.reduce import frame_memory, kernels
 
 
 @final
@@ -28,7 +28,7 @@ class Projection:
     def __init__(self, wave: ComplexArray, *, shape: tuple[int, int], follows: Mask | None = None) -> None:
         self._wave = wave
         self.pairs = None if follows is None else PairProjection(wave, shape=shape, follows=follows)
-        self._sums = np.zeros((3, *shape))
+        self._sums: Array | None = None
         self.total = np.zeros(shape, complex)
         self.level: Array = np.zeros(shape)
         self._kept: list[Ticks] = []
@@ -42,23 +42,23 @@ class Projection:
 
     def add(self, index: Ticks, frames: Pixels) -> None:
         """Project some frames of the region of interest, shape (frame, row, column)."""
-        wave = self._wave[index]
-        kernels.add_projection(frames, np.ascontiguousarray(wave.real), np.ascontiguousarray(wave.imag), self._sums)
+        self._sums = _projected(frames, self._wave[index], self._sums)
         if self.pairs is not None:
             self.pairs.add(index, frames)
 
     def keep(self, index: Ticks) -> None:
         """Take the mean of the wave off the stretch, and add it to the others."""
+        sums = frame_memory.to_host(self._sums)
         if self.pairs is not None:
-            self.pairs.keep(index, self._sums)
-        self.total += self._sums[0] + 1j * self._sums[1] - self._wave[index].mean() * self._sums[2]
-        self.level += self._sums[2]
+            self.pairs.keep(index, sums)
+        self.total += sums[0] + 1j * sums[1] - self._wave[index].mean() * sums[2]
+        self.level += sums[2]
         self._kept.append(index)
         self.drop()
 
     def drop(self) -> None:
         """Forget the stretch."""
-        self._sums[:] = 0
+        self._sums = None
         if self.pairs is not None:
             self.pairs.drop()
 
@@ -78,7 +78,8 @@ class PairProjection:
 
     def __init__(self, wave: ComplexArray, *, shape: tuple[int, int], follows: Mask) -> None:
         self._wave, self._follows = wave, follows
-        self._lone, self._early = np.zeros((3, *shape)), np.zeros((3, *shape))
+        self._lone: Array | None = None
+        self._early: Array | None = None
         self._last: tuple[int, Pixels] | None = None
         self._parts: list[tuple[Ticks, Mask]] = []
         self.now, self.before = np.zeros(shape, complex), np.zeros(shape, complex)
@@ -93,26 +94,28 @@ class PairProjection:
         """Take frames in, after those before in the stretch."""
         follow = self._following(index, None if self._last is None else self._last[0])
         if not follow.all():
-            self._project(frames[~follow], index[~follow], into=self._lone)
+            self._lone = _projected(frame_memory.taken(frames, ~follow), self._wave[index[~follow]], self._lone)
         if self._last is not None and follow[0]:
-            self._project(self._last[1][None], index[:1], into=self._early)
+            self._early = _projected(self._last[1][None, ...], self._wave[index[:1]], self._early)
         later = follow[1:]
         if later.any():
-            self._project(frames[:-1] if later.all() else frames[:-1][later], index[1:][later], into=self._early)
-        self._last = int(index[-1]), frames[-1].copy()
+            before = frames[:-1, ...] if later.all() else frame_memory.taken(frames[:-1, ...], later)
+            self._early = _projected(before, self._wave[index[1:][later]], self._early)
+        self._last = int(index[-1]), frame_memory.copied(frames[-1, ...])
 
     def keep(self, index: Ticks, every: Array) -> None:
         """Add the stretch to the others; ``every`` (3, roi rows, roi columns) are its sums over all of its frames."""
         follow = self._following(index, None)
         mean = self._wave[index][follow].mean() if follow.any() else 0.0
-        now = every - self._lone
+        now = every if self._lone is None else every - frame_memory.to_host(self._lone)
+        early = np.zeros_like(every) if self._early is None else frame_memory.to_host(self._early)
         self.now += now[0] + 1j * now[1] - mean * now[2]
-        self.before += self._early[0] + 1j * self._early[1] - mean * self._early[2]
+        self.before += early[0] + 1j * early[1] - mean * early[2]
         self._parts.append((index, follow))
 
     def drop(self) -> None:
         """Forget the stretch."""
-        self._lone[:], self._early[:], self._last = 0, 0, None
+        self._lone = self._early = self._last = None
 
     def _following(self, index: Ticks, last: int | None) -> Mask:
         """Which frames followed the one before, ``last`` being before the first."""
@@ -123,6 +126,10 @@ class PairProjection:
         wave = self._wave[index]
         return np.where(follow, wave - (wave[follow].mean() if follow.any() else 0.0), 0.0)
 
-    def _project(self, frames: Pixels, index: Ticks, *, into: Array) -> None:
-        wave = self._wave[index]
-        kernels.add_projection(frames, np.ascontiguousarray(wave.real), np.ascontiguousarray(wave.imag), into)
+
+def _projected(frames: Pixels, wave: ComplexArray, sums: Array | None) -> Array:
+    """Sums so far, where the frames are, and theirs, shape (3, roi rows, roi columns); ``wave`` (frame,)."""
+    if sums is None:
+        sums = frame_memory.zeros((3, *frames.shape[1:]), "float64", beside=frames)
+    kernels.add_projection(frames, np.ascontiguousarray(wave.real), np.ascontiguousarray(wave.imag), sums)
+    return sums

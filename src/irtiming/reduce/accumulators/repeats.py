@@ -1,11 +1,14 @@
 """Frames that repeat the one before, bit by bit: a camera that is frozen, or that sent one twice."""
 
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from irtiming.reduce import kernels
+from irtiming.reduce import frame_memory, kernels
 from irtiming.reduce.frame_pass import Block
+
+if TYPE_CHECKING:
+    from irtiming.records.arrays import Pixels
 
 
 @final
@@ -22,13 +25,13 @@ class Repeats:
 
     def __init__(self, noise_dn: float, *, n_frames: int) -> None:
         self._is_noisy = noise_dn > 0
-        self._last = np.zeros((0, 0, 0), np.uint16)
+        self._last: Pixels | None = None
         self.is_repeated = np.zeros(n_frames, bool)
 
     def add(self, block: Block) -> None:
         """Compare some frames with those before."""
         if not self._is_noisy:
             return
-        before = self._last[0] if self._last.size else ~block.part[0]
+        before = ~block.part[0, ...] if self._last is None else self._last
         self.is_repeated[block.now] = kernels.repeats(block.part, before)
-        self._last = block.part[-1:].copy()
+        self._last = frame_memory.copied(block.part[-1, ...])

@@ -1,0 +1,88 @@
+"""The single pass over the frames on a GPU against the compiled loops on all processors, in the same run, and how alike they are.
+
+A recording of a rolling microbolometer camera of 800 x 600 pixels, whose opening has some 50 000, is simulated and kept as a
+file, compressed as `irtiming record` leaves it, and in memory, where reading costs nothing. It is summed with and without maps of
+every pixel. The best of several passes counts; the two processors take turns.
+
+    .venv/bin/python benchmarks/gpu_pass.py
+"""
+
+import argparse
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from irtiming.archive import reader, writer
+from irtiming.archive.frame_stack import ArrayFrames
+from irtiming.records.choices import Choices, Processor
+from irtiming.records.recording import Recording
+from irtiming.records.reduced import ReducedRecording
+from irtiming.records.rig import Rig
+from irtiming.reduce import frame_memory, recipes
+from irtiming.twin import rig as twin
+from irtiming.twin.scene import microbolometer_scene
+
+
+def pass_s(recording: Recording, rig: Rig, *, processor: Processor, maps: bool) -> tuple[float, ReducedRecording]:
+    """Time of the single pass, from what it tells after each block; the first block is not in it. And what it found."""
+    told: list[tuple[int, float]] = []
+    found = recipes.reduce(
+        recording, rig, choices=Choices(processor=processor), maps=maps,
+        progress=lambda n: told.append((n, time.perf_counter())),
+    )  # fmt: skip
+    (first, begin), (last, end) = told[0], told[-1]
+    return (end - begin) * last / (last - first), found
+
+
+def apart(one: ReducedRecording, other: ReducedRecording) -> str:
+    """Largest differences of row sums and of what maps are made of, relative to the largest value."""
+    pairs = [("row sums", one.rows.row_sum_dn, other.rows.row_sum_dn)] if one.rows and other.rows else []
+    if one.waves is not None and other.waves is not None:
+        pairs.append(("waves", one.waves.sums_dn, other.waves.sums_dn))
+    return ", ".join(f"{name} {np.abs(a - b).max() / np.abs(a).max():.1g}" for name, a, b in pairs)
+
+
+def compare(name: str, recording: Recording, rig: Rig, *, rounds: int) -> None:
+    for maps in (False, True):
+        best: dict[Processor, float] = {"cpu": np.inf, "gpu": np.inf}
+        found: dict[Processor, ReducedRecording] = {}
+        for _ in range(rounds + 1):  # the first compiles
+            for processor in best:
+                taken_s, found[processor] = pass_s(recording, rig, processor=processor, maps=maps)
+                best[processor] = min(best[processor], taken_s)
+        rate = {one: recording.frames.shape[0] / taken_s for one, taken_s in best.items()}
+        print(
+            f"{name}, {'with maps' if maps else 'no maps':<9}  processors {rate['cpu']:.0f} frames/s, GPU {rate['gpu']:.0f} "
+            f"frames/s: {rate['gpu'] / rate['cpu']:.2f} times; apart by {apart(found['cpu'], found['gpu'])}"
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rows", type=int, default=600)
+    parser.add_argument("--frames", type=int, default=1000)
+    parser.add_argument("--rounds", type=int, default=3)
+    options = parser.parse_args()
+    found = frame_memory.gpu()
+    if found is None:
+        print("no GPU here that CuPy finds: nothing to compare")
+        return
+    print(found.cuda.runtime.getDeviceProperties(0)["name"].decode())
+    scene = microbolometer_scene(options.rows, options.rows * 4 // 3)
+    drawn = twin.draw(replace(scene, trigger=replace(scene.trigger, n_triggers=options.frames)), seed=1)
+    simulated = twin.simulate(drawn.scene, seed=1)
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch) / "bolo.nxs"
+        writer.write(simulated, path)
+        stored = reader.read(path)
+        compare("compressed file", stored, drawn.measured, rounds=options.rounds)
+        frames = np.concatenate([block.copy() for _, block in stored.frames.blocks()])
+        kept = replace(stored, frames=ArrayFrames(frames, block_frames=16))
+        compare("in memory      ", kept, drawn.measured, rounds=options.rounds)
+
+
+if __name__ == "__main__":
+    main()
