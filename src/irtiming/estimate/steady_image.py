@@ -11,11 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from irtiming.estimate import frame_jitter
 from irtiming.physics.covariance import root
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
-from irtiming.records.reduced import FoundInSums, ReducedRecording
+from irtiming.records.reduced import ContrastImage, FoundInSums, Opening, ReducedRecording
 from irtiming.records.row_timing import RowTimingFit
 
 
@@ -46,7 +47,15 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
         u_offset=columns[1],
     )
     covered_dn = _opening_dn(recording) - mean_dn * float(fit.harmonics[:, 0].real.mean())
-    return _known(recording, found, offset_dn=offset * mean_dn, covered_dn=covered_dn)
+    known = _known(recording, found, offset_dn=offset * mean_dn, covered_dn=covered_dn)
+    return replace(known, contrast=_noisier(known.contrast_image, fit, recording.opening))
+
+
+def _noisier(image: ContrastImage, fit: RowTimingFit, opening: Opening) -> ContrastImage:
+    """With the noise of whole frames, whose delays scatter, for that of single pixels, where it is larger."""
+    pixel_dn = image.u_dn * float(np.sqrt(image.frame_weight.size / 2))
+    noise = pixel_dn * np.sqrt(opening.n_summed(fit.row_px)) / np.abs(fit.gain_dn)
+    return replace(image, u_dn=image.u_dn * float(np.sqrt(frame_jitter.excess(fit, noise))))
 
 
 def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:

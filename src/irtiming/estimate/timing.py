@@ -6,12 +6,13 @@ from typing import final
 
 import numpy as np
 
-from irtiming.errors import EstimationError
 from irtiming.estimate import (
     by_blackbody,
     doubts,
+    frame_jitter,
     frame_memory,
     image_doubts,
+    integration_time,
     joint,
     measurands,
     on_trust,
@@ -108,7 +109,7 @@ def estimate(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 
 
 def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
-    stated_s = common_integration_time(recordings)
+    stated_s = integration_time.common(recordings)
     bare = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=False).model
     recordings, views = shape.seen(recordings, bare, rig=rig)
     geometry = wheel_geometry.geometry(recordings, rig, slots="learned", off_axle_mask=True)
@@ -130,15 +131,14 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )
 
 
-def _of_recordings(
-    found: Combination, recordings: Sequence[ReducedRecording], rig: Rig, *, fits: Sequence[RecordingFit]
-) -> Combination:
+def _of_recordings(found: Combination, recordings: Sequence[ReducedRecording], rig: Rig, *, fits: Fits) -> Combination:
     """The same with each recording's file beside its relative delay, and with what only the recordings tell of the result."""
     result = found.result
     findings = (
         *doubts.of_events(result.findings, recordings),
         *doubts.of_next_trigger(result, recordings=recordings),
         *scatter.of_triggers(fits, recordings),
+        *frame_jitter.findings(recordings, fits),
         *image_doubts.of_lens(rig.camera, recordings[0]),
         *on_trust.of(recordings, rig=rig),
     )
@@ -236,7 +236,7 @@ def _model(
 
 
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
-    stated_s = common_integration_time(recordings)
+    stated_s = integration_time.common(recordings)
     rows = rolling_camera.rows(recordings, rig)
     names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
     errors = rig_errors.of(rows.recordings, rows.fits, rig=rig, geometry=rows.geometry)
@@ -426,25 +426,3 @@ def _whiteness(fit: RowTimingFit) -> float:
     """Of the frames' mean residuals, each row in units of its noise, along the wheel angle."""
     mean: Array = np.mean(fit.residual / fit.noise, axis=1)
     return ljung_box_p_value(mean[np.argsort(np.mod(fit.wheel_angle_rad, TURN))])
-
-
-def common_integration_time(recordings: Sequence[ReducedRecording]) -> float | None:
-    """What all recordings state, s; None where they do not.
-
-    Parameters
-    ----------
-    recordings
-        Of one camera.
-
-    Raises
-    ------
-    EstimationError
-        If they differ.
-    """
-    times = {recording.integration_time_s for recording in recordings}
-    if len(times) > 1:
-        stated = ", ".join(f"{r.name}: {r.integration_time_s}" for r in recordings)
-        raise EstimationError(
-            f"the recordings differ in integration time (count_time; {stated} s), which must be one for all; analyse them apart"
-        )
-    return times.pop()

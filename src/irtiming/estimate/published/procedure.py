@@ -6,9 +6,8 @@ from typing import TypeAlias
 import numpy as np
 
 from irtiming.errors import EstimationError, IrTimingError
-from irtiming.estimate import by_blackbody, wheel_geometry
+from irtiming.estimate import by_blackbody, integration_time, wheel_geometry
 from irtiming.estimate.published import lag_timing, row_delay_and_lag, slope_delays, slopes
-from irtiming.estimate.timing import common_integration_time
 from irtiming.records.analysis import Published
 from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
@@ -96,7 +95,7 @@ def _run(
             for one in averages
             if isinstance(one, ExposedFraction)
         )
-        result = slope_delays.estimate(list(lines), equal.model, integration_time_s=common_integration_time(recordings))
+        result = slope_delays.estimate(list(lines), equal.model, integration_time_s=integration_time.common(recordings))
         return Published(result=result, fits=lines, geometry=equal)
     if not is_for(first):
         raise EstimationError(
