@@ -41,22 +41,20 @@ _EVENT = {
     "kind": "stamp", "period": 0.033, "clock_rate": 1e-6, "clock_rate_standard_uncertainty": 1e-8, "clock_offset": 0.1,
     "clock_standard_uncertainty": 1e-6, "grid_standard_uncertainty": 1e-6, "jitter": _JITTER, "unit": "s",
 }  # fmt: skip
-_LAG = {"trigger_delay": 4e-3, "row_delay": 4e-5, "time_constant": 5e-3, "recursive_filter": 0.1}
+_LAG = {"timestamp_delay": 4e-3, "row_delay": 4e-5, "time_constant": 5e-3, "recursive_filter": 0.1}
 
 
 def _lagging() -> dict[str, Any]:
     """A microbolometer that runs free, with everything that a result of one can say."""
     names = list(_LAG)
-    told = {
-        "timestamp_delay" if name == "trigger_delay" else name: _DELAY | {"value": value}
-        for name, value in _LAG.items()
-    }
+    told = {name: _DELAY | {"value": value} for name, value in _LAG.items()}
+    told["recursive_filter"]["unit"] = "1"
     kelvin = {"value": 300.0, "unit": "K"}
     told["scene_time_constant"] = _DELAY | {"value": 6e-3, "reference_temperature": kelvin}
     told["substrate_time_constant"] = _DELAY | {"value": 5e-3}
     budget = {
-        "source": "mask centre angle phi_M", "type": "B", "standard_uncertainty": {"row_delay": 1e-7},
-        "degrees_of_freedom": None, "share_percent": {"row_delay": 90.0}, "unit": "s",
+        "source": "mask centre angle phi_M", "type": "B", "standard_uncertainty": dict.fromkeys(names[:3], 1e-7),
+        "degrees_of_freedom": None, "share_percent": dict.fromkeys(names[:3], 90.0), "unit": "s",
     }  # fmt: skip
     return _RESULT | {
         "camera": "microbolometer", "readout_mode": "rolling", "frame_event": "stamp", "parameters": told,

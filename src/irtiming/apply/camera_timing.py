@@ -19,9 +19,10 @@ from irtiming.archive.result_model import Result
 from irtiming.errors import EstimationError
 from irtiming.physics.response.two_constants import REFERENCE_TEMPERATURE_K, TwoConstants
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import Estimate
+from irtiming.records.estimate import SHARES, Estimate
 from irtiming.records.frame_events import DELAYS, FrameEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
+from irtiming.records.two_constants import NAMES as TWO_CONSTANTS
 
 MomentName = Literal["start", "middle", "end", "reading", "effective"]
 MOMENTS: tuple[MomentName, ...] = ("start", "middle", "end", "reading", "effective")
@@ -35,10 +36,8 @@ MEANINGS: Mapping[MomentName, str] = {
 """What happens at each moment."""
 
 _TAKEN = (
-    "trigger_delay", "exposure_midpoint_delay", "integration_time", "row_delay", "time_constant", "recursive_filter",
-    "pixel_memory",
+    "trigger_delay", "exposure_midpoint_delay", "integration_time", "row_delay", "time_constant", *SHARES,
 )  # fmt: skip
-_SHARES = ("recursive_filter", "pixel_memory")
 _MOST_SHARE, _LONGEST_S, _MOST_ROWS = 0.9, 60.0, 2**16
 _SHARE = re.compile(r"0?\.[0-9]{1,9}")
 _SAME_PERIOD = 1.01  # plans for several wheel speeds have frame periods that differ by a few thousandths
@@ -149,7 +148,7 @@ class CameraTiming:
     @property
     def frame_before(self) -> str | None:
         """Name of the share of the frame before that the result has, if any."""
-        return next((name for name in _SHARES if name in self.estimate), None)
+        return next((name for name in SHARES if name in self.estimate), None)
 
     def offset_s(self, moment: Moment, row_px: Array) -> Array:
         """How much after the event the moment is, of each row, s; both shape (row,)."""
@@ -177,7 +176,7 @@ class CameraTiming:
     def _of_frames_before(self, moment: Moment, frame_period_s: float | None) -> Moment:
         """The effective moment: a share k of the frame before puts it k / (1 - k) frames back, a memory s by s frames."""
         factors, constant_s = dict(moment.factors), moment.constant_s
-        for name in _SHARES:
+        for name in SHARES:
             if name not in self.estimate or frame_period_s is None:
                 continue
             share = self.estimate.value(name)
@@ -247,8 +246,8 @@ def of_result(result: Result) -> CameraTiming:
 def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:
     """Refuse numbers that no camera has: nothing is to be made of a file that was changed."""
     for name, value, one in zip(names, values, u, strict=True):
-        most, unit = (_MOST_SHARE, "") if name in _SHARES else (_LONGEST_S, " s")
-        if not (abs(value) <= most and 0 <= one <= most):
+        most, unit = (_MOST_SHARE, "") if name in SHARES else (_LONGEST_S, " s")
+        if not (abs(value) <= most and one <= most):
             raise EstimationError(
                 f"the result has {name} = {value:g} ± {one:g}{unit}, must be within ±{most:g}{unit}; write it anew with "
                 "irtiming analyse --json"
@@ -263,8 +262,11 @@ def _correlation(result: Result, names: tuple[str, ...]) -> Array:
         for k, other in enumerate(names):
             if i != k and one in known and other in known:
                 coefficient = matrix[known.index(one)][known.index(other)]
-                if coefficient is None or not -1.0001 <= coefficient <= 1.0001:
-                    raise EstimationError(f"the correlation of {one} and {other} is {coefficient}, must be within ±1")
+                if coefficient is None:
+                    raise EstimationError(
+                        f"the result does not know the correlation of {one} and {other}; write it anew with "
+                        "irtiming analyse --json"
+                    )
                 found[i, k] = coefficient
     return found
 
@@ -329,7 +331,7 @@ def _conditions(result: Result) -> Conditions:
 
 def _two_constants(result: Result) -> tuple[TwoConstants | None, float | None]:
     """Constants of a wide temperature range and the substrate's temperature, where the result has both constants."""
-    both = [result.parameters.get(name) for name in ("substrate_time_constant", "scene_time_constant")]
+    both = [result.parameters.get(name) for name in TWO_CONSTANTS]
     around = (result.two_constants or {}).get("substrate_temperature")
     kelvin = around.get("value") if isinstance(around, dict) else None
     substrate, scene = both

@@ -6,8 +6,10 @@ from typing import Any
 
 from irtiming.archive.json_file import plain, write_json
 from irtiming.archive.result_model import FORMAT, VERSION, Result
+from irtiming.archive.result_sense import require_names
 from irtiming.archive.typed_file import fitted, read_json
 from irtiming.archive.typed_misfit import FileKind
+from irtiming.errors import ArchiveError
 
 _KIND = FileKind(name="result", format=FORMAT, version=VERSION, cure="write it anew with irtiming analyse --json")
 
@@ -46,6 +48,15 @@ def read_result(path: str | Path) -> Result:
     Raises
     ------
     ArchiveError
-        If the file cannot be read, is no result, is of a later major version, or is not what the model says.
+        If the file cannot be read, is no result, is of a later major version, is not what the model says, or lacks a parameter
+        that every result of its camera has.
     """
-    return read_json(Path(path), Result, kind=_KIND)
+    found = read_json(Path(path), Result, kind=_KIND)
+    try:
+        require_names(
+            {**found.parameters, **found.bounds},
+            camera=found.camera, readout_mode=found.readout_mode, frame_event=found.frame_event,
+        )  # fmt: skip
+    except ValueError as error:
+        raise ArchiveError(f"{path}: {error}; {_KIND.cure}") from error
+    return found

@@ -1,9 +1,10 @@
 """The result of an analysis as it stands in JSON: one structure for every camera, what a camera has none of is left out."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, JsonValue, model_validator
 
+from irtiming.archive import result_sense as sense
 from irtiming.archive.typed_file import Part
 from irtiming.records.finding import Severity
 from irtiming.records.frame_events import FrameEvent
@@ -15,6 +16,9 @@ VERSION = "1.2"
 
 Real = float | None
 """A number; null where it is none, for JSON has neither not-a-number nor infinity."""
+
+Uncertainty = Annotated[float, Field(ge=0)] | None
+"""A standard or expanded uncertainty; null where it is not known."""
 
 Evidence = dict[str, JsonValue]
 """What a method has to show for its numbers, by its own names; the page of the result tells what they mean."""
@@ -30,7 +34,8 @@ class Quantity(Part):
 class Measured(Quantity):
     """A value with its standard uncertainty (k = 1), what it is counted from, and its sign, null for a length of time."""
 
-    standard_uncertainty: Real
+    unit: Literal["s", "1"]
+    standard_uncertainty: Uncertainty
     reference_event: str
     sign: str | None
 
@@ -40,17 +45,22 @@ class ChangePerKelvin(Part):
 
     substrate: Real
     wheel: Real
-    unit: str
+    unit: Literal["s/K"]
 
 
 class Parameter(Measured):
     """A measurand; U = k u holds it with 95.45 % probability."""
 
-    expanded_uncertainty: Real
+    expanded_uncertainty: Uncertainty
     coverage_factor: Real
     effective_degrees_of_freedom: Real = Field(description="null: infinite")
     reference_temperature: Quantity | None = None
     change_per_kelvin: ChangePerKelvin | None = None
+
+    @model_validator(mode="after")
+    def _check(self) -> "Parameter":
+        sense.require_expanded(self.standard_uncertainty, self.coverage_factor, expanded=self.expanded_uncertainty)
+        return self
 
 
 class Bound(Part):
@@ -58,15 +68,15 @@ class Bound(Part):
 
     lower: Real
     upper: Real
-    unit: str
+    unit: Literal["s"]
 
 
 class EdgeDelays(Part):
     """The delay by each of the wheel edges 0 to 3, with standard uncertainties from noise alone."""
 
     value: list[Real]
-    standard_uncertainty: list[Real]
-    unit: str
+    standard_uncertainty: list[Uncertainty]
+    unit: Literal["s"]
     reference_event: str
     sign: str
 
@@ -79,24 +89,24 @@ class Correlation(Part):
 
     @model_validator(mode="after")
     def _check(self) -> "Correlation":
-        n = len(self.names)
-        if len(self.matrix) != n or any(len(row) != n for row in self.matrix):
-            raise ValueError(f"is no matrix of {n} rows and columns, one for each of its names")
+        sense.require_correlation(self.names, self.matrix)
         return self
 
 
 class RelativeDelay(Measured):
     """Delay of a file beyond that of the smallest delay set."""
 
+    unit: Literal["s"]
     file: str
     nominal: float
     deviation: Real = Field(None, description="measured minus nominal, in the generator's own time")
-    deviation_standard_uncertainty: Real = None
+    deviation_standard_uncertainty: Uncertainty = None
 
 
 class CombinedDelay(Measured):
     """Relative delay of all runs with one delay at one speed."""
 
+    unit: Literal["s"]
     nominal: float
     runs: int
     scatter_of_runs: Real
@@ -106,7 +116,7 @@ class CombinedDelay(Measured):
 class Uncertain(Part):
     """Standard uncertainty of a measured number."""
 
-    standard_uncertainty: float
+    standard_uncertainty: float = Field(ge=0)
     unit: str
 
 
@@ -115,10 +125,10 @@ class BudgetLine(Part):
 
     source: str
     type: Literal["A", "B"]
-    standard_uncertainty: Real | dict[str, Real]
+    standard_uncertainty: Uncertainty | dict[str, Uncertainty]
     degrees_of_freedom: Real = Field(description="null: infinite")
     share_percent: Real | dict[str, Real]
-    unit: str
+    unit: Literal["s"]
     measured: Uncertain | None = Field(
         None, description="a measured quantity, where the line follows from one such number"
     )
@@ -128,13 +138,14 @@ class BudgetLine(Part):
 class LastRow(Measured):
     """When the last image row is read."""
 
+    unit: Literal["s"]
     row: int
 
 
 class Contribution(BudgetLine):
     """The same of every parameter, for every camera."""
 
-    standard_uncertainty: dict[str, Real]
+    standard_uncertainty: dict[str, Uncertainty]
     share_percent: dict[str, Real]
     sensitivity: dict[str, Real] | None = None
 
@@ -151,7 +162,14 @@ class FallingRising(Part):
     time: SplitPart
     angle: SplitPart
     covariance: Real = Field(description="of time and angle")
-    covariance_unit: str
+    covariance_unit: Literal["s rad"]
+
+    @model_validator(mode="after")
+    def _check(self) -> "FallingRising":
+        sense.require_covariance(
+            self.covariance, u=self.time.standard_uncertainty, other_u=self.angle.standard_uncertainty
+        )
+        return self
 
 
 class Core(Part):
@@ -172,6 +190,15 @@ class Core(Part):
     edge_delays: EdgeDelays | None
     falling_rising: FallingRising | None = None
     warnings: list[str]
+
+    @model_validator(mode="after")
+    def _check_names_and_units(self) -> "Core":
+        sense.require_units({name: one.unit for name, one in self.parameters.items()})
+        sense.require_same_names(self.correlation.names, self.parameters, what="correlations")
+        times = [name for name, one in self.parameters.items() if one.unit == "s"]
+        for line in self.contributions:
+            sense.require_same_names(line.standard_uncertainty, times, what=f"contributions of '{line.source}'")
+        return self
 
 
 class ShutterEvent(Part):
@@ -208,7 +235,7 @@ class Histogram(Part):
 class JitterOfEvents(Part):
     """How events scatter about their grid, s; quantiles by their share."""
 
-    standard_deviation: float
+    standard_deviation: float = Field(ge=0)
     quantiles: dict[str, float]
     histogram: Histogram
 
@@ -219,12 +246,12 @@ class EventsOfFrames(Part):
     kind: FrameEvent
     period: float
     clock_rate: Real = Field(description="relative, of the clock that stamped against the counter")
-    clock_rate_standard_uncertainty: Real
+    clock_rate_standard_uncertainty: Uncertainty
     clock_offset: Real = Field(description="zero of that clock in the counter's time")
-    clock_standard_uncertainty: float
-    grid_standard_uncertainty: float
+    clock_standard_uncertainty: float = Field(ge=0)
+    grid_standard_uncertainty: float = Field(ge=0)
     jitter: JitterOfEvents
-    unit: str
+    unit: Literal["s"]
 
 
 class InputSettings(Part):
@@ -277,7 +304,7 @@ class RigValue(Part):
 
     name: str
     value: float | str
-    standard_uncertainty: Real = Field(None, description="null: none was stated, the number counts as exact")
+    standard_uncertainty: Uncertainty = Field(None, description="null: none was stated, the number counts as exact")
     unit: str = ""
 
 

@@ -37,9 +37,8 @@ from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, EffectiveTimeConstants, Result
-from irtiming.records.two_constants import PixelSurroundings, TwoConstantsResult
+from irtiming.records.two_constants import NAMES, PixelSurroundings, TwoConstantsResult
 
-NAMES = ("substrate_time_constant", "scene_time_constant")
 _SHARES = np.linspace(0.0, 0.98, 50)
 _UNDETERMINED = 0.25  # relative standard uncertainty of the share from which the constants are no numbers any more
 _BENT = 1.4

@@ -12,6 +12,9 @@ from irtiming.records.short_repr import short_repr
 EDGE_DELAYS = ("edge_delay_0", "edge_delay_1", "edge_delay_2", "edge_delay_3")
 """Local numbers that every recording tells: delay as the passing of each wheel edge gives it, s."""
 
+SHARES = ("recursive_filter", "pixel_memory")
+"""Measurands that are no times but shares of the frame before: by a filter in the camera, or in its pixels."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,6 +11,9 @@ from irtiming.records.result import Bound, EffectiveTimeConstants
 WheelTemperatureFrom = Literal["you", "contrast", "assumption"]
 """Who says how warm the wheel is."""
 
+NAMES = ("substrate_time_constant", "scene_time_constant")
+"""Of the two constants, in a result."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

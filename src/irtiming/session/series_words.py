@@ -6,11 +6,11 @@ from typing import Literal
 
 from irtiming.acquire.run_order import RunOutcome
 from irtiming.errors import InstrumentError
+from irtiming.records.estimate import SHARES
 from irtiming.report.rounding import value_text
 from irtiming.session.live_estimate import LiveEstimate
 from irtiming.units import counted
 
-_SHARES = ("pixel_memory", "recursive_filter")
 _STANDARD_ERROR = 2  # standard output is for names of files
 
 WHEEL_REQUESTS: dict[Literal["remove", "insert"], str] = {
@@ -25,7 +25,7 @@ def so_far(found: LiveEstimate) -> str:
     if found.finding is not None:
         return f"not sure yet ({found.finding.what})"
     numbers = [
-        f"{name} {value_text(value, found.uncertainties[name], unit='1' if name in _SHARES else 's')}"
+        f"{name} {value_text(value, found.uncertainties[name], unit='1' if name in SHARES else 's')}"
         for name, value in found.values.items()
         if not name.startswith("exposure") and not name.endswith(("_falling", "_rising"))
     ]

@@ -1,6 +1,7 @@
 """Results of cameras that are made up: the parameters of each kind, as a result file has them."""
 
 from irtiming.archive.result_model import Result
+from irtiming.records.estimate import SHARES
 
 _QUANTITY = {
     "expanded_uncertainty": None, "coverage_factor": 2.0, "effective_degrees_of_freedom": None, "unit": "s",
@@ -17,7 +18,8 @@ def made_up_result(camera, readout_mode, numbers, *, matrix=None, serial_number=
         "readout_mode": readout_mode,
         "item": {"manufacturer": "Maker", "model": "M1", "serial_number": serial_number, "firmware": None},
         "parameters": {
-            name: _QUANTITY | {"value": float(value), "standard_uncertainty": float(u)} for name, (value, u) in numbers.items()
+            name: _QUANTITY | {"value": float(value), "standard_uncertainty": float(u), "unit": "1" if name in SHARES else "s"}
+            for name, (value, u) in numbers.items()
         },
         "correlation": {
             "names": names,

@@ -146,7 +146,14 @@ def test_an_error_names_its_file(tmp_path, told, text, rows, said):
             {"correlation": {"names": ["trigger_delay", "row_delay"], "matrix": [[1.0]]}},
             "is no matrix of 2 rows and columns",
         ),
-        ({"parameters": {}}, "the result has no trigger delay that can be applied (it has none)"),
+        (
+            {
+                "parameters": {},
+                "bounds": {name: {"lower": 0.0, "upper": None, "unit": "s"} for name in BOLOMETER},
+                "correlation": {"names": [], "matrix": []},
+            },
+            "the result has no trigger delay that can be applied (it has none)",
+        ),
     ],
 )
 def test_a_result_that_cannot_be_applied_is_named(tmp_path, told, change, said):

@@ -225,7 +225,6 @@ def test_a_latency_of_the_trigger_path_cancels_where_the_same_generator_stamps()
     ("numbers", "said"),
     [
         ({"trigger_delay": (1e300, 1e-6)}, "trigger_delay = 1e+300 ± 1e-06 s, must be within ±60 s"),
-        ({"trigger_delay": (1e-3, -1e-6)}, "trigger_delay = 0.001 ± -1e-06 s"),
         (
             {"trigger_delay": (1e-3, 1e-6), "recursive_filter": (1.0, 1e-3)},
             "recursive_filter = 1 ± 0.001, must be within ±0.9",

@@ -143,7 +143,8 @@ def test_what_cannot_be_is_refused(
 
 def test_one_line_on_standard_error(tmp_path: Path) -> None:
     """Oracle: exit status 2 and one line, as every command; the result determines nothing."""
-    result = _result(tmp_path, parameters={}, correlation={"names": [], "matrix": []})
+    bounds = {"trigger_delay": {"lower": 0.0, "upper": None, "unit": "s"}}
+    result = _result(tmp_path, parameters={}, bounds=bounds, correlation={"names": [], "matrix": []}, contributions=[])
     arguments = ["certificate", result, "--with", EXAMPLE, "--out", tmp_path / "c.xml"]
     done = subprocess.run([sys.executable, "-m", "irtiming", *arguments], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (2, "")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from irtiming.archive.result_model import Bound
 from irtiming.cli.main import app
 from irtiming.errors import IrTimingError
 from results_by_hand import OWN_S, RIG_S, result_by_hand
@@ -62,7 +63,8 @@ def test_one_serial_number_read_out_in_two_ways_has_a_history(register, tmp_path
     """Oracle: by hand; two days of rolling readout beside the three of a snapshot: a drift of each, which its rows tell apart."""
     for day, us in {"2025-11-23": 900.0, "2026-11-23": 905.0}.items():
         path = tmp_path / f"rolling-{day}.json"
-        result = result_by_hand(us * 1e-6, start=f"{day}T10:00:00Z").model_copy(update={"readout_mode": "rolling"})
+        rolling = {"readout_mode": "rolling", "bounds": {"row_delay": Bound(lower=0.0, upper=None, unit="s")}}
+        result = result_by_hand(us * 1e-6, start=f"{day}T10:00:00Z").model_copy(update=rolling)
         path.write_text(result.model_dump_json())
         _run("--register", register, "--add", path)
     said = _run("A", "--register", register, "--json", tmp_path / "a.json")

@@ -98,7 +98,7 @@ def of(result: Result, form: CertificateFile, *, serial_number: str | None) -> I
 def _parameter(result: Result, name: str, *, limit: Limit | None, rule: Rule, rig: dict[str, RigValue]) -> Measurand:
     one = result.parameters[name]
     u, freedom = one.standard_uncertainty or 0.0, _freedom(one.effective_degrees_of_freedom)
-    if u < 0 or freedom < 1 or (one.coverage_factor or 1.0) < 1:
+    if freedom < 1 or (one.coverage_factor or 1.0) < 1:
         raise ArchiveError(
             f"the result has {name} with u = {u:g}, k = {one.coverage_factor}, degrees of freedom {freedom:g}, which no "
             "analysis gives; write it anew with irtiming analyse --json"
@@ -157,7 +157,7 @@ def _own(source: str, u: float, *, kind: str = "A", distribution: str = "normal"
 def _relative(result: Result, combined: CombinedDelay) -> Measurand:
     """Delay beyond that of the smallest set delay; the clock's part is the nominal delay times its relative uncertainty."""
     u = combined.standard_uncertainty or 0.0
-    if u < 0 or not combined.nominal > 0:
+    if not combined.nominal > 0:
         raise ArchiveError(
             f"the result has a relative delay of nominally {combined.nominal:g} s with u = {u:g}, which no analysis gives; write "
             "it anew with irtiming analyse --json"

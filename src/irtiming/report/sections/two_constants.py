@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from irtiming.records.two_constants import TwoConstantsResult
+from irtiming.records.two_constants import NAMES, TwoConstantsResult
 from irtiming.report import budget, sheet
 from irtiming.report.blocks import MS, US, Panel, Section, Table
 from irtiming.report.language import decimal, heads, t
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NAMES = ("substrate_time_constant", "scene_time_constant")
 _WHAT = {
     "substrate_time_constant": "exchange of heat with the detector’s substrate alone, by conduction",
     "scene_time_constant": "exchange of heat with the scene alone, by radiation, for a pixel at {kelvin:g} K",
