@@ -12,6 +12,7 @@ from irtiming.acquire.rig import Rig
 from irtiming.acquire.series import Series, features_of
 from irtiming.archive.reference_file import read_reference
 from irtiming.errors import ArchiveError, InstrumentError
+from irtiming.records.camera_settings import EXPOSURES
 from irtiming.records.series_plan import SeriesPlan
 from irtiming.units import readable_time
 
@@ -72,6 +73,12 @@ async def _of_camera(rig: Rig, plan: SeriesPlan, series: Series) -> AsyncIterato
             await camera.feature(name)
         except InstrumentError as error:
             yield f"{error}; correct [camera]"
+    beside = [f"{name} = {value}" for name, value in wishes.features if name in EXPOSURES]
+    if beside and wishes.integration_time_s is not None:
+        yield (
+            f"the plan's integration_time is {readable_time(wishes.integration_time_s)}, and {beside[0]} (µs) is to be set "
+            "beside it; say it once: leave one of the two out"
+        )
     clock = series.triggers.clock_frequency_hz
     delayed = [run.trigger_delay_ticks for run in series.triggers if run.trigger_delay_ticks]
     if wishes.runs_free and delayed:

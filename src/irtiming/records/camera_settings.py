@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import final
 
+EXPOSURES = ("ExposureTime", "ExposureTimeAbs", "IntegrationTime")
+"""GenICam features that set the integration time, all in us."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True)

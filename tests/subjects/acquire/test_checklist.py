@@ -40,6 +40,17 @@ def test_all_are_told_at_once(with_blackbody):
     ]
 
 
+@pytest.mark.parametrize(
+    ("window_s", "told"),
+    [(250e-6, ["the plan's integration_time is 250 µs, and ExposureTime = 500 (µs) is to be set beside"]), (None, [])],
+)
+def test_an_integration_time_that_is_set_twice_is_told(laboratory, window_s, told):
+    """Oracle: by hand; a feature such as --set gives it beside the plan's, and alone, where nothing contradicts it."""
+    camera = CameraWishes(camera_type="photon", integration_time_s=window_s, features=(("ExposureTime", "500"),))
+    laboratory.plan = replace(laboratory.plan, camera=camera)
+    assert [text[:86] for text in _complaints(laboratory)] == told
+
+
 def test_a_camera_that_is_too_slow_is_told(laboratory):
     """Oracle: 48e6 / 510 000 is 94.1 frames a second, the camera says 60."""
     laboratory.camera.features["ResultingFrameRate"] = "60.0"

@@ -54,6 +54,17 @@ def test_a_complete_run_is_read_as_it_was_recorded(path: Path) -> None:
     assert (told["chopper_blade"], told["run_repeats"], told["camera_pixel_format"]) == ("MC1F2", 2, "Mono14")
 
 
+@pytest.mark.parametrize(("told_s", "expected_s"), [(500e-6, 500e-6), (None, 250e-6)])
+def test_the_integration_time_is_what_the_camera_says(path: Path, told_s: float | None, expected_s: float) -> None:
+    """Oracle: by hand; the camera's own number before that of the plan, which stands where the camera tells none."""
+    given = head(setup=replace(head().setup, integration_time_s=told_s), integration_time_s=250e-6)
+    with LiveRecording(path, head=given) as live:
+        append_edges(live)
+        append_frames(live, range(20))
+        live.finish()
+    assert reader.read(path).integration_time_s == expected_s
+
+
 def test_the_finished_file_is_laid_out_like_any_recording(path: Path, tmp_path: Path) -> None:
     """Oracle: the other writer's file of the same recording, field by field, and HDF5's own list of filters."""
     reference = NonuniformityReference(

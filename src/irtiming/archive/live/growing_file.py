@@ -129,7 +129,7 @@ def _values(head: RecordingHead) -> dict[Field, Any]:
         layout.PROGRAM_VERSION: program_version(),
         layout.CAMERA_TYPE: head.camera_type,
         layout.READOUT_MODE: head.readout_mode,
-        layout.INTEGRATION_TIME: (head.integration_time_s or setup.integration_time_s) if is_photon else None,
+        layout.INTEGRATION_TIME: (setup.integration_time_s or head.integration_time_s) if is_photon else None,
         layout.TRIGGER_DELAY_TIME_SET: run.trigger_delay_ticks / clock_hz,
         layout.FRAME_EVENT: head.frame_event if is_free else None,
         layout.TIMESTAMP_CLOCK: "camera" if is_free and setup.timestamp_frequency_hz else None,

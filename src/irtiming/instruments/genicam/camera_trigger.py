@@ -5,12 +5,11 @@ from typing import Protocol, final
 
 from irtiming.errors import InstrumentRefused
 from irtiming.records.camera_frame import CameraSetup
-from irtiming.records.camera_settings import CameraSettings
+from irtiming.records.camera_settings import EXPOSURES, CameraSettings
 
 _FORMATS = ("Mono16", "Mono14", "Mono12", "Mono10")  # one pixel in 16 bits; the first is taken if none of them is set
 _FRAME_START = "FrameStart"
 _LINES = ("Line1", "Line0")
-_EXPOSURES = ("ExposureTime", "ExposureTimeAbs", "IntegrationTime")  # all in us
 _GAINS = ("SensorGainMode", "GainMode", "Gain")
 _ZERO_CELSIUS_K = 273.15
 _EDGES = ("RisingEdge", "FallingEdge")
@@ -164,7 +163,7 @@ def _setup(
     """What the camera says of its settings, in continuous acquisition."""
     if features.has("AcquisitionMode"):
         features.write("AcquisitionMode", value="Continuous")
-    exposures = [exposure for exposure in _EXPOSURES if features.has(exposure)]
+    exposures = [exposure for exposure in EXPOSURES if features.has(exposure)]
     return CameraSetup(
         rows=int(features.number("Height")),
         columns=int(features.number("Width")),
