@@ -42,6 +42,7 @@ def check_ticks(contents: "Contents") -> list[Finding]:
         *_slots_per_turn(contents),
         *_slots_among_edges(contents),
         *_lost_frames(contents),
+        *_window_within_the_period(contents),
     ]
 
 
@@ -220,6 +221,25 @@ def _lost_frames(contents: "Contents") -> Iterator[Finding]:
             f"leaves out {n_lost} of {triggers.size} triggers, the first is {first}: lost frames",
             code="frames-lost",
             cure="check the link to the camera; the analysis goes on without them",
+        )
+
+
+def _window_within_the_period(contents: "Contents") -> Iterator[Finding]:
+    """A frame's integration has ended when the next one begins; a period stated in ticks stands before that of the triggers."""
+    window_s, clock = contents.get(layout.INTEGRATION_TIME), contents.get(layout.CLOCK_FREQUENCY)
+    triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
+    period = contents.get(layout.CAMERA_PERIOD)
+    if period is None and triggers is not None and triggers.size > 1:
+        period = float(np.median(np.diff(triggers)))
+    if window_s is None or clock is None or not period or contents.get(layout.CAMERA_TYPE) != "photon":
+        return
+    if window_s > (1 + _TWO_CRYSTALS) * period / clock:
+        yield error_at(
+            layout.INTEGRATION_TIME.path,
+            f"= {readable_time(window_s)}, but frames follow each other by {readable_time(period / clock)}: no camera integrates "
+            "into the next frame",
+            code="integration-time-beyond-period",
+            cure="correct count_time, its unit (s) first, or clock_frequency",
         )
 
 

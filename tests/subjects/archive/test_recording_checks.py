@@ -29,9 +29,10 @@ def test_a_sound_recording_has_nothing_to_tell(sound):
             lambda r: {"camera_trigger_ticks": r.camera_trigger_ticks + 49_152 * (np.arange(100) > 50)},
             "trigger-intervals-odd",
         ),
+        (lambda r: {"integration_time_s": 0.25}, "integration-time-beyond-period"),
     ],
 )
 def test_a_contradiction_is_a_doubt_with_the_name_of_the_recording(sound, change, code):
-    """Oracle: what was changed: a clock 1.7 % off, a speed 3 % off, triggers 1 ms late."""
+    """Oracle: what was changed: a clock 1.7 % off, a speed 3 % off, triggers 1 ms late, 250 ms in a period of 33 ms."""
     found = check_recording(replace(sound, **change(sound)))
     assert (code, "doubt", "run") in [(one.code, one.severity, one.recording) for one in found]

@@ -33,6 +33,23 @@ def test_sound_ticks_say_nothing():
 
 
 @pytest.mark.parametrize(
+    ("window_s", "changed", "is_told"),
+    [
+        (700 / 30_000, {}, False),
+        (0.0234, {}, True),
+        (0.0234, {"CAMERA_PERIOD": None}, True),
+        (0.0234, {"CAMERA_TYPE": "microbolometer"}, False),
+        (0.0234, {"CAMERA_PERIOD": None, "CAMERA_TRIGGER": None, "FRAME_NUMBER": None}, False),
+    ],
+)
+def test_a_window_longer_than_the_frame_period_is_told(window_s, changed, is_told):
+    """Oracle: by hand; 700 ticks of 30 kHz are 23.333 ms, the window of a camera may just fill them; a bolometer has none."""
+    told = _told(**({"CAMERA_TYPE": "photon", "INTEGRATION_TIME": window_s} | changed))
+    what = "= 23.4 ms, but frames follow each other by 23.3333 ms: no camera integrates into the next frame"
+    assert told == ([("error", layout.INTEGRATION_TIME.path, what)] if is_told else [])
+
+
+@pytest.mark.parametrize(
     ("first", "last", "n_outside"),
     [(EDGES[0], EDGES[-1], 0), (EDGES[0] - 1, EDGES[-1], 1), (EDGES[0], EDGES[-1] + 1, 1), (EDGES[0] - 1, EDGES[-1] + 1, 2)],
 )  # fmt: skip
