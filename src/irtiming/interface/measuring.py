@@ -2,16 +2,18 @@
 
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from irtiming import measurement
 from irtiming.archive import reader, result_file, rig_file
+from irtiming.errors import UnitError
 from irtiming.interface.timing_result import TimingResult
 from irtiming.interface.wishes import sorted_into
 from irtiming.measurement import Extra, Progress
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
+from irtiming.records.words import require_word
 from irtiming.report import result
 from irtiming.session import simulation
 from irtiming.session.simulation import CameraOrder, Simulated, SimulationOrder
@@ -42,8 +44,10 @@ def analyse(
     Raises
     ------
     IrTimingError
-        If a file cannot be read, or the data do not determine the timing.
+        If a file cannot be read, an extra is not known, or the data do not determine the timing.
     """
+    for extra in extras:
+        require_word("extras", extra, known=get_args(Extra), error=UnitError)
     several = [recordings] if isinstance(recordings, str | Path | Recording) else recordings
     measured = rig if isinstance(rig, Rig) else rig_file.read_rig(Path(rig))
     chosen = choices or Choices()

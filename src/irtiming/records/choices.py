@@ -1,10 +1,11 @@
 """What a person may decide in an analysis instead of the automatic choice."""
 
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Literal, final, get_args
 
 from irtiming.errors import EstimationError, UnitError, listed
 from irtiming.records.recording import Recording
+from irtiming.records.words import require_word
 
 Method = Literal["pixel-sum", "row-sum", "published"]
 """As results name them: the project's best by what it sums, and the procedure of Schatz 2023 step by step.
@@ -53,6 +54,8 @@ class Choices:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be, whatever the recording."""
+        require_word("method", self.method, known=get_args(Method), error=UnitError)
+        require_word("reference_edge", self.reference_edge, known=get_args(ReferenceEdge), error=UnitError)
         for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
             if not low <= getattr(self, name) <= high:
                 raise UnitError(f"{{{name}}} is {getattr(self, name)}, must lie between {low} and {high}", name)

@@ -13,6 +13,7 @@ from typing import Any, final, get_args
 
 from irtiming.errors import UnitError
 from irtiming.records.choices import Language
+from irtiming.records.words import require_word
 from irtiming.report.catalogue import catalogue
 
 _NUMBER, _WORD = re.compile(r"[0-9]+(?:\.[0-9]+)?"), re.compile(r"[a-z]{2,}")
@@ -29,8 +30,7 @@ def writing_in(language: Language) -> Iterator[None]:
     UnitError
         If there is no such language.
     """
-    if language not in get_args(Language):
-        raise UnitError(f"the language is '{language:.20}', must be one of {', '.join(get_args(Language))}")
+    require_word("language", language, known=get_args(Language), error=UnitError)
     token = _language.set(language)
     try:
         yield

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import final
+from typing import final, get_args
 
 from irtiming.archive.result_camera import read_camera
 from irtiming.errors import PlanError, listed
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
+from irtiming.records.words import require_word
 
 _OWN = {
     "photon": ("integration_time_s", "known_integration_time"),
@@ -40,6 +41,8 @@ class Described:
     like: Path | None = None
 
     def __post_init__(self) -> None:
+        require_word("camera", self.camera, known=get_args(CameraType), error=PlanError, may_be_none=True)
+        require_word("readout", self.readout, known=get_args(ReadoutMode), error=PlanError, may_be_none=True)
         if self.contrast is not None and not self.contrast > 0:
             raise PlanError(
                 f"{{contrast}} is {self.contrast:g}, but must be greater than 0: blackbody minus wheel without sign",

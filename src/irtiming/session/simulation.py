@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import final
+from typing import final, get_args
 
 from irtiming.archive import writer
 from irtiming.archive.json_file import json_text, make_folder, write_atomically
@@ -14,6 +14,7 @@ from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.frame_events import FreeEvent
 from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode, Recording
 from irtiming.records.rig import Rotation
+from irtiming.records.words import require_word
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.defects import Defects, with_defects
 from irtiming.twin.free_camera import draw_free
@@ -68,6 +69,8 @@ class CameraOrder:
     internal_delay_s: float | None = None
 
     def __post_init__(self) -> None:
+        require_word("camera", self.camera, known=get_args(CameraType), error=PlanError)
+        require_word("readout", self.readout, known=get_args(ReadoutMode), error=PlanError, may_be_none=True)
         other = _OTHER[self.camera]
         self._refuse(_FOREIGN[self.camera], f"{{camera}} {self.camera}", cure=f"{{camera}} {other}")
         if (self.readout or USUAL_READOUT[self.camera]) == "snapshot":
@@ -132,6 +135,8 @@ class SimulationOrder:
     force: bool = False
 
     def __post_init__(self) -> None:
+        require_word("rotation", self.rotation, known=get_args(Rotation), error=PlanError)
+        require_word("free_running", self.free_running, known=get_args(FreeEvent), error=PlanError, may_be_none=True)
         for delay_s in self.delay_s:
             if not abs(delay_s) <= _LONGEST_DELAY_S:
                 raise PlanError(

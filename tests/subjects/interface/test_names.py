@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import irtiming
-from irtiming.errors import PlanError
+from irtiming.errors import PlanError, UnitError
 from irtiming.records.recording import Recording
 
 HEAVY = ("numpy", "scipy", "numba", "matplotlib", "pandas", "GTC", "h5py", "rich", "typer")
@@ -30,11 +30,15 @@ def test_the_folder_of_planning_can_be_called() -> None:
 
 
 def test_a_wish_that_nobody_knows_is_refused(tmp_path: Path) -> None:
-    """Oracle: one letter changed; the nearest name is said, and nothing is written."""
+    """Oracle: names and words that are none, some by one letter; the nearest is said, and nothing is written."""
     with pytest.raises(PlanError, match="'framse' is no wish; did you mean frames"):
         irtiming.simulate(tmp_path / "made", framse=100)
     with pytest.raises(PlanError, match="did you mean wheel_hz"):
         irtiming.plan(whel_hz=3)
+    with pytest.raises(PlanError, match="camera is 'banana', must be photon or microbolometer"):
+        irtiming.simulate(tmp_path / "made", camera="banana")
+    with pytest.raises(UnitError, match="extras is 'map', must be .* or maps; did you mean 'maps'"):
+        irtiming.analyse([], Path("rig.toml"), extras=["map"])  # type: ignore[list-item]
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(AttributeError, match="no attribute 'analyze'"):
         _ = irtiming.analyze

@@ -22,6 +22,12 @@ def _recording(camera_type, readout_mode):
         ({"slope_limits": (0.1, 1.0)}, "slope_limits is 0.1,1, must be two fractions with 0 < LOW < HIGH < 1"),
         ({"roi": (5, 5, 0, 9)}, "roi is 5,5,0,9, must be R0,R1,C0,C1"),
         ({"roi": (-1, 5, 0, 9)}, "roi is -1,5,0,9, must be R0,R1,C0,C1"),
+        (
+            {"method": "pixel-sums"},
+            "method is 'pixel-sums', must be pixel-sum or row-sum or published; did you mean 'pixel-sum'?",
+        ),
+        ({"method": None}, "method is 'None', must be pixel-sum or row-sum or published; name one of them"),
+        ({"reference_edge": "third"}, "reference_edge is 'third', must be automatic or first or second"),
         ({"wheel_temperature_k": 300.0}, "wheel_temperature_k is of use with substrate_temperature_k only"),
     ],
 )

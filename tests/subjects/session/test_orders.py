@@ -22,6 +22,20 @@ BARE = TriggerWishes(wheel_hz=(), frame_hz="30", samples="")
 @pytest.mark.parametrize(
     ("order", "wrong", "says"),
     [
+        (CameraOrder, {"camera": "bolometer"}, "camera is 'bolometer', must be photon or microbolometer; did you mean"),
+        (CameraOrder, {"camera": ["photon"]}, "camera is \"['photon']\", must be photon or microbolometer"),
+        (CameraOrder, {"readout": "global"}, "readout is 'global', must be snapshot or rolling; name one of them"),
+        (
+            SimulationOrder,
+            {"folder": HERE, "camera": CameraOrder(), "rotation": "left"},
+            "rotation is 'left', must be clockwise or counterclockwise",
+        ),
+        (
+            SimulationOrder,
+            {"folder": HERE, "camera": CameraOrder(), "free_running": "trigger"},
+            "free_running is 'trigger', must be strobe or stamp or arrival",
+        ),
+        (Described, {"camera": "cooled"}, "camera is 'cooled', must be photon or microbolometer"),
         (CameraOrder, {"row_delay_s": 1e-6}, "row_delay_s with camera photon readout snapshot"),
         (CameraOrder, {"time_constant_s": 5e-3}, "leave out time_constant_s, or take camera microbolometer"),
         (
