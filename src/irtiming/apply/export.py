@@ -2,11 +2,17 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from typing import Literal
 
 from irtiming.apply.handover import HandOver, Number
 from irtiming.errors import EstimationError
 from irtiming.records.application import Program
 from irtiming.records.frame_events import NOUNS
+
+
+def format_for(program: Program) -> Literal["JSON", "YAML"]:
+    """Of the file that a program reads."""
+    return "JSON" if program in ("basalt", "gyroflow", "android") else "YAML"
 
 
 def text_for(program: Program, given: HandOver) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.whole_file import place_of, stays_as_it_is, text_output, unwritable
 from irtiming.errors import ArchiveError
 
@@ -22,8 +23,9 @@ def write_json(content: Mapping[str, Any], path: str | Path) -> None:
     Raises
     ------
     ArchiveError
-        If the file cannot be written, or the content holds something that JSON cannot express.
+        If the file cannot be written, its name says another format, or the content holds something that JSON cannot express.
     """
+    require_suffix(Path(path), "JSON")
     write_atomically(json_text(content), path)
 
 

@@ -41,8 +41,10 @@ def demo(
     """
     given = locals()
     from irtiming.archive import json_file
+    from irtiming.archive.suffixes import require_suffix
     from irtiming.session.demo import USUAL
 
+    require_suffix(json, "JSON")
     if json is not None:
         json_file.require_place(json)
     said = {name: given[name] for name in ("rows", "columns", "runs", "seed", "keep") if given[name] is not None}

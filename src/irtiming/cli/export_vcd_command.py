@@ -27,12 +27,14 @@ def export_vcd(
     """
     from irtiming.archive import reader
     from irtiming.archive.json_file import require_place
+    from irtiming.archive.suffixes import require_suffix
     from irtiming.archive.timestamps_file import read_timestamps
     from irtiming.archive.vcd_export import write_vcd
     from irtiming.errors import ArchiveError
 
     target = recording.with_suffix(".vcd") if out is None else out
     require_place(target, besides=[recording], is_new=True)
+    require_suffix(target, "VCD")
     found: Recording | TimedRun
     try:
         found = reader.read(recording)

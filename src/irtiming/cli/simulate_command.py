@@ -227,6 +227,7 @@ def simulate(
     """
     given = locals()
     from irtiming.archive.json_file import write_json
+    from irtiming.archive.suffixes import require_suffix
     from irtiming.cli.progress import shown
     from irtiming.session.simulation import CameraOrder, SimulationOrder
     from irtiming.session.simulation import simulate as make_recordings
@@ -252,6 +253,7 @@ def simulate(
         roll_rad=math.radians(roll_deg),
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
     )
+    require_suffix(json, "JSON")
     with shown("frames") as progress:
         made = make_recordings(order, progress=progress)
     say(f"{counted(len(made.recordings), 'recording')}, rig.toml and truth.json in {out_dir}")

@@ -10,6 +10,7 @@ from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.map_file import write_maps
 from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.errors import ArchiveError, EstimationError
 from irtiming.measurement import ALL_EXTRAS, Extra, Progress
@@ -34,6 +35,10 @@ class AnalysisOrder:
     report: Path | None = None
     maps: Path | None = None
     language: Language = "en"
+
+    def __post_init__(self) -> None:
+        require_suffix(self.result, "JSON")
+        require_suffix(self.report, "HTML")
 
     @property
     def picture(self) -> Path | None:

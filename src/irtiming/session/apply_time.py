@@ -18,6 +18,7 @@ from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.result_model import Result
+from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError, about
 from irtiming.records.frame_events import NOUNS
 from irtiming.session import frame_stamps
@@ -37,6 +38,9 @@ class TimeOrder:
     out: Path
     rows: tuple[int, ...] | None = None
     series: tuple[Path, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_suffix(self.out, "CSV", "Parquet", "recording")
 
 
 def generator_of(result: Result) -> Generator:

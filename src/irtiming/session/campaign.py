@@ -13,6 +13,7 @@ from irtiming.archive.nexus import program_version
 from irtiming.archive.parquet import require_parquet
 from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry
+from irtiming.archive.suffixes import require_suffix
 from irtiming.distribute.campaign import CampaignOrder, Measured, Progress, measure
 from irtiming.errors import ArchiveError
 from irtiming.records.campaign import Campaign
@@ -44,6 +45,9 @@ class Order:
     register: str = tables.DEFAULT
     json: Path | None = None
     language: Language = "en"
+
+    def __post_init__(self) -> None:
+        require_suffix(self.json, "JSON")
 
 
 @final

@@ -6,8 +6,9 @@ from typing import Any, final
 
 from irtiming.archive import layout, rig_update
 from irtiming.archive.json_file import require_places, write_atomically, write_json
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
-from irtiming.errors import ArchiveError, EstimationError
+from irtiming.errors import EstimationError
 from irtiming.estimate import clock
 from irtiming.physics.clock_rate import camera_clock
 from irtiming.records.clock_check import CameraClock, ClockCheck
@@ -32,10 +33,8 @@ class ClockOrder:
     picture: Path | None = None
 
     def __post_init__(self) -> None:
-        if self.picture is not None and self.picture.suffix.lower() != ".svg":
-            raise ArchiveError(
-                "the picture is an SVG drawing; give it a name that ends in .svg", where=str(self.picture)
-            )
+        require_suffix(self.json, "JSON")
+        require_suffix(self.picture, "SVG")
 
 
 @final

@@ -9,6 +9,7 @@ from irtiming.apply import export, handover
 from irtiming.apply.camera_timing import CameraTiming
 from irtiming.apply.handover import HandOver
 from irtiming.archive.json_file import require_place, write_atomically
+from irtiming.archive.suffixes import require_suffix
 from irtiming.records.application import Program
 from irtiming.records.frame_events import NOUNS
 from irtiming.report.rounding import significant, time_text
@@ -28,6 +29,7 @@ class ExportOrder:
     stamp_latency_u_s: float = 0.0
 
     def __post_init__(self) -> None:
+        require_suffix(self.out, export.format_for(self.program))
         require_uncertainty(
             self.stamp_latency_u_s, of=self.stamp_latency_s, fields=("stamp_latency_s", "stamp_latency_u_s")
         )

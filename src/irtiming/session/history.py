@@ -11,6 +11,7 @@ from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry, KnownCamera
 from irtiming.archive.result_file import read_result
+from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError, EstimationError
 from irtiming.estimate.series.drift import drifts
 from irtiming.estimate.series.points import point
@@ -27,6 +28,9 @@ class HistoryOrder:
     register: str
     since: date | None = None
     history: Path | None = None
+
+    def __post_init__(self) -> None:
+        require_suffix(self.history, "JSON")
 
 
 @final

@@ -9,6 +9,7 @@ from irtiming.archive import layout, rig_update
 from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.layout import Field
 from irtiming.archive.rig_file import read_rig
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
 from irtiming.errors import EstimationError, InstrumentError
 from irtiming.estimate import latency
@@ -48,6 +49,7 @@ class GatesOrder:
     json: Path | None = None
 
     def __post_init__(self) -> None:
+        require_suffix(self.json, "JSON")
         for name in ("photodiode", "application_gate"):
             value, u = (f"{name}_s", f"{name}_u_s")
             require_uncertainty(getattr(self, u), of=getattr(self, value), fields=(value, u))
@@ -76,6 +78,9 @@ class LoopOrder:
     rig: Path | None = None
     json: Path | None = None
 
+    def __post_init__(self) -> None:
+        require_suffix(self.json, "JSON")
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +91,9 @@ class LoopTestOrder:
     line: LoopLine = "spare"
     rig: Path | None = None
     json: Path | None = None
+
+    def __post_init__(self) -> None:
+        require_suffix(self.json, "JSON")
 
 
 @final

@@ -9,6 +9,7 @@ from irtiming.archive import layout, reader
 from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.result_file import checked_result, read_result
 from irtiming.archive.rig_file import read_rig
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.distribute.campaign import together
 from irtiming.distribute.pieces import look
@@ -39,6 +40,10 @@ class SeriesOrder:
     series: Path | None = None
     report: Path | None = None
     language: Language = "en"
+
+    def __post_init__(self) -> None:
+        require_suffix(self.series, "JSON")
+        require_suffix(self.report, "HTML")
 
 
 def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[CameraSeries, ...]:

@@ -6,6 +6,7 @@ from typing import Any, final
 
 from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.rig_file import read_rig
+from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import PlanError, listed
 from irtiming.plan.assumptions import assumed
 from irtiming.plan.drawing import sampling_svg
@@ -46,6 +47,8 @@ class PlanOrder:
     picture: Path | None = None
 
     def __post_init__(self) -> None:
+        require_suffix(self.json, "JSON")
+        require_suffix(self.picture, "SVG")
         missing = [name for name in ("clock_hz", "wheel_hz", "frame_hz", "samples") if not getattr(self.wishes, name)]
         if not self.wanted and missing:
             raise PlanError(

@@ -19,6 +19,7 @@ from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
+from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import InstrumentError
 from irtiming.plan.schedule import run_length_ticks
 from irtiming.records.camera_frame import CameraIdentity
@@ -45,6 +46,9 @@ class SeriesOrder:
     runs: str | None = None
     rig: Path | None = None
     summary: Path | None = None
+
+    def __post_init__(self) -> None:
+        require_suffix(self.summary, "JSON")
 
 
 @final

@@ -12,6 +12,7 @@ from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
 from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_place
 from irtiming.archive.plan_file import read_plan
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import read_timestamps, write_timestamps
 from irtiming.errors import ArchiveError, InstrumentError, PlanError
 from irtiming.gateware.register_map import REGISTERS
@@ -35,6 +36,9 @@ class TimestampOrder:
     run: int = 1
     wiring: WiringWishes = field(default_factory=WiringWishes)
 
+    def __post_init__(self) -> None:
+        require_suffix(self.out, "recording")
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +54,7 @@ class FramesOrder:
     bit_depth: int | None = None
 
     def __post_init__(self) -> None:
+        require_suffix(self.out, "recording")
         if self.camera is None and (self.readout, self.integration_time_s, self.bit_depth) != (None, None, None):
             raise ArchiveError(
                 "{readout}, {integration_time_s} and {bit_depth} go with {camera}; give it too, or leave them out",

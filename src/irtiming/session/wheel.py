@@ -7,8 +7,8 @@ from typing import final
 from irtiming.archive import reader
 from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.rig_file import read_rig
+from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import write_wheel_calibration
-from irtiming.errors import ArchiveError
 from irtiming.records.choices import ReferenceEdge
 from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce.wheel import wheel_calibration
@@ -28,10 +28,7 @@ class CalibrationOrder:
     reference_edge: ReferenceEdge = "automatic"
 
     def __post_init__(self) -> None:
-        if self.picture is not None and self.picture.suffix.lower() != ".svg":
-            raise ArchiveError(
-                "the picture is an SVG drawing; give it a name that ends in .svg", where=str(self.picture)
-            )
+        require_suffix(self.picture, "SVG")
 
 
 def calibrate(order: CalibrationOrder) -> WheelCalibration:
@@ -43,6 +40,7 @@ def calibrate(order: CalibrationOrder) -> WheelCalibration:
         If a file cannot be read or written, or the timestamps do not determine the wheel.
     """
     require_places([order.calibration, order.picture], inputs=[*order.recordings, order.rig])
+    require_suffix(order.calibration, "JSON")
     rig, recordings = read_rig(order.rig), (reader.read(path) for path in order.recordings)
     wheel = wheel_calibration.from_recordings(recordings, rig, reference_edge=order.reference_edge)
     write_wheel_calibration(wheel, order.calibration)

@@ -112,8 +112,8 @@ def test_the_calibration_of_another_wheel_is_told(place) -> None:
     ("options", "said"),
     [
         (("--out", "slow.nxs"), "is another file of this command"),
-        (("--out", "new.json", "--picture", "new.png"), "give it a name that ends in .svg"),
-        (("--out", "new.json", "--picture", "new.json"), "give it a name that ends in .svg"),
+        (("--out", "new.json", "--picture", "new.png"), "give a name that ends in .svg"),
+        (("--out", "new.json", "--picture", "new.json"), "give a name that ends in .svg"),
         (("--out", "nowhere/new.json"), "there is no folder"),
         (("--out", "new.json", "--rig", "slow.nxs"), "is not UTF-8 text"),
     ],

@@ -11,35 +11,42 @@ from irtiming.errors import IrTimingError
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
+LINKS = {
+    "rig.json": "rig.toml", "rig.svg": "rig.toml", "r.json": "r.sqlite", "a.json": "a.nxs", "l.json": "l.toml",
+    "cert.json": "cert.xml", "p.json": "rig.png",
+}  # fmt: skip
+"""Other names of the files, with the suffix of what is to be written."""
+
+
 @pytest.mark.parametrize(
     ("words", "read"),
     [
-        (("history", "A", "--register", "r.sqlite", "--json", "r.sqlite"), "r.sqlite"),
-        (("history", "A", "--register", "sqlite:///r.sqlite", "--json", "r.sqlite"), "r.sqlite"),
-        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--picture", "rig.toml"), "rig.toml"),
-        (("plan", "--free-running", "33 ms", "--wheel-hz", "3", "--samples", "1000", "--rig", "rig.toml", "--json", "rig.toml"),
+        (("history", "A", "--register", "r.sqlite", "--json", "r.json"), "r.sqlite"),
+        (("history", "A", "--register", "sqlite:///r.sqlite", "--json", "r.json"), "r.sqlite"),
+        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("plan", "--for", "trigger_delay=1us", "--rig", "rig.toml", "--picture", "rig.svg"), "rig.toml"),
+        (("plan", "--free-running", "33 ms", "--wheel-hz", "3", "--samples", "1000", "--rig", "rig.toml", "--json", "rig.json"),
          "rig.toml"),
-        (("clock", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("clock", "a.nxs", "--json", "b.svg", "--picture", "b.svg"), "a.nxs"),
-        (("latency", "gates", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("latency", "loopback", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("gateware", "loopback", "no-port", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("record", "plan.toml", "--out", "out", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
+        (("clock", "a.nxs", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("clock", "a.nxs", "--json", "b", "--picture", "b"), "a.nxs"),
+        (("latency", "gates", "a.nxs", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("latency", "loopback", "a.nxs", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("gateware", "loopback", "no-port", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("record", "plan.toml", "--out", "out", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
         (("record", "plan.toml", "--out", "out", "--json", "out/series.json"), "out/series.json"),
-        (("verify", "a.nxs", "--rig", "rig.toml", "--json", "rig.toml"), "rig.toml"),
-        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--limits", "l.toml", "--json", "l.toml"), "l.toml"),
-        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--json", "a.nxs"), "a.nxs"),
+        (("verify", "a.nxs", "--rig", "rig.toml", "--json", "rig.json"), "rig.toml"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--limits", "l.toml", "--json", "l.json"), "l.toml"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--json", "a.json"), "a.nxs"),
         (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--wheel-calibration", "w.json", "--json", "w.json"),
          "w.json"),
-        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--register", "r.sqlite", "--json", "r.sqlite"), "a.csv"),
+        (("campaign", "a.csv", "--rig", "rig.toml", "--out", "new", "--register", "r.sqlite", "--json", "r.json"), "a.csv"),
         (("campaign", "out/table.csv", "--rig", "rig.toml", "--out", "out", "--register", "none"), "out/table.csv"),
-        (("certificate", "--check", "cert.xml", "--json", "cert.xml"), "cert.xml"),
-        (("analyse", "a.nxs", "--rig", "rig.toml", "--maps", "rig.h5", "--json", "rig.png"), "rig.toml"),
+        (("certificate", "--check", "cert.xml", "--json", "cert.json"), "cert.xml"),
+        (("analyse", "a.nxs", "--rig", "rig.toml", "--maps", "rig.h5", "--json", "p.json"), "rig.toml"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_read_is_refused_as_output(words, read, tmp_path, monkeypatch):
-    """Oracle: by hand; one file is named twice, the error says so, and the file is as before."""
+    """Oracle: by hand; one file is named twice, by whatever name, the error says so, and the file is as before."""
     monkeypatch.chdir(tmp_path)
     Path("out").mkdir()
     for name in ("a.nxs", "r.sqlite", "l.toml", "w.json", "cert.xml", "out/series.json"):
@@ -48,6 +55,8 @@ def test_a_file_that_is_read_is_refused_as_output(words, read, tmp_path, monkeyp
     Path("rig.toml").write_text((EXAMPLES / "cooled.rig.toml").read_text())
     Path("a.csv").write_text("file\na.nxs\n")
     Path("out/table.csv").write_text("file\n../a.nxs\n")
+    for name, file in LINKS.items():
+        Path(name).symlink_to(file)
     before = Path(read).read_bytes()
     done = CliRunner().invoke(app, list(words))
     assert isinstance(done.exception, IrTimingError), done.output
