@@ -244,6 +244,56 @@ def test_days_of_measurement_are_those_of_the_recordings(analysis: Analysis) -> 
     assert (told.first_day, told.last_day) == (date(2026, 11, 19), date(2026, 11, 20))
 
 
+@pytest.mark.parametrize(
+    ("measured", "issued", "said"),
+    [
+        ((20, 20), 24, None),
+        ((21, 21), 24, None),
+        ((19, 21), 24, None),
+        ((20, 20), 20, None),
+        (
+            (22, 23),
+            24,
+            "says 2026-11-22 to 2026-11-23, the recordings were made from 2026-11-20 to 2026-11-20, which must be",
+        ),
+        (
+            (10, 18),
+            24,
+            "[dates] measured says 2026-11-10 to 2026-11-18, the recordings were made from",
+        ),
+        ((10, 20), 24, "[dates] measured says 2026-11-10 to 2026-11-20, the recordings were made from"),
+        ((20, 24), 24, "[dates] measured says 2026-11-20 to 2026-11-24, the recordings were made from"),
+        ((19, 19), 19, None),
+        ((18, 18), 18, "[dates] measured says 2026-11-18 to 2026-11-18, the recordings were made from"),
+        (None, 19, "the last day of measurement, 2026-11-20, is later than 2026-11-19"),
+    ],
+)
+def test_days_that_contradict_the_recordings_are_refused(
+    analysis: Analysis, measured: tuple[int, int] | None, issued: int, said: str | None
+) -> None:
+    """Oracle: by hand; all recordings are of 20 November, and a day is left for time zones."""
+    timed = tuple(replace(one, start_time="2026-11-20T09:00:00+00:00") for one in analysis.recordings)
+    days = None if measured is None else [date(2026, 11, day) for day in measured]
+    stated = form(dates={"measured": days, "received": None}, certificate={"issued": date(2026, 11, issued)})
+    files = [result_file(replace(analysis, recordings=timed))]
+    if said is None:
+        assert collect(files, stated).days_stated
+        return
+    with pytest.raises(ArchiveError) as caught:
+        collect(files, stated)
+    assert said in str(caught.value)
+
+
+def test_recordings_that_say_no_day_leave_it_to_the_laboratory(analysis: Analysis) -> None:
+    """Oracle: by hand; one of them is of 20 November, a further day of the others is not contradicted."""
+    timed = tuple(
+        replace(one, start_time="" if k else "2026-11-20T09:00:00+00:00") for k, one in enumerate(analysis.recordings)
+    )
+    files = [result_file(replace(analysis, recordings=timed))]
+    stated = {"measured": [date(2026, 11, 10), date(2026, 11, 20)], "received": None}
+    assert collect(files, form(dates=stated)).first_day == date(2026, 11, 10)
+
+
 def test_two_cameras_on_one_certificate(analysis: Analysis, rolling: Analysis) -> None:
     """Oracle: the serial numbers given; without them nobody can tell the cameras apart, and it is refused."""
     files = [

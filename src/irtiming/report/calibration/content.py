@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import date, datetime
+from datetime import date, datetime, timedelta
 from typing import final
 
 from irtiming.archive.certificate_file import CertificateFile, Item
@@ -14,6 +14,9 @@ from irtiming.report.calibration.measurands import Measurand
 
 NAMED = ("manufacturer", "model", "serial_number", "firmware")
 """What identifies a camera, in the order in which it is listed."""
+
+_TIME_ZONES = timedelta(days=1)
+"""By as much the day of a recording, in UTC or of another computer's clock, may be another than the laboratory's."""
 
 
 @final
@@ -161,14 +164,15 @@ def _item(file: ResultFile, form: CertificateFile, *, several: bool, called: str
 
 def _days(files: Sequence[ResultFile], form: CertificateFile, *, called: str) -> tuple[date, date]:
     """First and last day of measurement."""
-    days = form.dates.measured
+    days, starts = form.dates.measured, [one.start_time for file in files for one in file.content.inputs]
+    if not days and (not starts or None in starts):
+        raise ArchiveError(
+            f"the recordings do not say when they were made; state [dates] measured in {called}, such as 2026-11-23"
+        )
     if not days:
-        starts = [one.start_time for file in files for one in file.content.inputs]
-        if not starts or None in starts:
-            raise ArchiveError(
-                f"the recordings do not say when they were made; state [dates] measured in {called}, such as 2026-11-23"
-            )
         days = sorted(_day(start, called=called) for start in starts if start)
+    elif known := sorted(day for start in starts if start and (day := _day_or_none(start))):
+        _require_days_of(known, form, is_all=len(known) == len(starts), called=called)
     first, last = days[0], days[-1]
     for earlier, later, words in (
         (first, last, "the first day of [dates] measured"),
@@ -180,14 +184,48 @@ def _days(files: Sequence[ResultFile], form: CertificateFile, *, called: str) ->
     return first, last
 
 
+def _require_days_of(known: Sequence[date], form: CertificateFile, *, is_all: bool, called: str) -> None:
+    """The days that are stated are those of the recordings, as far as these say; so the certificate is issued after them.
+
+    Parameters
+    ----------
+    known
+        Days of the recordings that say when they were made, in order; at least one.
+    form, called
+        certificate.toml and its name.
+    is_all
+        Whether all of them say so: then no day before or after them was one of measurement.
+
+    Raises
+    ------
+    ArchiveError
+        If they contradict each other by more than time zones can.
+    """
+    first, last = form.dates.measured[0], form.dates.measured[-1]
+    holds_them = first - _TIME_ZONES <= known[0] and known[-1] <= last + _TIME_ZONES
+    is_theirs = known[0] - _TIME_ZONES <= first and last <= known[-1] + _TIME_ZONES
+    if not holds_them or (is_all and not is_theirs):
+        raise ArchiveError(
+            f"[dates] measured says {first} to {last}, the recordings were made from {known[0]} to {known[-1]}, which must be "
+            f"the days of measurement; correct it in {called}, or leave it out"
+        )
+
+
 def _day(start: str, *, called: str) -> date:
-    try:
-        return datetime.fromisoformat(start).date()
-    except ValueError as error:
+    day = _day_or_none(start)
+    if day is None:
         raise ArchiveError(
             f"a recording says that it was made at '{start:.40}', which is no time of ISO 8601; state [dates] measured in "
             f"{called}"
-        ) from error
+        )
+    return day
+
+
+def _day_or_none(start: str) -> date | None:
+    try:
+        return datetime.fromisoformat(start).date()
+    except ValueError:
+        return None
 
 
 def _check_limits(sheet: Sheet, *, called: str) -> None:
