@@ -406,7 +406,7 @@ def edge_angles(joint: Joint, angular_frequency_rad_per_s: float) -> tuple[Measu
 
 
 def known_before(joint: Joint, measurands: Sequence[Measurand]) -> Estimate:
-    """Sums of errors of the rig as they were known beforehand: zero, with their covariance.
+    """Sums of numbers as they were known beforehand, with their covariance; errors of the rig were expected to be none.
 
     Parameters
     ----------
@@ -415,12 +415,14 @@ def known_before(joint: Joint, measurands: Sequence[Measurand]) -> Estimate:
     measurands
         Sums of shared numbers; those that hold others than errors of the rig are left out.
     """
-    u = {one.name: one.u or 0.0 for one in joint.shared if one.turns_edges or one.measured is not None}
-    known = [one for one in measurands if set(one.weights) <= set(u)]
-    per_unit = np.array([[one.weights.get(name, 0.0) * size for name, size in u.items()] for one in known])
+    stated = [one for one in joint.shared if one.turns_edges or one.measured is not None]
+    known = [one for one in measurands if set(one.weights) <= {number.name for number in stated}]
+    weights = np.array([[one.weights.get(number.name, 0.0) for number in stated] for one in known])
+    weights = weights.reshape(len(known), len(stated))
+    per_unit = weights * np.array([number.u or 0.0 for number in stated])
     return Estimate(
         names=tuple(one.name for one in known),
         units=tuple(one.unit for one in known),
-        values=np.zeros(len(known)),
+        values=weights @ np.array([number.known for number in stated]),
         covariance=per_unit @ per_unit.T,
     )

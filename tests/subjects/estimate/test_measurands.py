@@ -54,6 +54,18 @@ def test_a_stated_window_moves_the_middle_to_the_start():
     assert found.u("integration_time") == pytest.approx(10e-6)
 
 
+def test_what_was_known_of_a_window_is_its_stated_length():
+    """Oracle: by hand; 250 us with u 20 us were stated, of the delay nothing; a sum of twice the window is 500 us, u 40 us."""
+    found = _window(stated=(250e-6, 20e-6))
+    asked = [joint.Measurand(name=name, weights={name: 1.0}) for name in ("delay", "integration_time")]
+    twice = joint.Measurand(name="twice", weights={"integration_time": 2.0})
+    known = measurands.known_before(found, [*asked, twice])
+    assert known.names == ("integration_time", "twice")
+    assert known.values == pytest.approx([250e-6, 500e-6])
+    assert known.standard_uncertainties == pytest.approx([20e-6, 40e-6])
+    assert measurands.known_before(found, asked[:1]).names == ()
+
+
 @pytest.mark.parametrize("coupling", [0.0, 0.3, -0.3])
 def test_a_window_that_sums_tell_stands_in(coupling):
     """Oracle: by hand; middle less half the length: variance a + b / 4 - c."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from irtiming.records.estimate import Estimate
 from irtiming.report import certificate, result, result_of_fits
 from irtiming.report.sections import joint_fit
 
@@ -82,6 +83,21 @@ def test_the_result_gives_back_the_joint_fit(analysis):
     assert delay["deviation"] == [4, 1, 0, 1, 4]
     assert (delay["lower"], delay["upper"]) == pytest.approx((370e-6, 430e-6))
     assert delay["reference_event"] == "start of integration"
+
+
+def test_an_estimate_is_compared_with_what_was_known_of_it(analysis):
+    """Oracle: by hand; 240 us found where 250 us with u 5 us were stated are 2 u short, in the result and the table."""
+    joint = analysis.joint
+    prior = Estimate(
+        names=(*joint.prior.names, "integration_time"), units=(*joint.prior.units, "s"),
+        values=np.append(joint.prior.values, 250e-6), covariance=np.diag([*np.diag(joint.prior.covariance), 25e-12]),
+    )  # fmt: skip
+    stated = replace(analysis, joint=replace(joint, prior=prior))
+    assert result_of_fits.joint_fit(stated)["shared"]["window"]["value_over_prior"] == pytest.approx(-2)
+    table = joint_fit.numbers(stated)
+    assert table.columns[-1] == "(estimate − prior) / prior u"
+    (row,) = [one for one in table.rows if one[0].startswith("length of the integration window")]
+    assert row[-2:] == ("5.0", "−2.00")
 
 
 def test_an_open_end_of_a_profile_is_null(analysis):

@@ -57,6 +57,7 @@ class Shared:
     start: float
     value: float
     standard_uncertainty: float
+    prior: float | None = None
     prior_uncertainty: float | None = None
 
     @property
@@ -71,8 +72,8 @@ class Shared:
 
     @property
     def over_prior(self) -> float | None:
-        """Estimate over the standard uncertainty that was expected of it; None without one."""
-        return None if not self.prior_uncertainty else self.value / self.prior_uncertainty
+        """Estimate less what was expected, over the standard uncertainty of that; None where nothing was expected."""
+        return None if not self.prior_uncertainty else (self.value - (self.prior or 0.0)) / self.prior_uncertainty
 
 
 def section(analysis: Analysis) -> Section:
@@ -94,6 +95,7 @@ def shared(analysis: Analysis) -> tuple[Shared, ...]:
             start=joint.start.get(name, 0.0),
             value=joint.parameters.value(name),
             standard_uncertainty=joint.parameters.u(name),
+            prior=joint.prior.value(name) if name in joint.prior else None,
             prior_uncertainty=joint.prior.u(name) if name in joint.prior else None,
         )
         for name, unit in zip(joint.parameters.names, joint.parameters.units, strict=True)
@@ -113,7 +115,7 @@ def angles(analysis: Analysis) -> tuple[Shared, ...]:
     if EDGE_ANGLES[0] not in joint.parameters:
         return ()
     found = joint.parameters.pick(*EDGE_ANGLES)
-    prior = joint.prior.pick(*EDGE_ANGLES).covariance
+    prior = joint.prior.pick(*EDGE_ANGLES)
     start = np.array([joint.start.get(name, 0.0) for name in EDGE_ANGLES])
     common = np.full(4, 0.25)
     rows = [("common_angle", t("all edges together: angle by which they come earlier than rig.toml says"), common)]
@@ -133,7 +135,8 @@ def angles(analysis: Analysis) -> tuple[Shared, ...]:
             start=float(weight @ start),
             value=float(weight @ found.values),
             standard_uncertainty=float(np.sqrt(max(0.0, weight @ found.covariance @ weight))),
-            prior_uncertainty=float(np.sqrt(max(0.0, weight @ prior @ weight))),
+            prior=float(weight @ prior.values),
+            prior_uncertainty=float(np.sqrt(max(0.0, weight @ prior.covariance @ weight))),
         )
         for name, meaning, weight in rows
     )
@@ -165,13 +168,13 @@ def numbers(analysis: Analysis) -> Table:
     )
     return Table(
         title=t("What all recordings share"),
-        columns=heads("quantity", "start", "estimate", "u", "prior u", "estimate / prior u"),
+        columns=heads("quantity", "start", "estimate", "u", "prior u", "(estimate − prior) / prior u"),
         align="lrrrrr",
         rows=rows,
         note=t(
             "One likelihood over all recordings. The delay is {sign}; an angle is positive where an edge comes "
-            "early. Prior u: what rig.toml, the images and the residuals allow an angle to be off before the "
-            "fit.{window}",
+            "early. Prior: what rig.toml and the recordings state of a number before the fit, 0 of an angle. Prior u: what "
+            "rig.toml, the images and the residuals allow it to be off.{window}",
             sign=t(SIGN),
             window=window,
         ),
