@@ -45,7 +45,7 @@ def analyse(
     ] = 0.5,
     border_px: Annotated[
         int | None,
-        typer.Option(min=0, max=64, help="Border of the summed region around the opening, px. Else automatic."),
+        typer.Option(help="Border of the summed region around the opening, 0 to 64 px. Else automatic."),
     ] = None,
     plateau_margin: Annotated[
         float,

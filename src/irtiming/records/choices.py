@@ -13,6 +13,8 @@ Method = Literal["pixel-sum", "row-sum", "published"]
 The first, which need not be named, is the best for every kind of camera; row sums are those of cameras that lag or roll.
 """
 
+_WIDEST_BORDER_PX = 64
+
 _PIXEL_SUMS_ONLY = ("threshold_dn", "plateau_margin", "slope_limits")
 """Choices that mean something for the pixel sums of a snapshot photon camera only."""
 
@@ -59,6 +61,14 @@ class Choices:
         for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
             if not low <= getattr(self, name) <= high:
                 raise UnitError(f"{{{name}}} is {getattr(self, name)}, must lie between {low} and {high}", name)
+        if not (
+            self.border_px is None or (isinstance(self.border_px, int) and 0 <= self.border_px <= _WIDEST_BORDER_PX)
+        ):
+            raise UnitError(
+                f"{{border_px}} is {self.border_px}, must be a whole number of pixels from 0 to {_WIDEST_BORDER_PX}; leave it "
+                "out to have it chosen",
+                "border_px",
+            )
         low, high = self.slope_limits
         if not 0 < low < high < 1:
             raise UnitError(

@@ -10,6 +10,7 @@ from irtiming.report.language import t
 from irtiming.report.rounding import significant
 
 MS, US = 1e-3, 1e-6
+MRAD, DEG = 1e-3, float(np.pi / 180)
 _T = TypeVar("_T")
 
 

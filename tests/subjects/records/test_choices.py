@@ -28,6 +28,9 @@ def _recording(camera_type, readout_mode):
         ),
         ({"method": None}, "method is 'None', must be pixel-sum or row-sum or published; name one of them"),
         ({"reference_edge": "third"}, "reference_edge is 'third', must be automatic or first or second"),
+        ({"border_px": -1}, "border_px is -1, must be a whole number of pixels from 0 to 64"),
+        ({"border_px": 65}, "border_px is 65, must be a whole number of pixels from 0 to 64"),
+        ({"border_px": 2.5}, "border_px is 2.5, must be a whole number of pixels from 0 to 64"),
         ({"wheel_temperature_k": 300.0}, "wheel_temperature_k is of use with substrate_temperature_k only"),
     ],
 )
@@ -39,7 +42,15 @@ def test_what_cannot_be_is_refused_by_its_name(wrong, says):
 
 
 @pytest.mark.parametrize(
-    "right", [{"threshold_level": 0.95}, {"plateau_margin": 0.0}, {"plateau_margin": 0.45}, {"roi": (0, 1, 0, 1)}]
+    "right",
+    [
+        {"threshold_level": 0.95},
+        {"plateau_margin": 0.0},
+        {"plateau_margin": 0.45},
+        {"roi": (0, 1, 0, 1)},
+        {"border_px": 0},
+        {"border_px": 64},
+    ],
 )
 def test_limits_belong_to_what_may_be_chosen(right):
     """Oracle: by hand."""

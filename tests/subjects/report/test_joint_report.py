@@ -8,7 +8,7 @@ import pytest
 
 from irtiming.records.estimate import Estimate
 from irtiming.report import certificate, result, result_of_fits
-from irtiming.report.sections import joint_fit
+from irtiming.report.sections import joint_fit, own_fits
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +98,21 @@ def test_an_estimate_is_compared_with_what_was_known_of_it(analysis):
     assert table.columns[-1] == "(estimate − prior) / prior u"
     (row,) = [one for one in table.rows if one[0].startswith("length of the integration window")]
     assert row[-2:] == ("5.0", "−2.00")
+
+
+def test_shares_of_light_and_contrast_are_no_times(analysis):
+    """Oracle: by hand; 0.29e-3 ± 0.15e-3 of the mean, 0.015e-3 ± 0.030e-3 of the contrast, and what they are; a time is one."""
+    u = np.array([0.15e-3, 0.03e-3, 1e-6])
+    local = Estimate(
+        names=("bow", "blade_share", "row_delay"), units=("1", "1", "s"), values=np.array([0.29e-3, 0.015e-3, 38e-6]),
+        covariance=np.diag(u**2),
+    )  # fmt: skip
+    told = own_fits.table(replace(analysis, fits=tuple(replace(one, estimate=local) for one in analysis.fits)))
+    assert told.columns[-3:] == ("bow (10⁻³)", "blade share (10⁻³)", "row delay (µs)")
+    assert told.rows[0][-3:] == ("0.29 ± 0.15", "0.015 ± 0.030", "38.0 ± 1.0")
+    assert "Bow: by how much of its mean the opening is brighter" in told.note
+    assert "warmer than the other, over the contrast." in told.note
+    assert "beside" not in told.note
 
 
 def test_an_open_end_of_a_profile_is_null(analysis):

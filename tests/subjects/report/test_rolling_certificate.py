@@ -12,7 +12,7 @@ from irtiming.records.estimate import Estimate
 from irtiming.records.result import Bound
 from irtiming.report import certificate
 from irtiming.report import result as result_of
-from irtiming.report.sections import joint_fit, lag, level, parameters, relative_delays, uncertainty
+from irtiming.report.sections import joint_fit, lag, level, own_fits, parameters, relative_delays, uncertainty
 from irtiming.report.verdict import verdict as verdict_of
 
 
@@ -197,7 +197,7 @@ def test_a_single_set_delay_has_no_table_of_relative_delays(rolling):
 
 def test_fits_tell_where_they_began_and_how_well_they_ended(rolling):
     """Oracle: the hand-made fits: noise 1e-3, widened variance 2.25, start 3 ms, end 5 ms."""
-    fit = joint_fit.fits(rolling).rows[1]
+    fit = own_fits.table(rolling).rows[1]
     assert fit[:3] == ("bolo-10ms", "380 of 400", "26 (7 … 32)")
     assert float(fit[4]) == pytest.approx(1.0, rel=0.05)
     assert fit[5] == "1.50"

@@ -1,6 +1,7 @@
 """A recording whose file is not finished: what is in it, and whether it is still being written."""
 
 import os
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,7 +49,10 @@ def unfinished(path: str | Path) -> Finding:
             "", f"is not finished and {complaint.finding.what}", code="unfinished-unrecoverable", cure=cure
         ).finding
     return refuse(
-        "", what, code="unfinished", cure=f"the program that wrote it was stopped; irtiming recover {part.name}"
+        "",
+        what,
+        code="unfinished",
+        cure=f"the program that wrote it was stopped; irtiming recover {shlex.quote(str(part))}",
     ).finding
 
 

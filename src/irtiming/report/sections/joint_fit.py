@@ -9,21 +9,20 @@ import numpy as np
 from irtiming.physics.latency import BOTH_GATES_SOURCE, GATE_SOURCES
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EdgeDelayFit, Estimate
+from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.result import LEAST_WHITENESS, Profile
 from irtiming.report import sheet
-from irtiming.report.blocks import MS, US, Panel, Section, Table
+from irtiming.report.blocks import DEG, MRAD, US, Panel, Section, Table
 from irtiming.report.language import decimal, heads, several, t, with_capital, with_unit
 from irtiming.report.meanings import SIGN, edge_delay_name, event, has_lag, method_name, several_speeds, words
 from irtiming.report.rounding import fixed, in_unit, significant, time_text
-from irtiming.report.row_curves import whole
+from irtiming.report.sections import own_fits
 from irtiming.report.sections.row_sums import published_fits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MRAD, DEG = 1e-3, float(np.pi / 180)
 EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
 _WIDEST = 2.6  # standard uncertainties shown to either side
 _LEAST_SHOWN = 1e-8  # probability
@@ -80,7 +79,7 @@ def section(analysis: Analysis) -> Section:
     """Tables and figures of all fits."""
     speeds = (by_speeds(analysis),) if several_speeds(analysis) and EDGE_ANGLES[0] in analysis.joint.parameters else ()
     profiles = (_profile_panel(analysis),) if analysis.profiles else ()
-    tables = (numbers(analysis), search(analysis), *speeds, fits(analysis), searches(analysis))
+    tables = (numbers(analysis), search(analysis), *speeds, own_fits.table(analysis), searches(analysis))
     return Section(title=t("Joint fit"), blocks=(*tables, _whiteness_panel(analysis), *profiles))
 
 
@@ -259,62 +258,6 @@ def by_speeds(analysis: Analysis) -> Table:
             "nothing need be done: the delay is already corrected for it."
         ),
     )
-
-
-def fits(analysis: Analysis) -> Table:
-    """Quality of each recording's own fit, and what it finds beside the delays."""
-    names = [name for name in analysis.fits[0].estimate.names if not name.startswith("edge_delay")]
-    rows = []
-    for recording, fit in zip(analysis.recordings, analysis.fits, strict=True):
-        if isinstance(fit, EdgeDelayFit):
-            used, n_rows, residual, noise = int(fit.kept.sum()), "–", fit.residual, fit.noise
-        else:
-            used, n_rows = fit.wheel_angle_rad.size, f"{fit.row_px.size} ({fit.row_px[0]} … {fit.row_px[-1]})"
-            residual, noise = whole(fit).residual, float(np.median(fit.noise))
-        rows.append(
-            (
-                fit.name,
-                t("{n} of {total}", n=used, total=recording.n_frames),
-                n_rows,
-                significant(1e3 * float(np.sqrt(np.mean(residual**2)))),
-                significant(1e3 * noise),
-                decimal(f"{fit.variance_inflation**0.5:.2f}"),
-                *(_local(fit.estimate, name) for name in names),
-            )
-        )  # fmt: skip
-    return Table(
-        title=t("Fits, recording by recording"),
-        columns=(
-            t("recording"),
-            t("frames used"),
-            t("rows"),
-            t("rms residual, whole opening (10⁻³)"),
-            t("noise of a sum (10⁻³)"),
-            t("factor on u"),
-            *(f"{words(name)} ({_local_unit(name)[1]})" for name in names),
-        ),
-        align="lrrrrr" + "r" * len(names),
-        rows=tuple(rows),
-        note=t(
-            "Residuals in 10⁻³ of the step from covered to open; noise of a row sum, the median over the rows. "
-            "Factor on u: root of the variance inflation because residuals are correlated; 1 when they are white."
-        ),
-    )
-
-
-def _local_unit(name: str) -> tuple[float, str]:
-    if name in ("recursive_filter", "pixel_memory"):
-        return 0.01, "%"
-    if name == "opening_angle":
-        return DEG, "°"
-    return (MRAD, "mrad") if name.startswith("lean") else (MS, "ms") if name == "time_constant" else (US, "µs")
-
-
-def _local(found: Estimate, name: str) -> str:
-    if name not in found:
-        return "–"
-    scale = _local_unit(name)[0]
-    return f"{in_unit(found.value(name), found.u(name), unit_s=scale)} ± {significant(found.u(name) / scale)}"
 
 
 def searches(analysis: Analysis) -> Table:
