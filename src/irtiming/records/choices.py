@@ -58,6 +58,7 @@ class Choices:
         """Refuse what cannot be, whatever the recording."""
         require_word("method", self.method, known=get_args(Method), error=UnitError)
         require_word("reference_edge", self.reference_edge, known=get_args(ReferenceEdge), error=UnitError)
+        require_word("processor", self.processor, known=get_args(Processor), error=UnitError)
         for name, low, high in (("threshold_level", 0.05, 0.95), ("plateau_margin", 0.0, 0.45)):
             if not low <= getattr(self, name) <= high:
                 raise UnitError(f"{{{name}}} is {getattr(self, name)}, must lie between {low} and {high}", name)
