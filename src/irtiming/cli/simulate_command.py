@@ -137,6 +137,9 @@ Sway = Annotated[
     float | None, typer.Option("--sway", help="Share of the contrast by which gain and offset go up and down in 33 s.")
 ]
 ReferencesAnew = Annotated[bool, typer.Option("--references-anew", help="References of their own for each recording.")]
+Exponent = Annotated[
+    float, typer.Option(min=0.5, max=2, help="Of the camera's response to light, such as 0.9; 1 is a straight line.")
+]
 Filter = Annotated[
     float | None,
     typer.Option("--filter", help="Share of the frame before in the camera's recursive filter, such as 0.06."),
@@ -205,6 +208,7 @@ def simulate(
     blade_share: Blade = None,
     sway_share: Sway = None,
     references_anew: ReferencesAnew = False,
+    exponent: Exponent = 1.0,
     filter_share: Filter = None,
     averaged_frames: Averaged = None,
     memory_share: Memory = None,

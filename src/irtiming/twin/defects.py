@@ -7,9 +7,11 @@ from typing import Any, final
 from irtiming.errors import PlanError
 from irtiming.twin.in_camera import InCamera
 from irtiming.twin.optics import GlareShape
-from irtiming.twin.scene import BolometerTiming, CameraTiming, Scene, Timing
+from irtiming.twin.response_curve import ResponseCurve
+from irtiming.twin.scene import BolometerTiming, CameraTiming, Radiance, Scene, Timing
 from irtiming.twin.upkeep import Sway
 
+_BEYOND = 0.2  # of the contrast: how far the range of a camera's values reaches beyond it
 _WINDOW = ("rise_s", "fall_s", "tail_share", "tail_s", "count_time_error_s")
 
 
@@ -29,6 +31,9 @@ class Defects:
     Levels. ``blade_share``: the blade between edges 2 and 3 is warmer by that share of the contrast. ``sway_share``: by how
     much of the contrast gain and offset each go up and down within 33 s, smoothly. ``references_anew``: a photon camera's
     references are recorded anew for each recording.
+
+    Detector. ``exponent`` of its response between the coldest and the warmest that it sees, which takes in blackbody and wheel
+    and a fifth of their contrast on either side; 1 is a straight line (`irtiming.twin.response_curve.ResponseCurve`).
 
     In the camera, as in `irtiming.twin.in_camera.InCamera`: ``filter_share``, ``averaged_frames``, ``memory_share``.
 
@@ -55,6 +60,7 @@ class Defects:
     blade_share: float = 0.0
     sway_share: float = 0.0
     references_anew: bool = False
+    exponent: float = 1.0
     filter_share: float = 0.0
     averaged_frames: int = 1
     memory_share: float = 0.0
@@ -110,6 +116,7 @@ def with_defects(scene: Scene, defects: Defects) -> Scene:
         trigger=replace(scene.trigger, **_picked(defects, ("clock_relative_error", "late_trigger_s"))),
         optics=replace(scene.optics, **_picked(defects, optics), **lens),
         radiance=replace(scene.radiance, **_picked(defects, ("blade_share", "references_anew"))),
+        detector=replace(scene.detector, curve=_curve(scene.radiance, defects.exponent)),
         timing=_shaped(scene.timing, defects),
         sway=Sway(gain_share=defects.sway_share, offset_share=defects.sway_share),
         in_camera=InCamera(**_picked(defects, ("memory_share", "filter_share", "averaged_frames"))),
@@ -121,7 +128,7 @@ def defects_of(scene: Scene) -> Defects:
     optics, timing = scene.optics, scene.timing
     window = {name: getattr(timing, name) for name in _WINDOW} if isinstance(timing, CameraTiming) else {}
     rows_px, columns_px = optics.blur_rows_columns_px
-    homes = (scene.beams, scene.trigger, optics, scene.radiance, scene.in_camera)
+    homes = (scene.beams, scene.trigger, optics, scene.radiance, scene.detector.curve, scene.in_camera)
     shared = {
         field.name: getattr(home, field.name)
         for field in fields(Defects)
@@ -130,6 +137,14 @@ def defects_of(scene: Scene) -> Defects:
     }
     shared |= {"blur_rows_px": rows_px, "blur_columns_px": columns_px, "sway_share": scene.sway.gain_share}
     return Defects(**shared, **window)
+
+
+def _curve(radiance: Radiance, exponent: float) -> ResponseCurve:
+    if exponent == 1:
+        return ResponseCurve()
+    low_dn, high_dn = sorted(radiance.level_dn(kelvin) for kelvin in (radiance.blackbody_k, radiance.wheel_k))
+    beyond_dn = _BEYOND * (high_dn - low_dn)
+    return ResponseCurve(exponent=exponent, low_dn=low_dn - beyond_dn, high_dn=high_dn + beyond_dn)
 
 
 def _picked(defects: Defects, names: tuple[str, ...]) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 Every random number depends on (seed, purpose, index), so that any frame can be made again by itself.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias, final, get_args
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Pixels
+from irtiming.twin.response_curve import ResponseCurve
 from irtiming.twin.scene import Detector
 
 Values: TypeAlias = npt.NDArray[np.float32]
@@ -45,13 +46,14 @@ def generator(seed: int, purpose: Purpose, *, index: int = 0) -> np.random.Gener
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FixedPattern:
-    """Gain and offset (DN) of each pixel and where it is dead; shape (row, column)."""
+    """Gain and offset (DN) of each pixel and where it is dead; shape (row, column). Its curve comes before the noise."""
 
     gain: Values
     offset_dn: Values
     highest_dn: float
     noise_dn: float
     row_noise_dn: float = 0.0
+    curve: ResponseCurve = field(default_factory=ResponseCurve)
 
 
 def fixed_pattern(detector: Detector) -> FixedPattern:
@@ -73,6 +75,7 @@ def fixed_pattern(detector: Detector) -> FixedPattern:
         highest_dn=highest,
         noise_dn=detector.noise_dn,
         row_noise_dn=detector.row_noise_dn,
+        curve=detector.curve,
     )
 
 
@@ -112,8 +115,10 @@ def digitise(signal_dn: Values, pattern: FixedPattern, *, random: np.random.Gene
         noise = _normal(random, noise.size)
     if pattern.row_noise_dn > 0:
         row_noise = _normal(random, row_noise.size) * np.float32(pattern.row_noise_dn)
+    curve = pattern.curve
     _read_out(
-        (signal_dn, pattern.gain, pattern.offset_dn), noise.reshape(signal_dn.shape), row_noise,
+        (signal_dn, pattern.gain, pattern.offset_dn), (curve.exponent, curve.low_dn, curve.high_dn),
+        noise.reshape(signal_dn.shape), row_noise,
         (pattern.noise_dn, pattern.highest_dn, 0.5 if out.dtype == np.uint16 else 0.0), out,
     )  # fmt: skip
 
@@ -128,20 +133,24 @@ def _normal(random: np.random.Generator, n: int) -> Values:
 @njit(cache=True, nogil=True)
 def _read_out(
     seen: tuple[Values, Values, Values],
+    curve: tuple[float, float, float],
     noise: Values,
     row_noise: npt.NDArray[np.float32],
     scale: tuple[float, float, float],
     out: Pixels | Values,
 ) -> None:
-    """Signal with gain, offset and noise, clipped and rounded, in one pass; numbers of 32 bits throughout.
+    """Signal with gain, offset, curve and noise, clipped and rounded, in one pass; numbers of 32 bits but for the curve.
 
     ``scale`` is the noise, the highest value, and what makes a cut a rounding.
     """
     signal, gain, offset = seen
     noise_dn, highest, half = np.float32(scale[0]), np.float32(scale[1]), np.float32(scale[2])
     lowest = np.float32(0)
+    exponent, low, span = curve[0], curve[1], curve[2] - curve[1]
     for row in range(signal.shape[0]):
         for column in range(signal.shape[1]):
             value = signal[row, column] * gain[row, column] + offset[row, column]
+            if exponent != 1:
+                value = np.float32(low + span * max(0.0, (value - low) / span) ** exponent)
             value = value + noise[row, column] * noise_dn + row_noise[row]
             out[row, column] = min(max(value, lowest), highest) + half

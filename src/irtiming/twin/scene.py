@@ -17,6 +17,7 @@ from irtiming.twin.beams import Beams
 from irtiming.twin.free_running import FreeRunning
 from irtiming.twin.in_camera import InCamera
 from irtiming.twin.optics import Optics
+from irtiming.twin.response_curve import ResponseCurve
 from irtiming.twin.taps import Taps
 from irtiming.twin.upkeep import Drift, SelfCorrection, Sway
 
@@ -148,7 +149,7 @@ class Radiance:
 class Detector:
     """Pixels and their faults; ``pattern_seed`` fixes gain, offset and place of the dead ones.
 
-    ``noise_dn`` is drawn for each pixel, ``row_noise_dn`` for each row of each frame.
+    ``noise_dn`` is drawn for each pixel, ``row_noise_dn`` for each row of each frame; both are beside the response's ``curve``.
     """
 
     rows: int = 512
@@ -161,6 +162,7 @@ class Detector:
     dead_pixels: int = 0
     pattern_seed: int = 0
     row_noise_dn: float = 0.0
+    curve: ResponseCurve = field(default_factory=ResponseCurve)
 
 
 @final

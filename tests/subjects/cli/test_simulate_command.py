@@ -61,8 +61,9 @@ def test_each_defect_has_its_option(tmp_path: Path) -> None:
         "--clock-ppm", "-50", "--lateral-offset-mm", "-0.1", "--tilt-deg", "1.4", "-1.1", "--focal-length-px", "600",
         "--lens-centre-px", "3", "-5", "--distortion", "-0.03", "--blur-rows-px", "0.55", "--blur-columns-px", "0.95",
         "--glare", "0.03", "--glare-px", "4", "--glare-shape", "gaussian", "--blade", "-0.012", "--sway", "0.03",
-        "--references-anew", "--filter", "0.06", "--averaged-frames", "2", "--memory", "0.005", "--rise", "10 us",
-        "--fall", "5 us", "--tail", "0.04", "--tail-time", "0.2 ms", "--count-time-error", "-12.5 us", "--nuc-at", "0.6 s",
+        "--references-anew", "--exponent", "0.9", "--filter", "0.06", "--averaged-frames", "2", "--memory", "0.005",
+        "--rise", "10 us", "--fall", "5 us",
+        "--tail", "0.04", "--tail-time", "0.2 ms", "--count-time-error", "-12.5 us", "--nuc-at", "0.6 s",
     )  # fmt: skip
     wanted = {
         "late_application_gate_s": 5e-6, "late_control_gate_s": 3e-6, "late_trigger_s": 0.8e-6,
@@ -70,6 +71,7 @@ def test_each_defect_has_its_option(tmp_path: Path) -> None:
         "tilt_about_column_rad": math.radians(-1.1), "focal_length_px": 600, "lens_centre_row_px": 3,
         "lens_centre_column_px": -5, "distortion": -0.03, "blur_rows_px": 0.55, "blur_columns_px": 0.95,
         "glare_share": 0.03, "glare_px": 4, "blade_share": -0.012, "sway_share": 0.03, "references_anew": True,
+        "exponent": 0.9,
         "filter_share": 0.06, "averaged_frames": 2, "memory_share": 0.005, "rise_s": 10e-6, "fall_s": 5e-6,
         "tail_share": 0.04, "tail_s": 0.2e-3, "count_time_error_s": -12.5e-6,
     }  # fmt: skip

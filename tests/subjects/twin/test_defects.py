@@ -308,6 +308,16 @@ def test_references_may_be_taken_anew(photon: Scene) -> None:
         assert np.array_equal(first.low_dn, second.low_dn) == same
 
 
+def test_values_go_with_a_power_of_the_signal(bolometer: Scene) -> None:
+    """Oracle: the power by hand on the frames of the same camera without it; blackbody at 6000 DN, wheel at 6640."""
+    plain, bent = _frames(bolometer), _frames(with_defects(bolometer, Defects(exponent=0.9)))
+    low, span = 6000 - 0.2 * 640, 1.4 * 640
+    assert np.abs(bent - (low + span * ((plain - low) / span) ** 0.9)).max() <= 1.1  # both are rounded
+    assert np.abs(bent - plain).max() > 20
+    with pytest.raises(PlanError, match="exponent 9"):
+        with_defects(bolometer, Defects(exponent=9.0))
+
+
 def test_a_stated_integration_time_may_be_off(photon: Scene) -> None:
     """Oracle: the recording's value is longer by the error; the frames are the same."""
     off = with_defects(photon, Defects(count_time_error_s=12.5e-6))

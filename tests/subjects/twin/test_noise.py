@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from irtiming.errors import PlanError
 from irtiming.twin.frames import nonuniformity_reference
 from irtiming.twin.noise import digitise, fixed_pattern, generator
+from irtiming.twin.response_curve import ResponseCurve
 from irtiming.twin.scene import Detector, Radiance
 
 _FLAT = Detector(rows=40, columns=50, gain_spread=0.0, offset_spread_dn=0.0, noise_dn=0.0)
@@ -77,3 +79,19 @@ def test_reference_is_the_mean_of_its_frames() -> None:
     assert (reference.low_dn - 1000.0).std() == pytest.approx(20 / 5, rel=0.1)
     assert reference.high_dn.mean() == pytest.approx(1000 + 15 * 530, abs=1)
     assert not np.array_equal(raw[0] - raw.mean(), reference.high_frames.pick([0])[0] - reference.high_dn)
+
+
+@pytest.mark.parametrize(
+    ("level", "expected"), [(1000.0, 1000), (2000.0, 2000), (1250.0, 1500), (900.0, 1000), (3000.0, 2414)]
+)
+def test_a_curve_bends_the_signal_before_noise_and_rounding(level: float, expected: int) -> None:
+    """Oracle: by hand; the square root between 1000 and 2000 DN, on beyond it, and nothing below."""
+    assert set(
+        _read_out(replace(_FLAT, curve=ResponseCurve(exponent=0.5, low_dn=1000, high_dn=2000)), level).ravel()
+    ) == {expected}
+
+
+def test_a_curve_that_no_camera_has_is_refused() -> None:
+    """Oracle: the exponent and the levels that were asked for."""
+    with pytest.raises(PlanError, match=r"exponent 3 between 0 and 1 DN .* between 0\.5 and 2"):
+        ResponseCurve(exponent=3.0)
