@@ -14,6 +14,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.reduce import recipes
 from irtiming.twin import rig as twin
+from irtiming.twin.defects import Defects, with_defects
 from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed
 from irtiming.twin.upkeep import Drift, SelfCorrection, ShutterEvent
 
@@ -155,3 +156,17 @@ def test_the_example_recording_gives_its_truth(shared_recordings):
     assert estimate.standard_uncertainties[0] < 60e-6
     axle = found.recordings[0].axle
     assert (axle.row_px, axle.column_px) == pytest.approx(truth["wheel_centre_row_column_px"], abs=0.05)
+
+
+def test_a_response_that_is_not_linear_is_told_at_two_speeds():
+    """Oracle: the scene; values that go with the signal to the power 0.9 were edges that disagree, or did not settle."""
+    rig = twin.draw(with_wheel_speed(microbolometer_scene(60, 80), 3.0, samples=300), seed=41)
+    bent = with_defects(rig.scene, Defects(exponent=0.9))
+    runs = [
+        twin.simulate(with_wheel_speed(bent, hz, samples=300), seed=round(hz), name=f"{hz} Hz") for hz in (3.0, 8.0)
+    ]
+    result = _fit(rig, *runs).found.result
+    estimate = result.estimate
+    off = np.abs(estimate.values - _truth(rig.scene.timing)) / estimate.standard_uncertainties
+    assert np.all(off < 3), off
+    assert "response-not-linear" in {one.code for one in result.findings}

@@ -234,7 +234,8 @@ def _rows_fitted(
 ) -> tuple[RowTimingFit, ...]:
     """All rows of each recording, from the round before on if there was one."""
     light_of = {k: view.light for view in views for k in view.members}
-    starts = before or (None,) * len(recordings)
+    bent = {k for view in views if before and row_fit.are_bent([before[k] for k in view.members]) for k in view.members}
+    starts = tuple(replace(fit, is_bent=k in bent) for k, fit in enumerate(before)) or (None,) * len(recordings)
     fits = tuple(
         row_fit.fit(one, model, light=light_of[k], start=start)
         for k, (one, start) in enumerate(zip(recordings, starts, strict=True))

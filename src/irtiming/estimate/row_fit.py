@@ -1,6 +1,6 @@
 """The exact model fitted to one recording: from row sums to its numbers by name, and their covariance."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -18,6 +18,7 @@ from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import row_sum
+from irtiming.physics.light.bent_rows import NONLINEARITIES
 from irtiming.physics.light.row_sum import BESIDE, BLADE, RowSum, Timing
 from irtiming.physics.response import in_camera_filter, integration_window
 from irtiming.physics.wheel import TURN
@@ -31,7 +32,9 @@ from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
 _DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
-_SIGNIFICANT = 3.0  # standard uncertainties from which a recursive filter is undone, and a warmer blade has two numbers
+_SIGNIFICANT = (
+    3.0  # standard uncertainties from which filters are undone, a warmer blade has two numbers, a curve is fitted
+)
 _RANK = 1e-6  # relative: amounts of a sway that are determined worse stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
@@ -127,20 +130,18 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     )
     if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
         covariance = inflated_in_time(covariance, scored.timing, normal=scored.normal)
+    estimate = _estimate(task, names, values=[found.timing[name] for name in names], covariance=covariance)
     return RowTimingFit(
         name=rows.name,
         trigger_delay_time_set_s=rows.trigger_delay_time_set_s,
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
-        estimate=Estimate(
-            names=names,
-            units=tuple(row_sum.unit(name, task.model.camera) for name in names),
-            values=np.array([found.timing[name] for name in names]),
-            covariance=covariance,
-        ),
+        estimate=estimate,
         held=held,
         step_rad=task.model.step_rad,
         undone=task.model.undone,
         blades_apart=task.model.blades_apart,
+        is_bent=task.model.powers is not None,
+        bends=None if start is None else _bends(task, found, light, known=estimate, inflation=variance_inflation),
         sway=None
         if task.sway is None
         else task.sway.moved(_DAMPED * scored.sway_step, covariance=scored.sway_covariance),
@@ -163,6 +164,43 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     )
 
 
+def _estimate(task: _Task, names: Sequence[str], *, values: Sequence[float], covariance: Array) -> Estimate:
+    units = tuple(row_sum.unit(name, task.model.camera) for name in names)
+    return Estimate(names=tuple(names), units=units, values=np.array(values), covariance=covariance)
+
+
+def _bends(task: _Task, found: Solution, light: RowLight, *, known: Estimate, inflation: float) -> Estimate | None:
+    """What bends the response of pixels that lag, fitted or by one step from where the fit without it has ended."""
+    if not task.model.camera.lags:
+        return None
+    if task.model.powers is not None:
+        return known.pick(*NONLINEARITIES)
+    names = (*found.minimum.free, *NONLINEARITIES)
+    model = replace(task.model, powers=light.powers)
+    there = row_timing.likelihood(task.data, model, timing=dict.fromkeys(NONLINEARITIES, 0.0) | dict(found.timing))
+    at = [model.names.index(name) for name in names]
+    white = np.linalg.inv(there.normal[np.ix_(at, at)])
+    step = white @ there.gradient[at]
+    return _estimate(task, names, values=step.tolist(), covariance=np.asarray(inflation * white)).pick(*NONLINEARITIES)
+
+
+def are_bent(fits: Sequence[RowTimingFit]) -> bool:
+    """Whether the response of a camera is no straight line beyond doubt: then what bends it is fitted, and from then on.
+
+    Parameters
+    ----------
+    fits
+        Of recordings of one contrast, which share those numbers.
+    """
+    if any(fit.is_bent for fit in fits):
+        return True
+    looks = [fit.bends for fit in fits if fit.bends is not None]
+    weights = [np.array([look.u(name) ** -2 for look in looks]) for name in NONLINEARITIES]
+    values = [np.array([look.value(name) for look in looks]) for name in NONLINEARITIES]
+    sizes = [abs(float(w @ v)) / float(w.sum()) ** 0.5 for w, v in zip(weights, values, strict=True) if looks]
+    return max(sizes, default=0.0) > _SIGNIFICANT
+
+
 def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     """The solution, and which numbers it holds: a window of which the frames say less than the recording.
 
@@ -170,7 +208,7 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     decided already.
     """
     if start is not None:
-        begin = {BESIDE: start.timing[BLADE]} | start.timing
+        begin = {BESIDE: start.timing[BLADE]} | dict.fromkeys(NONLINEARITIES, 0.0) | start.timing
         begin = {name: begin[name] for name in task.model.names}
         return row_timing.solve(task.data, task.model, start=begin, held=start.held), start.held
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
@@ -238,6 +276,7 @@ def _task(rows: ReducedRecording, wheel: WheelModel, light: RowLight, *, before:
         row_harmonics=light.harmonics,
         beside_harmonics=light.beside,
         blades_apart=before is not None and before.blades_apart,
+        powers=light.powers if before is not None and before.is_bent else None,
         row_px=light.row_px.astype(float),
         angular_frequency_rad_per_s=rows.track.angular_frequency_rad_per_s,
         step_rad=frame_steps.step_rad(rows),

@@ -9,6 +9,7 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.physics import blurred_sector
 from irtiming.physics.light import pixel_waves, sector_rows
+from irtiming.physics.light.bent_rows import PixelPowers
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.row_timing import LensTerms, SectorFit, SectorShape
@@ -37,13 +38,14 @@ class RowLight:
 
     ``row_px`` (n_row,) are the rows with enough light and ``is_lit`` tells them among those that were summed;
     ``harmonics`` (n_row, M + 1) is the light behind the wheel, ``before`` (n_row, M + 1) that of all summed pixels over which the
-    cutouts sweep.
+    cutouts sweep; ``powers`` are of the light of single pixels.
     """
 
     row_px: Ticks
     is_lit: Mask
     harmonics: ComplexArray
     before: ComplexArray
+    powers: PixelPowers
 
     @property
     def beside(self) -> ComplexArray | None:
@@ -97,6 +99,7 @@ def row_light(
         before=_of_pixels(
             sector, row_px[lit], lights=[(sector.swept, sector.ring_angle_rad)], n_harmonics=n_harmonics
         ),
+        powers=_powers(sector, row_px[lit], n_harmonics=n_harmonics),
     )  # fmt: skip
 
 
@@ -177,3 +180,16 @@ def _of_pixels(
     smear = blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=1)
     waves = (pixel_waves.by_row(one[rows], angle[rows], smear=smear, n_harmonics=n_harmonics) for one, angle in lights)
     return np.asarray(sum(waves))
+
+
+def _powers(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> PixelPowers:
+    """Squares and cubes of what pixels show of the light, each at its own angle, and how wide the pixels of a row are."""
+    rows = row_px - sector.roi[0]
+    light, angle = np.where(sector.summed, np.clip(sector.contrast, 0, None), 0.0)[rows], sector.excess_angle_rad[rows]
+    width = blurred_sector.angular_reach(sector.shape, roi=sector.roi)[rows]
+    spread = np.sum(light**2 * width**2, axis=1) / np.maximum(np.sum(light**2, axis=1), 1e-300)
+    sharp = np.ones_like(light)
+    whole = 1 + (sector.ring - sector.plate * sector.swept)[rows]  # what a pixel would show wholly in the light
+    weights = (light**2, light**3, 3 * light**2 * (2 * whole - 1 - light))
+    squares, cubes, askew = (pixel_waves.by_row(one, angle, smear=sharp, n_harmonics=n_harmonics) for one in weights)
+    return PixelPowers(squares=squares, cubes=cubes, askew=askew, smear=np.exp(-spread / 2))

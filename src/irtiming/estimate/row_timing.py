@@ -17,7 +17,7 @@ from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.inference.condensed import condensed
 from irtiming.inference.optimiser import Linearised, Minimum, minimise
 from irtiming.physics.light import row_sum
-from irtiming.physics.light.row_sum import BLADES, EDGE_DELAYS, RowSum, Timing
+from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, Timing
 from irtiming.records.arrays import Array
 
 _COARSE = 20
@@ -211,8 +211,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
 def _by_phases(wave: Array, model: RowSum, *, sign: int, held: Timing) -> Timing:
     """Delay of all edges, and row delay if there is one, that give the rows' second harmonic (n_row,) its phases."""
     omega, readout = model.angular_frequency_rad_per_s, model.camera.readout.PARAMETERS
-    blades = [name for name in BLADES if name in model.names]
-    at_once = dict.fromkeys((*EDGE_DELAYS, *blades, *readout), 0.0) | dict(held)
+    at_once = dict.fromkeys(model.names, 0.0) | dict(held)
     turned = sign * wave * row_sum.harmonics(model.lowest(2), at_once)[:, 2].conj()
     phase = np.angle(np.sum(turned))
     rows = np.angle(turned * np.exp(-1j * phase))

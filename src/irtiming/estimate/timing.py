@@ -15,6 +15,7 @@ from irtiming.estimate import (
     integration_time,
     joint,
     measurands,
+    nonlinearity,
     on_trust,
     own_noise,
     pixel_numbers,
@@ -23,6 +24,7 @@ from irtiming.estimate import (
     relative_delays,
     rig_errors,
     rolling_camera,
+    row_numbers,
     scatter,
     shape,
     shared_numbers,
@@ -39,6 +41,7 @@ from irtiming.inference.correlated_noise import ljung_box_p_value
 from irtiming.inference.optimiser import Linearised, Model
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
+from irtiming.physics.light.bent_rows import NONLINEARITIES
 from irtiming.physics.response.integration_window import TAILS, tail_delay_s, tails
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
@@ -51,7 +54,7 @@ from irtiming.records.rig import Rig, WindowTail
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry
 
-_SHARES = (CLOCK, GLARE, *TAILS, *shared_numbers.MEMORIES)  # without unit, and no errors in standard uncertainties
+_SHARES = (CLOCK, GLARE, *TAILS, *shared_numbers.MEMORIES, *NONLINEARITIES)  # of unit 1, and no errors over their u
 _SPEED_RATIO = 1.2  # of the wheel, from which it tells a window from mask edges that round the corners as well
 _NOTHING_MORE = RigErrors()
 
@@ -238,7 +241,7 @@ def _model(
 def _of_row_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     stated_s = integration_time.common(recordings)
     rows = rolling_camera.rows(recordings, rig)
-    names = row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode))
+    names = (*row_sum.timing_names(camera(recordings[0].camera_type, recordings[0].readout_mode)), *NONLINEARITIES)
     errors = rig_errors.of(rows.recordings, rows.fits, rig=rig, geometry=rows.geometry)
     found = of_row_fits(
         rows.fits, rows.geometry, sectors=rows.sectors, stated_s=stated_s, n_rows=recordings[0].opening.mask.shape[0],
@@ -277,7 +280,7 @@ def of_row_fits(
     whole, fits = fits, [fit.holding(*row_sum.BLADES) for fit in fits]
     blackbodies, u_edge = _blackbodies(fits), scatter.edge_uncertainty(fits, geometry)
     first = min(fits, key=lambda fit: float(np.mean(fit.edge_delay_s)))
-    own = _with_stated(_of_camera(fits, first, blackbodies=blackbodies), fits, rig, stated_s=stated_s)
+    own = _with_stated(row_numbers.of_camera(fits, first, blackbodies=blackbodies), fits, rig, stated_s=stated_s)
     shared = [
         shared_numbers.delay(fits, start=float(np.mean(first.edge_delay_s))),
         *own,
@@ -305,6 +308,7 @@ def of_row_fits(
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
         *frame_memory.of_stated(fits, rig.frame_memory),
+        *nonlinearity.of_joint(found),
         *doubts.of_row_fits(whole), *image_doubts.of_sectors(whole, sectors), *scatter.birge_findings(fits, groups),
         *doubts.of_mixture(effective), *doubts.of_angles(record), *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
@@ -329,31 +333,6 @@ def _exact(fit: RowTimingFit, model: Model, *, names: tuple[str, ...]) -> LocalM
         return Linearised(residual=there.residual, jacobian=there.jacobian[:, columns])
 
     return LocalModel(names=fit.estimate.names, at=at)
-
-
-def _of_camera(
-    fits: Sequence[RowTimingFit], first: RowTimingFit, *, blackbodies: Sequence[Sequence[int]]
-) -> list[SharedNumber]:
-    """What response and readout have: of a lag one time constant per blackbody, since a pixel is faster the warmer it gets.
-
-    Of several also by how much edges that uncover are later than those that cover: a pixel that is faster when it is warm warms
-    later and cools earlier than the one time constant says.
-    """
-    names = list(dict.fromkeys(name for fit in fits for name in fit.estimate.names if name not in EDGE_DELAYS))
-    several = len(blackbodies) > 1 and LAG in names
-    found = [
-        shared_numbers.same(name, fits, start=first.timing[name], unit="1" if name in shared_numbers.MEMORIES else "s")
-        for name in names
-        if name != LAG or not several
-    ]
-    if not several:
-        return found
-    sense = dict(zip(EDGE_DELAYS, (-1.0, 1.0, -1.0, 1.0), strict=True))
-    for g, members in enumerate(blackbodies):
-        for name, effect, start in ((LAG, {LAG: 1.0}, first.timing[LAG]), ("uncovering_later", sense, 0.0)):
-            effects = [effect if k in members else {} for k in range(len(fits))]
-            found.append(SharedNumber(name=f"{name} of blackbody {g}", effects=effects, start=start))
-    return found
 
 
 def _record(

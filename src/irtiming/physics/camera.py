@@ -75,6 +75,11 @@ class Camera:
     readout: Readout
 
     @property
+    def lags(self) -> bool:
+        """Whether pixels follow what they see for long, and so are seldom wholly covered or open."""
+        return self.response is first_order_lag
+
+    @property
     def n_harmonics(self) -> int:
         """Highest order that a fit of rows needs: twice as high in a snapshot, for what is beyond adds up over all rows."""
         return self.response.HARMONICS * (1 if self.readout.PARAMETERS else 2)

@@ -261,6 +261,10 @@ class RowTimingFit:
         Share of a recursive filter that frames were rid of before they were fitted; 0 where none was found.
     blades_apart
         Whether a warmer blade has one number for the opening and another for what shows of it beside.
+    is_bent, bends
+        Whether the two numbers of a response that is not a straight line were fitted, ``quadratic_nonlinearity`` and
+        ``cubic_nonlinearity``, over the contrast; and those numbers, which one step of the fit tells where they were not; None
+        before they were looked for.
     sway
         How gain and offset of the recording's kept frames changed, which row sums were rid of before they were fitted; None
         before it was looked for.
@@ -320,6 +324,8 @@ class RowTimingFit:
     variance_inflation: float
     blackbody_temperature_k: float | None = None
     sway: Sway | None = None
+    is_bent: bool = False
+    bends: Estimate | None = None
 
     @property
     def timing(self) -> dict[str, float]:

@@ -261,18 +261,24 @@ def brute_rows(brute_frames, track_of) -> Callable[..., ReducedRecording]:
 
     ``set_s`` is a set delay: the wheel angles that the analysis takes are that much later, the frames stay. ``keep`` picks
     frames; ``segment`` (n,) numbers them, ``offset_dn`` (n_segment,) is added to all pixels of each; ``gain`` multiplies
-    pixels; ``mirror`` turns the image left to right; ``stated_s`` is the integration time that the recording tells.
+    pixels; ``mirror`` turns the image left to right; ``stated_s`` is the integration time that the recording tells; ``curve``
+    is what a pixel shows of the contrast for what it would show were its response a straight line.
     """
 
     def make(camera, *, n=400, contrast_dn=-600.0, noise_dn=0.0, seed=0, set_s=0.0, keep=None, segment=None, **more):
-        options = {"offset_dn": (0.0, 0.0), "gain": 1.0, "mirror": False, "name": "counted", "stated_s": None} | more
+        options = {
+            "offset_dn": (0.0, 0.0), "gain": 1.0, "mirror": False, "name": "counted", "stated_s": None,
+            "curve": lambda seen: seen,
+        } | more  # fmt: skip
         ticks, openness = brute_frames(camera, n=n)
         keep = np.arange(n) if keep is None else keep
         ticks = ticks[keep] - round(set_s * CLOCK_HZ)
         segment = np.zeros(n, np.int64) if segment is None else segment
         segment = segment[keep]
         values = (
-            5000 + contrast_dn * openness[keep] * options["gain"] + np.array(options["offset_dn"])[segment, None, None]
+            5000
+            + contrast_dn * options["curve"](openness[keep]) * options["gain"]
+            + np.array(options["offset_dn"])[segment, None, None]
         )
         values = values + np.random.default_rng(seed).normal(0, noise_dn, values.shape) if noise_dn else values
         light = camera.light[1].sum(axis=0)

@@ -156,3 +156,29 @@ def test_rounds_end_when_numbers_stay_or_go_to_and_fro(places, is_settled):
         for at in places
     ]
     assert rolling_camera._are_settled(*rounds) == is_settled
+
+
+QUADRATIC, CUBIC = "quadratic_nonlinearity", "cubic_nonlinearity"
+
+
+@pytest.mark.parametrize(("bent", "wanted"), [((-0.1, 0.0), "warning"), ((0.0, 0.06), "doubt")])
+def test_a_response_that_is_not_linear_moves_no_timing(camera, brute_rows, rig, bent, wanted):
+    """Oracle: the numbers that made the frames, put through the curve pixel by pixel; a cubic part may have others beyond it."""
+    b, c = bent
+    rows = brute_rows(camera, noise_dn=6.0, seed=1, curve=lambda v: v + b * v * (1 - v) + c * v * (1 - v) * (1 - 2 * v))
+    found = timing.estimate([rows], rig())
+    assert np.all(np.abs(_deviations(found, camera)) < 3)
+    for name, value in zip((QUADRATIC, CUBIC), bent, strict=True):
+        assert found.found.joint_fit.parameters.value(name) == pytest.approx(value, abs=0.012)
+    (said,) = (one for one in found.found.result.findings if one.code == "response-not-linear")
+    assert said.severity == wanted
+    profile = next(one for one in profiles.profiles(found) if one.name == "time_constant")
+    np.testing.assert_allclose(profile.deviation, [4, 1, 0, 1, 4], atol=0.6)
+
+
+def test_a_response_that_is_linear_has_no_curve(found, rows, rig):
+    """Oracle: nothing bends the response; its two numbers are looked at, within their u of none, and not fitted."""
+    (fit,) = found.fits
+    assert not fit.is_bent
+    assert all(abs(fit.bends.value(name)) < 3 * fit.bends.u(name) < 0.02 for name in (QUADRATIC, CUBIC))
+    assert QUADRATIC not in found.found.joint.names

@@ -20,6 +20,8 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.physics.camera import Camera
+from irtiming.physics.light import bent_rows
+from irtiming.physics.light.bent_rows import NONLINEARITIES, PixelPowers
 from irtiming.physics.wheel_harmonics import later
 from irtiming.records.arrays import Array, ComplexArray
 
@@ -35,7 +37,10 @@ BESIDE = "blade_share_beside"
 BLADES = (BLADE, BESIDE)
 
 Timing: TypeAlias = Mapping[str, float]
-"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; BLADES; those of the readout, s."""
+"""Numbers of one camera by name: EDGE_DELAYS, the response's parameter, s; the memory's, 1; BLADES; those of the readout, s.
+
+And NONLINEARITIES, 0 where they are left out.
+"""
 
 
 @final
@@ -44,7 +49,8 @@ class RowSum:
     """Rows of a camera before the wheel: open_im, shape (4, M + 1), K_ym and B_ym, shape (n_row, M + 1), rows and omega.
 
     Without ``beside_harmonics``, B, the wheel shows where the opening is, and nowhere else; unless ``blades_apart``, b' is b.
-    It turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of.
+    It turns by ``step_rad`` from trigger to trigger; ``undone`` is the share of the recursion that the data are rid of. With
+    ``powers`` the response to light may be bent (`physics.light.bent_rows`).
     """
 
     camera: Camera
@@ -56,11 +62,16 @@ class RowSum:
     undone: float = 0.0
     beside_harmonics: ComplexArray | None = None
     blades_apart: bool = False
+    powers: PixelPowers | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters, in the order of the derivatives: `timing_names`, without BESIDE where that is no number of its own."""
-        return tuple(name for name in timing_names(self.camera) if name != BESIDE or self._is_apart)
+        """Parameters, in the order of the derivatives: `timing_names`, without BESIDE where that is no number of its own.
+
+        And NONLINEARITIES after them, where ``powers`` are given.
+        """
+        own = tuple(name for name in timing_names(self.camera) if name != BESIDE or self._is_apart)
+        return own if self.powers is None else (*own, *NONLINEARITIES)
 
     @property
     def _is_apart(self) -> bool:
@@ -77,6 +88,7 @@ class RowSum:
         return replace(
             self, open_harmonics=self.open_harmonics[:, keep], row_harmonics=self.row_harmonics[:, keep],
             beside_harmonics=None if beside is None else beside[:, keep],
+            powers=None if self.powers is None else self.powers.some(n_harmonics=n_harmonics),
         )  # fmt: skip
 
     def some_rows(self, rows: slice) -> "RowSum":
@@ -85,6 +97,7 @@ class RowSum:
         return replace(
             self, row_harmonics=self.row_harmonics[rows], row_px=self.row_px[rows],
             beside_harmonics=None if beside is None else beside[rows],
+            powers=None if self.powers is None else self.powers.some(rows),
         )  # fmt: skip
 
 
@@ -95,17 +108,45 @@ def timing_names(camera: Camera) -> tuple[str, ...]:
 
 def unit(parameter: str, camera: Camera) -> str:
     """Of a parameter of a row sum: a share has none, all others are times."""
-    return "1" if parameter in (camera.memory.PARAMETER, *BLADES) else "s"
+    return "1" if parameter in (camera.memory.PARAMETER, *BLADES, *NONLINEARITIES) else "s"
 
 
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     """Harmonics F_ym of each row, shape (n_row, M + 1)."""
-    factor = _response(rows, timing) * _memory(rows, timing)[0]
-    return np.asarray(_observed(rows, timing, factor=factor).sum(axis=0))
+    passed, kept = _response(rows, timing), _memory(rows, timing)[0]
+    straight = np.asarray(_observed(rows, timing, factor=passed * kept).sum(axis=0))
+    if rows.powers is None:
+        return straight
+    bends = bent_rows.bends(rows.powers, _edges(rows, timing).sum(axis=0) * passed)
+    return np.asarray(straight + kept * _read(rows, timing, _bent(bends, timing)))
 
 
 def linearised(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
     """`harmonics`, shape (n_row, M + 1), and their derivatives to each of ``rows.names``, (k, n_row, M + 1), per unit."""
+    straight, slopes = _straight(rows, timing)
+    if rows.powers is None:
+        return straight, slopes
+    omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
+    turning, edges, passed = 1j * np.arange(n + 1) * omega, _edges(rows, timing), _response(rows, timing)
+    (kept, kept_slope), wave = _memory(rows, timing), edges.sum(axis=0)
+    passed_slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
+    moves = np.concatenate([edges * turning * passed, (wave * passed_slope)[None]])
+    moved = bent_rows.bends_slopes(rows.powers, wave * passed, slopes=moves)
+    bends = _read(rows, timing, bent_rows.bends(rows.powers, wave * passed))
+    bent, later_rows = _bent(bends, timing), rows.camera.readout.read_later(rows.row_px)[:, :, None]
+    slopes[: len(moves)] += kept * _read(rows, timing, _bent(moved, timing))
+    slopes[len(moves)] += kept_slope * bent
+    slopes[len(slopes) - len(later_rows) :] += later_rows * (kept * bent * turning)
+    return straight + kept * bent, np.concatenate([slopes, kept * bends])
+
+
+def _bent(bends: ComplexArray, timing: Timing) -> ComplexArray:
+    """What the response's curve adds, of what it does per unit of its numbers, (2, ...)."""
+    return np.asarray(np.tensordot([timing.get(name, 0.0) for name in NONLINEARITIES], bends, 1))
+
+
+def _straight(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]:
+    """The same of a detector whose response is a straight line, and without the derivatives to what bends it."""
     omega, n, response = rows.angular_frequency_rad_per_s, rows.n_harmonics, rows.camera.response
     kept, kept_slope = _memory(rows, timing)
     passed = _response(rows, timing)

@@ -14,6 +14,8 @@ _OF_THE_LIGHT = {
     "bow": "Bow: by how much of its mean the opening is brighter at both ends than in its middle.",
     "blade_share": "Blade share: by how much the blade between edges 2 and 3 is warmer than the other, over the contrast.",
     "blade_share_beside": "Blade share beside: the same where cutouts sweep beside the opening.",
+    "quadratic_nonlinearity": "Nonlinearities b and c: a pixel that is open to the share w shows w + b w (1 − w) + "
+    "c w (1 − w) (1 − 2 w).",
 }
 """Local numbers of 1 that a table explains."""
 
@@ -63,7 +65,7 @@ def table(analysis: Analysis) -> Table:
 def _local_unit(name: str) -> tuple[float, str]:
     if name in SHARES:
         return 0.01, "%"
-    if name in _OF_THE_LIGHT:
+    if name in _OF_THE_LIGHT or name.endswith("_nonlinearity"):
         return 1e-3, "10⁻³"
     if name == "opening_angle":
         return DEG, "°"

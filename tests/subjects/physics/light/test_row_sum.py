@@ -1,10 +1,13 @@
 """Rows of all four cameras against the scene stepped or integrated in time, and their derivatives against differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
 from irtiming.physics.camera import camera
+from irtiming.physics.light.bent_rows import CUBIC, QUADRATIC, PixelPowers
 from irtiming.physics.light.row_sum import BESIDE, BLADE, BLADES, EDGE_DELAYS, RowSum, harmonics, linearised
 from irtiming.physics.wheel import wheel_model
 from irtiming.physics.wheel_harmonics import at_angles, later, open_harmonics
@@ -60,6 +63,28 @@ def test_derivatives_are_those_of_differences(kind, mode, apart):
     for name, slope in zip(rows.names, found, strict=True):
         step = {"row_delay": 1e-9, "pixel_memory": 1e-6, "recursive_filter": 1e-6}.get(name, 1e-7)
         ahead, behind = (harmonics(rows, timing | {name: timing.get(name, 0.0) + sign * step}) for sign in (1, -1))
+        numeric = (ahead - behind) / (2 * step)
+        np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
+
+
+@pytest.mark.parametrize("mode", ["snapshot", "rolling"])
+def test_derivatives_of_a_bent_response_are_those_of_differences(mode):
+    """Oracle: central differences in each parameter; without a bend the rows are those of a straight response."""
+    plain, rng = _rows("microbolometer", mode), np.random.default_rng(6)
+    powers = rng.normal(size=(3, 3, M + 1)) + 1j * rng.normal(size=(3, 3, M + 1))
+    rows = replace(
+        plain,
+        powers=PixelPowers(squares=powers[0], cubes=powers[1], askew=powers[2], smear=np.array([0.99, 0.995, 0.999])),
+    )
+    straight = _timing("microbolometer", mode, **{BLADE: 0.02, BESIDE: 0.01, "recursive_filter": 0.07})
+    np.testing.assert_array_equal(harmonics(rows, straight), harmonics(plain, straight))
+    timing = straight | {QUADRATIC: 0.1, CUBIC: -0.05}
+    whole, found = linearised(rows, timing)
+    np.testing.assert_allclose(whole, harmonics(rows, timing), rtol=1e-12)
+    assert rows.names[-2:] == (QUADRATIC, CUBIC)
+    for name, slope in zip(rows.names, found, strict=True):
+        step = {"row_delay": 1e-9, "recursive_filter": 1e-6, QUADRATIC: 1e-4, CUBIC: 1e-4}.get(name, 1e-7)
+        ahead, behind = (harmonics(rows, timing | {name: timing[name] + sign * step}) for sign in (1, -1))
         numeric = (ahead - behind) / (2 * step)
         np.testing.assert_allclose(slope, numeric, atol=1e-6 * np.abs(numeric).max(), err_msg=name)
 
