@@ -76,7 +76,8 @@ class CameraTiming:
 
     ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
     delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
-    each is one. ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
+    each is one; ``frame_scatter_s`` is by how much the camera itself is late or early from frame to frame, a standard deviation.
+    ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
     other results share. ``not_in_uncertainty`` are the result's own words.
     """
 
@@ -84,6 +85,7 @@ class CameraTiming:
     estimate: Estimate
     event: FrameEvent = "trigger"
     scatter: Scatter | None = None
+    frame_scatter_s: float = 0.0
     shared_u: tuple[float, ...] = ()
     two_constants: TwoConstants | None = None
     substrate_temperature_k: float | None = None
@@ -235,6 +237,7 @@ def of_result(result: Result) -> CameraTiming:
         estimate=estimate,
         event=result.frame_event,
         scatter=_scatter(result),
+        frame_scatter_s=(result.delay_scatter and result.delay_scatter.standard_deviation) or 0.0,
         shared_u=tuple(_shared_u(result, name) for name in found),
         two_constants=two,
         substrate_temperature_k=substrate_k,

@@ -55,12 +55,17 @@ class FrameTimes:
 
     def u_s(self, name: MomentName) -> Array:
         """Standard uncertainty of each row's time in any frame, shape (row,)."""
-        return np.hypot(self.u_common_s(name), self.events.u_own_s)
+        return np.sqrt(self.u_common_s(name) ** 2 + self._own_s2)
 
     def correlation(self, name: MomentName) -> Array:
         """Correlation coefficient of the times of one row in two frames, shape (row,)."""
         u = self.u_s(name)
         return np.where(u > 0, (self.u_common_s(name) / np.where(u > 0, u, 1)) ** 2, 1.0)
+
+    @property
+    def _own_s2(self) -> float:
+        """Variance of every time that its frame has alone: its stamp's, and the camera's from frame to frame."""
+        return self.events.u_own_s**2 + self.camera.frame_scatter_s**2
 
     @property
     def _common_s2(self) -> float:
@@ -73,7 +78,7 @@ class FrameTimes:
         first = np.broadcast_to(self.rows_px[:1], self.rows_px.shape)
         both = self.camera.covariance_s2(moment, moment, one_row_px=self.rows_px, other_row_px=first)
         late = self.camera.offset_s(moment, self.rows_px) * self.events.u_rate
-        both = both + late * late[0] + self._common_s2 + self.events.u_own_s**2
+        both = both + late * late[0] + self._common_s2 + self._own_s2
         scale = self.u_s(name) * self.u_s(name)[0]
         return np.where(scale > 0, both / np.where(scale > 0, scale, 1), 1.0)
 

@@ -172,6 +172,15 @@ class FallingRising(Part):
         return self
 
 
+class DelayScatter(Part):
+    """Standard deviation of the delay from frame to frame, null where it may be chance, and what it stays below with 95 %."""
+
+    standard_deviation: Uncertainty
+    standard_uncertainty: Uncertainty
+    upper_limit: float = Field(ge=0)
+    unit: Literal["s"]
+
+
 class Core(Part):
     """What one method found."""
 
@@ -189,6 +198,7 @@ class Core(Part):
     contributions: list[Contribution] = Field([])
     edge_delays: EdgeDelays | None
     falling_rising: FallingRising | None = None
+    delay_scatter: DelayScatter | None = None
     warnings: list[str]
 
     @model_validator(mode="after")

@@ -18,24 +18,15 @@ from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
+from irtiming.records.result import DelayScatter
 from irtiming.records.row_timing import RowTimingFit
 
 _OVERLAP = 1.5  # variance of a mean square of differences of neighbours, over that of as many independent ones
 _ROUNDS = 20
-_SURE = 6.0  # standard uncertainties
 _LARGER = 3.0  # standard uncertainties from which frames err together by more than chance
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class Scatter:
-    """Variance of the delay from frame to frame and its standard uncertainty, s^2; by chance it may be negative."""
-
-    variance_s2: float
-    u_s2: float
-
-
-def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> Scatter:
+def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> DelayScatter:
     """Of the delay in one recording.
 
     Parameters
@@ -52,7 +43,7 @@ def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> Scat
         covariance = np.linalg.inv(weighted.T @ weighted)
         found = covariance @ (weighted.T @ (square / expected))
         expected = np.maximum(columns @ found, 0.1 * expected)
-    return Scatter(variance_s2=float(found[1]), u_s2=float(np.sqrt(2 * _OVERLAP * covariance[1, 1])))
+    return DelayScatter(variance_s2=float(found[1]), u_s2=float(np.sqrt(2 * _OVERLAP * covariance[1, 1])))
 
 
 def excess(fit: RowTimingFit, noise: Array) -> float:
@@ -79,10 +70,8 @@ def excess(fit: RowTimingFit, noise: Array) -> float:
     return found if found > 1 + _LARGER * u else 1.0
 
 
-def findings(
-    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit | RowTimingFit]
-) -> tuple[Finding, ...]:
-    """A warning where the delay scatters from frame to frame by more than chance.
+def of_all(recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit | RowTimingFit]) -> DelayScatter:
+    """Of the delay in all recordings, each by what it says.
 
     Parameters
     ----------
@@ -91,16 +80,20 @@ def findings(
     """
     found = [scatter(one, fit) for one, fit in zip(recordings, fits, strict=True)]
     weight = np.array([one.u_s2**-2 for one in found])
-    variance_s2, u_s2 = float(weight @ [one.variance_s2 for one in found] / weight.sum()), float(weight.sum() ** -0.5)
-    if variance_s2 <= _SURE * u_s2:
+    mean_s2 = weight @ [one.variance_s2 for one in found] / weight.sum()
+    return DelayScatter(variance_s2=float(mean_s2), u_s2=float(weight.sum() ** -0.5))
+
+
+def findings(found: DelayScatter) -> tuple[Finding, ...]:
+    """A warning where the delay scatters from frame to frame by more than chance."""
+    if not found.is_sure:
         return ()
-    jitter_us = 1e6 * float(np.sqrt(variance_s2))
     return (
         Finding(
             code="delay-scatters",
             severity="warning",
-            what=f"the delay scatters from frame to frame with a standard deviation of {jitter_us:.3g} us "
-            f"(u = {0.5 * jitter_us * u_s2 / variance_s2:.2g} us); the result is that of the mean frame",
+            what=f"the delay scatters from frame to frame with a standard deviation of {1e6 * found.standard_deviation_s:.3g} us "
+            f"(u = {1e6 * found.u_s:.2g} us); the result is that of the mean frame",
             cure="a single frame is exposed earlier or later by as much; see whether the camera waits for a clock of its own, or "
             "whether software makes its triggers",
         ),

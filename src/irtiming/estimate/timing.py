@@ -136,17 +136,18 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
 
 def _of_recordings(found: Combination, recordings: Sequence[ReducedRecording], rig: Rig, *, fits: Fits) -> Combination:
     """The same with each recording's file beside its relative delay, and with what only the recordings tell of the result."""
-    result = found.result
+    result, scattering = found.result, frame_jitter.of_all(recordings, fits)
     findings = (
         *doubts.of_events(result.findings, recordings),
         *doubts.of_next_trigger(result, recordings=recordings),
         *scatter.of_triggers(fits, recordings),
-        *frame_jitter.findings(recordings, fits),
+        *frame_jitter.findings(scattering),
         *image_doubts.of_lens(rig.camera, recordings[0]),
         *on_trust.of(recordings, rig=rig),
     )
     delays = [replace(delay, file=one.file) for delay, one in zip(result.relative_delays, recordings, strict=True)]
-    return replace(found, result=replace(result, relative_delays=tuple(delays), findings=findings))
+    whole = replace(result, relative_delays=tuple(delays), findings=findings, delay_scatter=scattering)
+    return replace(found, result=whole)
 
 
 def of_pixel_fits(

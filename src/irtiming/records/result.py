@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, final
 
+import numpy as np
+
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
@@ -11,6 +13,9 @@ from irtiming.records.short_repr import short_repr
 
 Method = Literal["pixel-sum", "row-sum", "published"]
 """The project's best method by what it sums, and the procedure of Schatz 2023 step by step."""
+
+_SURE = 6.0  # standard uncertainties of a variance, which no chance reaches
+_ONE_SIDED_95 = 1.645
 
 LEAST_WHITENESS = 1e-4
 """Ljung-Box p-value below which residuals are not called white: then there is a finding, and a red point in the report."""
@@ -66,6 +71,38 @@ class Bound:
     lower: float | None
     upper: float | None
     unit: str = "s"
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class DelayScatter:
+    """By how much the delay differs from frame to frame: its variance and that one's standard uncertainty, s^2.
+
+    Noise may make the variance negative.
+    """
+
+    variance_s2: float
+    u_s2: float
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether it is more than chance."""
+        return self.variance_s2 > _SURE * self.u_s2
+
+    @property
+    def standard_deviation_s(self) -> float:
+        """Of the delay of a frame about the mean, where it is sure; else 0."""
+        return float(np.sqrt(self.variance_s2)) if self.is_sure else 0.0
+
+    @property
+    def u_s(self) -> float:
+        """Standard uncertainty of that, where it is sure; else 0."""
+        return 0.5 * self.u_s2 / self.standard_deviation_s if self.is_sure else 0.0
+
+    @property
+    def upper_limit_s(self) -> float:
+        """What the standard deviation stays below with 95 % probability."""
+        return float(np.sqrt(max(self.variance_s2, 0.0) + _ONE_SIDED_95 * self.u_s2))
 
 
 @final
@@ -188,6 +225,8 @@ class Result:
         frequency omega, is the time plus the angle over omega; None where one wheel speed does not tell them apart.
     midpoint_leads
         Whether the middle of the integration window is to be reported before its start, whose distance is not well known.
+    delay_scatter
+        From frame to frame; None where the method does not tell it.
     """
 
     __repr__ = short_repr
@@ -204,3 +243,4 @@ class Result:
     not_in_uncertainty: tuple[str, ...] = ()
     midpoint_leads: bool = False
     falling_rising: Estimate | None = None
+    delay_scatter: DelayScatter | None = None

@@ -6,7 +6,7 @@ import numpy as np
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.finding import Finding
-from irtiming.records.result import Contribution, Result
+from irtiming.records.result import Contribution, DelayScatter, Result
 from irtiming.report import budget, camera_noise, event_words, result_of_fits, result_of_inputs, result_of_wheel
 from irtiming.report.combination import combined
 from irtiming.report.meanings import (
@@ -127,6 +127,7 @@ def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:
         "contributions": _by_parameter(chosen, _times(chosen)),
         "edge_delays": _edge_delays(analysis, chosen),
         "falling_rising": _falling_rising(chosen),
+        "delay_scatter": _scatter(chosen.delay_scatter),
     }
 
 
@@ -205,6 +206,17 @@ def _measured(line: Contribution | budget.Line) -> dict[str, Any] | None:
     if line.measured is None:
         return None
     return {"standard_uncertainty": line.measured[0], "unit": line.measured[1]}
+
+
+def _scatter(found: DelayScatter | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {
+        "standard_deviation": found.standard_deviation_s if found.is_sure else None,
+        "standard_uncertainty": found.u_s if found.is_sure else None,
+        "upper_limit": found.upper_limit_s,
+        "unit": "s",
+    }
 
 
 def _falling_rising(chosen: Result) -> dict[str, Any] | None:

@@ -161,7 +161,8 @@ def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Ar
     moment = next(one for one in camera.moments(period_s) if one.name == name)
     late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.events.relative_rate)
     events = given.events
-    power = camera.u_s(moment, row)[0] ** 2 + events.u_own_s**2 + events.u_common_s**2 - events.u_cancelled_s**2
+    power = camera.u_s(moment, row)[0] ** 2 + camera.frame_scatter_s**2
+    power += events.u_own_s**2 + events.u_common_s**2 - events.u_cancelled_s**2
     u_s = np.sqrt(max(power, 0.0))
     return given.events.time_s + late_s, float(u_s)
 

@@ -9,6 +9,7 @@ from irtiming.apply import camera_timing, frame_times, stamps
 from irtiming.apply.camera_timing import Conditions
 from irtiming.apply.conditions import require
 from irtiming.apply.stamps import EventTimes, Generator, Latency
+from irtiming.archive.result_model import DelayScatter
 from irtiming.errors import ConditionError, EstimationError
 
 KINDS = [("photon", "snapshot"), ("photon", "rolling"), ("microbolometer", "snapshot"), ("microbolometer", "rolling")]
@@ -66,6 +67,30 @@ def test_times_of_100_random_cameras_miss_by_what_is_stated():
     assert set(pulls) == {"start", "middle", "end", "reading", "effective"}
     assert np.sqrt(np.mean(everything**2)) == pytest.approx(1, abs=0.15)
     assert np.mean(np.abs(everything) < 2) > 0.9
+
+
+def test_a_scatter_from_frame_to_frame_is_each_frames_own():
+    """Oracle: by hand; the result's 31 us and the stamp's tick beside 200 us, of which two frames have the first in common."""
+    u, scatter_s = 31e-6, 200e-6
+    plain = made_up_result("photon", "snapshot", {"trigger_delay": (4e-4, u)})
+    scattering = plain.model_copy(
+        update={"delay_scatter": DelayScatter(
+            standard_deviation=scatter_s, standard_uncertainty=8e-6, upper_limit=2.2e-4, unit="s"
+        )}
+    )  # fmt: skip
+    unsure = plain.model_copy(
+        update={
+            "delay_scatter": DelayScatter(
+                standard_deviation=None, standard_uncertainty=None, upper_limit=9e-6, unit="s"
+            )
+        }
+    )
+    events = EventTimes(time_s=np.arange(3.0), u_own_s=2e-5, scale="s")
+    times, calm = (frame_times.apply(camera_timing.of_result(one), events) for one in (scattering, unsure))
+    name = times.moments[0].name
+    assert calm.u_s(name)[0] == pytest.approx((u**2 + 2e-5**2) ** 0.5)
+    assert times.u_s(name)[0] == pytest.approx((u**2 + 2e-5**2 + scatter_s**2) ** 0.5)
+    assert times.correlation(name)[0] == pytest.approx(u**2 / (u**2 + 2e-5**2 + scatter_s**2))
 
 
 def test_correlations_are_those_of_errors_that_are_drawn():

@@ -9,6 +9,9 @@ import pytest
 from irtiming.estimate import frame_jitter, frame_residuals
 from irtiming.measurement import analyse
 from irtiming.physics.wheel import TURN
+from irtiming.records.result import DelayScatter
+from irtiming.report.result import result as as_data
+from irtiming.report.sections.parameters import parameters
 from irtiming.twin.rig import draw, simulate
 from irtiming.twin.scene import microbolometer_scene, with_wheel_speed
 
@@ -100,11 +103,30 @@ def test_a_camera_whose_delay_scatters_is_told_so_and_its_result_holds(scatterin
     assert abs(off_s) < 3 * estimate.u("row_delay")
 
 
+def test_a_report_and_a_file_have_the_scatter(scattering):
+    """Oracle: the result's own number, to the places of its uncertainty."""
+    analysis, _ = scattering
+    found = analysis.best.delay_scatter
+    (row,) = [row for row in parameters(analysis).rows if row[0] == "scatter of the delay"]
+    value, _, rest = row[1].partition(" ± ")
+    assert float(value) == pytest.approx(1e6 * found.standard_deviation_s, abs=0.5 * 1e6 * found.u_s)
+    assert rest.endswith("µs")
+    stated = as_data(analysis)["delay_scatter"]
+    assert stated["standard_deviation"] == pytest.approx(found.standard_deviation_s)
+    assert stated["upper_limit"] > stated["standard_deviation"]
+
+
 def test_recordings_are_weighed_and_chance_is_no_scatter(monkeypatch):
-    """Oracle: by hand; (9e-10 / 1 + 1e-10 / 4) / (1 + 1/4) s^2 of 1e-10 / sqrt(1.25), 8.3 u, and half of the first, 5.0 u."""
-    one, other = (frame_jitter.Scatter(variance_s2=v, u_s2=u) for v, u in ((9e-10, 1e-10), (1e-10, 2e-10)))
+    """Oracle: by hand; (9e-10 / 1 + 1e-10 / 4) / (1 + 1/4) s^2 of 1e-10 / sqrt(1.25) is 8.3 u, and 4.44e-10 s^2 are 5.0 u."""
+    one, other = (DelayScatter(variance_s2=v, u_s2=u) for v, u in ((9e-10, 1e-10), (1e-10, 2e-10)))
     given = iter([one, other, replace(one, variance_s2=5.4e-10), replace(other, variance_s2=0.6e-10)])
     monkeypatch.setattr(frame_jitter, "scatter", lambda recording, fit: next(given))
-    (told,) = frame_jitter.findings([None] * 2, [None] * 2)
+    sure = frame_jitter.of_all([None] * 2, [None] * 2)
+    (told,) = frame_jitter.findings(sure)
     assert "27.2 us (u = 1.6 us)" in told.what
-    assert frame_jitter.findings([None] * 2, [None] * 2) == ()
+    unsure = frame_jitter.of_all([None] * 2, [None] * 2)
+    assert frame_jitter.findings(unsure) == ()
+    assert (unsure.standard_deviation_s, unsure.u_s) == (0.0, 0.0)
+    assert unsure.upper_limit_s == pytest.approx((4.44e-10 + 1.645 * 0.8944e-10) ** 0.5, rel=1e-3)
+    noise = DelayScatter(variance_s2=-2e-10, u_s2=1e-10)
+    assert noise.upper_limit_s == pytest.approx(1.645e-10**0.5)

@@ -3,12 +3,12 @@
 import numpy as np
 
 from irtiming.records.analysis import Analysis
-from irtiming.records.result import Result
+from irtiming.records.result import DelayScatter, Result
 from irtiming.report import budget
 from irtiming.report.blocks import US, Section, Table
 from irtiming.report.language import decimal, heads, t, with_unit
 from irtiming.report.meanings import SIGN, SYMBOLS, bound_text, headline, label, meaning, method_name, unit_of
-from irtiming.report.rounding import signed, time_text, time_unit, value_text
+from irtiming.report.rounding import signed, time_text, time_unit, uncertainty_text, value_text
 
 _NOTES = {
     "pixel-sum": "Pixel sums: an exact model of the sums, learned slots, one delay per wheel edge. As published: threshold "
@@ -55,6 +55,9 @@ def parameters(analysis: Analysis) -> Table:
         rows.append((t("falling − rising"), text, *expanded, t("0 expected{apart}", apart=apart)))
         rows += _as_time_and_angle(result)
     rows += [(label(one.name), bound_text(one), "–", "–", meaning(one.name, analysis).event) for one in result.bounds]
+    if result.delay_scatter is not None:
+        text = _scatter_text(result.delay_scatter)
+        rows.append((t("scatter of the delay"), text, "–", "–", t("standard deviation from frame to frame")))
     return Table(
         title=t("Timing of the camera"),
         columns=heads("parameter", "value ± u", "U = k u", "k", "what it is"),
@@ -69,6 +72,12 @@ def parameters(analysis: Analysis) -> Table:
             signs=_signs(analysis),
         ),
     )
+
+
+def _scatter_text(found: DelayScatter) -> str:
+    if found.is_sure:
+        return time_text(found.standard_deviation_s, found.u_s)
+    return t("below {limit}", limit=uncertainty_text(found.upper_limit_s))
 
 
 def _as_time_and_angle(result: Result) -> list[tuple[str, str, str, str, str]]:
