@@ -23,7 +23,6 @@ from irtiming.records.row_timing import RowTimingFit
 
 _OVERLAP = 1.5  # variance of a mean square of differences of neighbours, over that of as many independent ones
 _ROUNDS = 20
-_LARGER = 3.0  # standard uncertainties from which frames err together by more than chance
 
 
 def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> DelayScatter:
@@ -35,6 +34,8 @@ def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> Dela
         The recording, and its fit.
     """
     frames = frame_residuals.of_fit(reduced, fit)
+    if not np.any(frames.residual):  # of frames that are made up
+        return DelayScatter(variance_s2=0.0, u_s2=0.0)
     moved = _moved(frames.angle_rad, frames.residual, frames.slope, noise=frames.noise)
     square, columns = moved.x**2 / moved.a, np.stack([np.ones(moved.a.size), moved.a], axis=1)
     expected = np.full(square.size, square.mean())
@@ -46,28 +47,25 @@ def scatter(reduced: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> Dela
     return DelayScatter(variance_s2=float(found[1]), u_s2=float(np.sqrt(2 * _OVERLAP * covariance[1, 1])))
 
 
-def excess(fit: RowTimingFit, noise: Array) -> float:
-    """Variance with which whole frames are moved, over what noise of single pixels makes of it; 1 where that may be chance.
+def excess(found: DelayScatter, fit: RowTimingFit, *, noise: Array) -> float:
+    """Variance with which whole frames are moved, over what noise of single pixels makes of it.
 
-    1, too, where pixels have no noise: such frames are made up.
+    1 where the delay scatters by no more than chance.
 
     Parameters
     ----------
-    fit
+    found, fit
         Of a recording.
     noise
         Of the pixels in each row's opening fraction, shape (n_row,).
     """
-    if not np.all(noise > 0):
+    if not found.is_sure:
         return 1.0
     order = 1j * np.arange(fit.harmonics.shape[1])
     waves = harmonic_data.basis(fit.wheel_angle_rad, n_harmonics=order.size - 1)
     slope = (packed(order * fit.harmonics) @ waves).T * fit.angular_frequency_rad_per_s
-    moved = _moved(fit.wheel_angle_rad, fit.residual, slope, noise=noise)
-    total = float(moved.a.sum())
-    found = float(np.sum(moved.x**2)) / total
-    u = found * float(np.sqrt(2 * _OVERLAP * np.sum(moved.a**2))) / total
-    return found if found > 1 + _LARGER * u else 1.0
+    a = np.sum((slope / noise) ** 2, axis=1)
+    return 1 + found.variance_s2 * float(np.sum(a**2) / np.sum(a))
 
 
 def of_all(recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit | RowTimingFit]) -> DelayScatter:

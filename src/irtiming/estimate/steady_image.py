@@ -16,7 +16,7 @@ from irtiming.physics.covariance import root
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
-from irtiming.records.reduced import ContrastImage, FoundInSums, Opening, ReducedRecording
+from irtiming.records.reduced import ContrastImage, FoundInSums, ReducedRecording
 from irtiming.records.row_timing import RowTimingFit
 
 
@@ -48,14 +48,16 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
     )
     covered_dn = _opening_dn(recording) - mean_dn * float(fit.harmonics[:, 0].real.mean())
     known = _known(recording, found, offset_dn=offset * mean_dn, covered_dn=covered_dn)
-    return replace(known, contrast=_noisier(known.contrast_image, fit, recording.opening))
+    return replace(known, contrast=_noisier(known, fit))
 
 
-def _noisier(image: ContrastImage, fit: RowTimingFit, opening: Opening) -> ContrastImage:
-    """With the noise of whole frames, whose delays scatter, for that of single pixels, where it is larger."""
+def _noisier(recording: ReducedRecording, fit: RowTimingFit) -> ContrastImage:
+    """With the noise of whole frames, whose delays scatter, beside that of single pixels."""
+    image = recording.contrast_image
     pixel_dn = image.u_dn * float(np.sqrt(image.frame_weight.size / 2))
-    noise = pixel_dn * np.sqrt(opening.n_summed(fit.row_px)) / np.abs(fit.gain_dn)
-    return replace(image, u_dn=image.u_dn * float(np.sqrt(frame_jitter.excess(fit, noise))))
+    noise = pixel_dn * np.sqrt(recording.opening.n_summed(fit.row_px)) / np.abs(fit.gain_dn)
+    more = frame_jitter.excess(frame_jitter.scatter(recording, fit), fit, noise=noise)
+    return replace(image, u_dn=image.u_dn * float(np.sqrt(more)))
 
 
 def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:

@@ -56,29 +56,17 @@ def test_the_variance_of_the_delay_is_found_with_its_uncertainty(monkeypatch, ji
     assert found[0].u_s2 < 0.2 * JITTER_S**2
 
 
-def _fit(seed, **made):
-    angle, residual, _ = _frames(seed, **made)
-    return SimpleNamespace(
-        wheel_angle_rad=angle, residual=residual, harmonics=HARMONICS, angular_frequency_rad_per_s=OMEGA
-    )
-
-
 def test_frames_err_together_by_so_much_more_than_their_pixels():
-    """Oracle: 1 + j^2 sum A^2 / sum A, A = sum (s / sigma)^2 of each frame, to 4 of its standard uncertainties."""
-    n = 6000
-    _, _, slope = _frames(3, n=n)
-    a = np.sum((slope / NOISE) ** 2, axis=1)
-    expected = 1 + JITTER_S**2 * np.sum(a**2) / a.sum()
-    found = frame_jitter.excess(_fit(3, n=n), NOISE)
-    assert found == pytest.approx(expected, rel=4 * np.sqrt(3 * np.sum(a**2)) / a.sum())
-    assert expected > 1.5
-    assert frame_jitter.excess(_fit(3, n=n), 2 * NOISE) == pytest.approx(found / 4, rel=1e-9)
-
-
-def test_frames_that_err_as_their_pixels_do_are_left_alone():
-    """Oracle: by hand; noise alone, and noise smaller than stated."""
-    assert frame_jitter.excess(_fit(4, jitter_s=0.0), NOISE) == 1.0
-    assert frame_jitter.excess(_fit(4, jitter_s=0.0), 1.5 * NOISE) == 1.0
+    """Oracle: the variance of sums s r / sigma^2 over 20000 frames, over that of frames that are not late; half the noise."""
+    made = [_frames(3, n=20000, jitter_s=jitter_s, misfit=0.0) for jitter_s in (JITTER_S, 0.0)]
+    late, still = (np.sum(residual * slope / NOISE**2, axis=1) for _, residual, slope in made)
+    fit = SimpleNamespace(wheel_angle_rad=made[0][0], harmonics=HARMONICS, angular_frequency_rad_per_s=OMEGA)
+    found = DelayScatter(variance_s2=JITTER_S**2, u_s2=0.1 * JITTER_S**2)
+    assert frame_jitter.excess(found, fit, noise=NOISE) == pytest.approx(np.var(late) / np.var(still), rel=0.04)
+    assert frame_jitter.excess(found, fit, noise=NOISE / 2) - 1 == pytest.approx(
+        4 * (frame_jitter.excess(found, fit, noise=NOISE) - 1), rel=1e-9
+    )
+    assert frame_jitter.excess(replace(found, u_s2=0.2 * JITTER_S**2), fit, noise=NOISE) == 1.0
 
 
 @pytest.fixture(scope="module")
