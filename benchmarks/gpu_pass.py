@@ -21,7 +21,7 @@ from irtiming.records.choices import Choices, Processor
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import frame_memory, recipes
+from irtiming.reduce import device_memory, recipes
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene
 
@@ -66,7 +66,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=1000)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
-    found = frame_memory.gpu()
+    found = device_memory.gpu()
     if found is None:
         print("no GPU here that CuPy finds: nothing to compare")
         return

@@ -8,7 +8,7 @@ import numpy as np
 from array_api_compat import array_namespace
 
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
-from irtiming.reduce.frame_memory import to_host
+from irtiming.reduce.device_memory import to_host
 
 
 def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:

@@ -17,7 +17,7 @@ from irtiming.records.arrays import Mask, Pixels, Ticks
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Region
-from irtiming.reduce import frame_memory
+from irtiming.reduce import device_memory
 
 SHORTEST = 60
 """Frames between two shutter events that are worth offsets of their own; fewer are dropped."""
@@ -118,13 +118,13 @@ def run(
     ReductionError
         If a GPU is wanted and there is none.
     """
-    moved = frame_memory.mover(choices.processor)
+    moved = device_memory.mover(choices.processor)
     rows, columns = slice(*roi[:2]), slice(*roi[2:])
     n_frames = recording.frames.shape[0]
     held = _HeldBack(feeding.judge, feeding.good, n_frames=n_frames)
     for first, read in recording.frames.blocks():
         whole = moved(read)
-        part = frame_memory.contiguous(whole[:, rows, columns])
+        part = device_memory.contiguous(whole[:, rows, columns])
         block = Block(now=slice(first, first + len(read)), whole=whole, part=part)
         for one in (*feeding.every, feeding.judge):
             one.add(block)
@@ -162,14 +162,14 @@ class _HeldBack:
                 self._take(held[earlier, ...], self._held_first + earlier.start, good[earlier])
                 own = slice(max(start - n_held, 0), max(stop - n_held, 0))
                 self._take(part[own, ...], first + own.start, good[max(start, n_held) : max(stop, n_held)])
-        self._held = frame_memory.joined(held[min(near.size, n_held) :, ...], part[max(near.size - n_held, 0) :, ...])
+        self._held = device_memory.joined(held[min(near.size, n_held) :, ...], part[max(near.size - n_held, 0) :, ...])
         self._held_first = end
 
     def _take(self, frames: Pixels, first: int, good: Mask) -> None:
         index = first + np.flatnonzero(good)
         if not index.size:
             return
-        frames = frames if good.all() else frame_memory.taken(frames, good)
+        frames = frames if good.all() else device_memory.taken(frames, good)
         for one in self._good:
             one.add(index, frames)
         self._stretch.append(index)

@@ -22,7 +22,7 @@ from irtiming.instruments.blackbodies import open_blackbody
 from irtiming.instruments.choppers import open_chopper
 from irtiming.instruments.device_address import CAMERAS, connect, drivers
 from irtiming.instruments.generator import trigger_generator
-from irtiming.reduce.frame_memory import gpu
+from irtiming.reduce.device_memory import gpu
 
 DeviceKind = Literal["camera", "chopper", "blackbody", "generator"]
 Status = Literal["ok", "warning", "missing"]

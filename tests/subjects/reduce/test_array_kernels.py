@@ -10,7 +10,7 @@ import pytest
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.errors import ReductionError
 from irtiming.records.choices import Choices
-from irtiming.reduce import frame_memory, kernels, recipes
+from irtiming.reduce import device_memory, kernels, recipes
 from irtiming.twin.rig import draw, simulate
 from irtiming.twin.scene import paper_scene, with_wheel_speed
 
@@ -22,7 +22,7 @@ def _frames(shape, seed=0):
 @pytest.fixture(params=["standard", "gpu"])
 def there(request):
     """Where frames are that are not in this machine's memory: arrays of the standard, and those of CuPy if it finds a GPU."""
-    found = array_api_strict if request.param == "standard" else frame_memory.gpu()
+    found = array_api_strict if request.param == "standard" else device_memory.gpu()
     return found or pytest.skip("no GPU here")
 
 
@@ -55,22 +55,22 @@ def test_sums_of_waves_are_those_of_the_compiled_loops(there):
     """Oracle: the compiled loops; in double precision, and in single precision for maps."""
     frames, rng = _frames((40, 9, 11)), np.random.default_rng(2)
     given, cosine, sine = there.asarray(frames), rng.normal(size=40), rng.normal(size=40)
-    into, into_there = np.zeros((3, 9, 11)), frame_memory.zeros((3, 9, 11), "float64", beside=given)
+    into, into_there = np.zeros((3, 9, 11)), device_memory.zeros((3, 9, 11), "float64", beside=given)
     for _ in range(2):
         kernels.add_projection(frames, cosine, sine, into)
         kernels.add_projection(given, cosine, sine, into_there)
-    np.testing.assert_allclose(frame_memory.to_host(into_there), into, atol=1e-12 * np.abs(into).max())
+    np.testing.assert_allclose(device_memory.to_host(into_there), into, atol=1e-12 * np.abs(into).max())
 
     spans = np.array([(0, 3, 9), (4, 0, 11), (8, 10, 11)])
-    held, held_there = np.zeros((40, 18), np.uint16), frame_memory.zeros((40, 18), "uint16", beside=given)
+    held, held_there = np.zeros((40, 18), np.uint16), device_memory.zeros((40, 18), "uint16", beside=given)
     kernels.gather(frames, spans, held)
     kernels.gather(given, spans, held_there)
-    assert np.array_equal(frame_memory.to_host(held_there), held)
+    assert np.array_equal(device_memory.to_host(held_there), held)
     weights, sums = rng.normal(size=(5, 40)).astype(np.float32), np.zeros((5, 18), np.float32)
-    sums_there = frame_memory.zeros((5, 18), "float32", beside=given)
+    sums_there = device_memory.zeros((5, 18), "float32", beside=given)
     kernels.add_waves(held, weights, held[0].astype(np.float32), sums)
-    kernels.add_waves(held_there, weights, frame_memory.single_precision(held_there[0, :]), sums_there)
-    np.testing.assert_allclose(frame_memory.to_host(sums_there), sums, atol=1e-6 * np.abs(sums).max())
+    kernels.add_waves(held_there, weights, device_memory.single_precision(held_there[0, :]), sums_there)
+    np.testing.assert_allclose(device_memory.to_host(sums_there), sums, atol=1e-6 * np.abs(sums).max())
 
 
 def _assert_alike(one, other, fields=("frame_index", "segment", "rows", "pixels", "contrast", "waves")):
@@ -89,7 +89,7 @@ def _assert_alike(one, other, fields=("frame_index", "segment", "rows", "pixels"
 @pytest.fixture
 def both(monkeypatch, there):
     """Reductions of a recording in either memory."""
-    monkeypatch.setattr(frame_memory, "gpu", lambda: there)
+    monkeypatch.setattr(device_memory, "gpu", lambda: there)
 
     def reductions(recording, rig):
         processors = ("cpu", "gpu")
@@ -124,11 +124,11 @@ def test_a_gpu_that_is_not_there_is_named(monkeypatch):
     """Oracle: by hand; wanted without CuPy, and with a CuPy that finds no device. Automatic takes this machine's memory then."""
     frames = _frames((2, 3, 4))
     none = SimpleNamespace(cuda=SimpleNamespace(runtime=SimpleNamespace(getDeviceCount=lambda: 0)))
-    monkeypatch.setattr(frame_memory, "import_module", lambda name: none)
+    monkeypatch.setattr(device_memory, "import_module", lambda name: none)
     with pytest.raises(ReductionError, match=r"CuPy finds none here: pip install"):
-        frame_memory.mover("gpu")
-    assert frame_memory.mover("automatic")(frames) is frames
+        device_memory.mover("gpu")
+    assert device_memory.mover("automatic")(frames) is frames
     one = SimpleNamespace(cuda=SimpleNamespace(runtime=SimpleNamespace(getDeviceCount=lambda: 1)), asarray=np.negative)
-    monkeypatch.setattr(frame_memory, "import_module", lambda name: one)
-    assert np.array_equal(frame_memory.mover("automatic")(frames), np.negative(frames))
-    assert frame_memory.mover("cpu")(frames) is frames
+    monkeypatch.setattr(device_memory, "import_module", lambda name: one)
+    assert np.array_equal(device_memory.mover("automatic")(frames), np.negative(frames))
+    assert device_memory.mover("cpu")(frames) is frames

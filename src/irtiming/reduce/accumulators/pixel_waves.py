@@ -9,7 +9,7 @@ from irtiming.physics import wheel_waves
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.pixel_waves import PixelWaves
 from irtiming.records.reduced import Opening
-from irtiming.reduce import frame_memory, kernels
+from irtiming.reduce import device_memory, kernels
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.wheel import nominal_angles
 from irtiming.reduce.wheel.frame_angles import FrameAngles
@@ -60,7 +60,7 @@ class WavesOfPixels:
     def add(self, index: Ticks, frames: Pixels) -> None:
         """Take frames of the region of interest in, shape (frame, roi rows, roi columns)."""
         if self._held is None:
-            self._held = frame_memory.zeros((_TOGETHER, self._row_px.size), "uint16", beside=frames)
+            self._held = device_memory.zeros((_TOGETHER, self._row_px.size), "uint16", beside=frames)
         done = 0
         while done < index.size:
             n_held = sum(one.size for one in self._of_held)
@@ -75,7 +75,7 @@ class WavesOfPixels:
         """Take the means of the waves off the stretch, and add it to the others."""
         self._multiply()
         means = self._waves[:-1, index].mean(axis=1, dtype=float)
-        sums = frame_memory.to_host(self._sums)
+        sums = device_memory.to_host(self._sums)
         self._total += sums[:-1] - np.multiply.outer(means, sums[-1])
         self._kept.append(index)
         self.drop()
@@ -116,9 +116,9 @@ class WavesOfPixels:
         index = np.concatenate(self._of_held)
         held = self._held[: index.size, :]
         if self._base is None:  # sums of small numbers stay exact
-            self._base = frame_memory.single_precision(held[0, :])
+            self._base = device_memory.single_precision(held[0, :])
         if self._sums is None:
-            self._sums = frame_memory.zeros((len(self._waves), self._row_px.size), "float32", beside=held)
+            self._sums = device_memory.zeros((len(self._waves), self._row_px.size), "float32", beside=held)
         with one_thread():
             kernels.add_waves(held, np.ascontiguousarray(self._waves[:, index]), self._base, self._sums)
         self._of_held = []

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
-from irtiming.reduce import frame_memory, kernels
+from irtiming.reduce import device_memory, kernels
 
 
 @final
@@ -48,7 +48,7 @@ class Projection:
 
     def keep(self, index: Ticks) -> None:
         """Take the mean of the wave off the stretch, and add it to the others."""
-        sums = frame_memory.to_host(self._sums)
+        sums = device_memory.to_host(self._sums)
         if self.pairs is not None:
             self.pairs.keep(index, sums)
         self.total += sums[0] + 1j * sums[1] - self._wave[index].mean() * sums[2]
@@ -94,21 +94,21 @@ class PairProjection:
         """Take frames in, after those before in the stretch."""
         follow = self._following(index, None if self._last is None else self._last[0])
         if not follow.all():
-            self._lone = _projected(frame_memory.taken(frames, ~follow), self._wave[index[~follow]], self._lone)
+            self._lone = _projected(device_memory.taken(frames, ~follow), self._wave[index[~follow]], self._lone)
         if self._last is not None and follow[0]:
             self._early = _projected(self._last[1][None, ...], self._wave[index[:1]], self._early)
         later = follow[1:]
         if later.any():
-            before = frames[:-1, ...] if later.all() else frame_memory.taken(frames[:-1, ...], later)
+            before = frames[:-1, ...] if later.all() else device_memory.taken(frames[:-1, ...], later)
             self._early = _projected(before, self._wave[index[1:][later]], self._early)
-        self._last = int(index[-1]), frame_memory.copied(frames[-1, ...])
+        self._last = int(index[-1]), device_memory.copied(frames[-1, ...])
 
     def keep(self, index: Ticks, every: Array) -> None:
         """Add the stretch to the others; ``every`` (3, roi rows, roi columns) are its sums over all of its frames."""
         follow = self._following(index, None)
         mean = self._wave[index][follow].mean() if follow.any() else 0.0
-        now = every if self._lone is None else every - frame_memory.to_host(self._lone)
-        early = np.zeros_like(every) if self._early is None else frame_memory.to_host(self._early)
+        now = every if self._lone is None else every - device_memory.to_host(self._lone)
+        early = np.zeros_like(every) if self._early is None else device_memory.to_host(self._early)
         self.now += now[0] + 1j * now[1] - mean * now[2]
         self.before += early[0] + 1j * early[1] - mean * early[2]
         self._parts.append((index, follow))
@@ -130,6 +130,6 @@ class PairProjection:
 def _projected(frames: Pixels, wave: ComplexArray, sums: Array | None) -> Array:
     """Sums so far, where the frames are, and theirs, shape (3, roi rows, roi columns); ``wave`` (frame,)."""
     if sums is None:
-        sums = frame_memory.zeros((3, *frames.shape[1:]), "float64", beside=frames)
+        sums = device_memory.zeros((3, *frames.shape[1:]), "float64", beside=frames)
     kernels.add_projection(frames, np.ascontiguousarray(wave.real), np.ascontiguousarray(wave.imag), sums)
     return sums

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Mask
-from irtiming.reduce import frame_memory, row_bands
+from irtiming.reduce import device_memory, row_bands
 from irtiming.reduce.accumulators.weighted_rows import WeightedRows
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
@@ -43,7 +43,7 @@ class QuietLevel:
     def add(self, block: Block) -> None:
         """Average over some frames' quiet pixels."""
         if self._n_quiet:
-            some = frame_memory.contiguous(block.whole[:, self._rows, :])
+            some = device_memory.contiguous(block.whole[:, self._rows, :])
             sums = self._sums.of(some)
             self.level_dn[block.now] = sums.sum(axis=1) / self._n_quiet
             self.band_dn[block.now] = np.add.reduceat(sums, self._bands, axis=1) / self._in_band

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from irtiming.reduce import frame_memory, kernels
+from irtiming.reduce import device_memory, kernels
 from irtiming.reduce.frame_pass import Block
 
 if TYPE_CHECKING:
@@ -34,4 +34,4 @@ class Repeats:
             return
         before = ~block.part[0, ...] if self._last is None else self._last
         self.is_repeated[block.now] = kernels.repeats(block.part, before)
-        self._last = frame_memory.copied(block.part[-1, ...])
+        self._last = device_memory.copied(block.part[-1, ...])

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Array, Pixels
-from irtiming.reduce import frame_memory, kernels
+from irtiming.reduce import device_memory, kernels
 from irtiming.reduce.nonuniformity import Correction
 
 _ALL_BITS = 0xFFFF
@@ -35,5 +35,5 @@ class WeightedRows:
             return np.asarray(kernels.weighted_row_sum(frames, self._weights) + self._constant)
         sums = kernels.sum_within(frames, self._bits).astype(float)
         for row, column, beyond in self._odd:
-            sums[:, row] += beyond * frame_memory.to_host(frames[:, row, column])
+            sums[:, row] += beyond * device_memory.to_host(frames[:, row, column])
         return np.asarray(sums)
