@@ -355,8 +355,9 @@ def _stood_in(value: Array, view: View) -> Array:
 
 def first_guess(look: Look, view: View) -> dict[str, float]:
     """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast."""
-    size = ndimage.median_filter(np.where(view.good, np.abs(look.projection), 0.0), 3)
-    mask = (size > 0.5 * np.quantile(size, 0.9)) & view.summed & view.good
+    told = view.good | ~view.good.any(axis=1, keepdims=True)  # dead rows show what those beside them do
+    size = ndimage.median_filter(np.where(told, np.abs(look.projection), 0.0), 3)
+    mask = (size > 0.5 * np.quantile(size, 0.9)) & view.summed & told
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
     sense = -1.0 if view.mirrored else 1.0
     centre = _phase_centre(row, sense * column, -np.angle(look.projection[mask]))

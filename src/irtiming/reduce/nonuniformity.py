@@ -68,9 +68,10 @@ def correction(recording: Recording) -> Correction:
         )
     bad = (step < _LEAST_RESPONSE * response) | (step > response / _LEAST_RESPONSE)
     bad |= noise > _LARGEST_NOISE * float(np.median(noise))
-    if bad.mean() > _BAD_SHARE:
+    alone = bad[~np.all(bad, axis=1)]  # dead rows are others' business
+    if alone.sum() > _BAD_SHARE * bad.size:
         raise ReductionError(
-            f"{recording.name}: {bad.sum()} of {bad.size} pixels do not answer to the reference step or blink, at most "
+            f"{recording.name}: {alone.sum()} of {bad.size} pixels do not answer to the reference step or blink, at most "
             f"{_BAD_SHARE:.0%} can be replaced by their neighbours; check nonuniformity_reference"
         )
     good = ~bad

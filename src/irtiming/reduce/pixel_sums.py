@@ -23,7 +23,7 @@ from irtiming.reduce.accumulators.pixel_sum import PixelSum
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.frame_pass import Accumulators, Block, OfGoodFrames
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import contrast_image, in_plateau_frames, motion, steady_levels
+from irtiming.reduce.opening import contrast_image, dead_rows, in_plateau_frames, motion, steady_levels
 from irtiming.reduce.opening.in_plateau_frames import Sighting
 from irtiming.reduce.published import plateaus
 from irtiming.reduce.remarks import doubt
@@ -54,7 +54,7 @@ def reduce(
     ReductionError
         If the recording cannot be reduced; the message says why.
     """
-    correct = nonuniformity.correction(recording)
+    correct = dead_rows.marked(nonuniformity.correction(recording), recording)
     angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
     sighting = in_plateau_frames.find(
         recording, correct, choices=choices, before=before, wheel_angle_rad=angles.angle_rad

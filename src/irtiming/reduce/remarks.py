@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.records.arrays import Mask
+from irtiming.records.arrays import Mask, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ShutterEvent
@@ -66,6 +66,21 @@ def odd_frames(recording: Recording, odd: Mask) -> Finding:
     """
     what = f"{counted(int(odd.sum()), 'single frame')} dropped: not what the wheel angle demands"
     return doubt(code="odd-frames", recording=recording, what=what)
+
+
+def rows_left_out(recording: Recording, row_px: Ticks, *, instead: str = "") -> Finding:
+    """Image rows that are not summed.
+
+    Parameters
+    ----------
+    recording, row_px
+        It, and the rows, shape (n,).
+    instead
+        What is done in their place, if anything.
+    """
+    rows = ", ".join(str(row) for row in row_px)
+    what = f"image rows {rows} left out{instead}: they have too few live pixels, or are copies of a row beside them"
+    return doubt(code="rows-left-out", recording=recording, what=what)
 
 
 def shutter_closed(recording: Recording, event: ShutterEvent) -> Finding:

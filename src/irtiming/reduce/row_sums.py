@@ -20,7 +20,7 @@ from irtiming.reduce.accumulators.quiet_level import QuietLevel
 from irtiming.reduce.accumulators.repeats import Repeats
 from irtiming.reduce.drift import Drift
 from irtiming.reduce.frame_pass import SHORTEST, Accumulators, Stretches
-from irtiming.reduce.opening import contrast_image, in_contrast, motion
+from irtiming.reduce.opening import contrast_image, dead_rows, in_contrast, motion
 from irtiming.reduce.opening.in_contrast import Sighting
 from irtiming.reduce.remarks import doubt
 from irtiming.reduce.shutter import Watch
@@ -72,7 +72,7 @@ def reduce(
     ReductionError
         If the recording cannot be reduced; the message says why.
     """
-    correct = nonuniformity.correction(recording)
+    correct = dead_rows.marked(nonuniformity.correction(recording), recording)
     angles = frame_angles.of(recording, rig, reference_edge=choices.reference_edge)
     sighting = in_contrast.find(recording, angles.angle_rad, correct=correct, choices=choices, before=before)
     found, n_frames = sighting.opening, recording.frames.shape[0]
@@ -152,9 +152,7 @@ def _dropped(
         what = f"frames {first} to {end - 1} dropped: fewer than {SHORTEST} good frames between shutter events"
         found.append(doubt(code="short-stretch", recording=recording, what=what))
     if harvest.rows.hopeless_row_px.size:
-        rows = ", ".join(str(row) for row in harvest.rows.hopeless_row_px)
-        what = f"image rows {rows} left out: they have too few live pixels"
-        found.append(doubt(code="rows-left-out", recording=recording, what=what))
+        found.append(remarks.rows_left_out(recording, harvest.rows.hopeless_row_px))
     kept = int(harvest.kept.sum())
     if kept < _FEWEST_FRAMES:
         raise ReductionError(

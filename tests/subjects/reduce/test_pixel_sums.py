@@ -57,6 +57,24 @@ def test_sums_counts_and_projection_are_those_of_corrected_frames(reduced, paper
     assert opening.weight.sum() == pytest.approx(opening.summed.sum())
 
 
+def test_dead_rows_are_stood_in_for_by_those_above_and_below(reduced, paper_camera):
+    """Oracle: the undamaged recording; its mask, the light of its sums within what changes over a gap, and the rows named."""
+
+    def spoil(frames):
+        frames[:, 20] = 5000
+        frames[:, 30:33] = frames[:, 29:30]
+        return frames
+
+    clean, _ = reduced(paper_camera())
+    found, _ = reduced(paper_camera(), spoil=spoil)
+    assert np.mean(found.opening.mask != clean.opening.mask) < 5e-3
+    assert found.opening.weight.sum() == pytest.approx(found.opening.summed.sum())
+    light, whole = ((one - one.min()) / np.ptp(one) for one in (found.pixels.pixel_sum, clean.pixels.pixel_sum))
+    np.testing.assert_allclose(light, whole, atol=0.02)
+    told = next(one.what for one in found.findings if one.code == "rows-left-out")
+    assert told.startswith("image rows 20, 29, 30, 31, 32 left out, with the rows above and below in their place: ")
+
+
 def test_uncertainty_of_a_projection_is_that_of_the_noise(reduced, paper_camera):
     """Oracle: white noise of 3 DN and of rounding, added up with the frames' weights."""
     found, _ = reduced(paper_camera())

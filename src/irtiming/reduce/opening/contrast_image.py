@@ -7,7 +7,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.reduced import ContrastImage, ContrastPairs, Opening
 from irtiming.reduce.accumulators.projection import PairProjection, Projection
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import wheel_contrast
+from irtiming.reduce.opening import dead_rows, wheel_contrast
 
 
 def projection(
@@ -69,9 +69,10 @@ def of(
     value = projected.total * within.gain * 2 / weight.size - np.sum(weight * drift_dn)
     box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
     u_still = wheel_contrast.noise_between_neighbours(value, ~opening.summed[box])
+    dead = dead_rows.of(opening.bad)[slice(*opening.roi[:2])]
     return ContrastImage(
         pairs=None if projected.pairs is None else _pairs(projected.pairs, within.gain, drift_dn),
-        projection_dn=value,
+        projection_dn=dead_rows.filled(value, dead),
         frame_weight=weight,
         u_dn=noise_dn * float(np.sqrt(2 / weight.size)) if np.isnan(u_still) else u_still,
         good=~opening.bad[box],

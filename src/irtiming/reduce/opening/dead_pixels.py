@@ -45,6 +45,8 @@ def mended(contrast: Array) -> Array:
 def weights(wanted: Mask, bad: Mask) -> Array:
     """Weights of 1 for the wanted pixels; that of a bad one goes to its good neighbours, all being read at the same time.
 
+    Where it has none, as among dead rows, it goes to the nearest good ones above and below.
+
     Parameters
     ----------
     wanted, bad
@@ -57,6 +59,8 @@ def weights(wanted: Mask, bad: Mask) -> Array:
         good = ~bad[near]
         if good.any():
             weight[near] += good / good.sum()
+        else:
+            _lend(weight[:, column], ~bad[:, column], row)
     return weight
 
 
@@ -70,11 +74,15 @@ def row_weights(wanted: Mask, bad: Mask) -> Array:
     """
     weight: Array = (wanted & ~bad).astype(float)
     for row, column in np.argwhere(wanted & bad):
-        good = np.flatnonzero(~bad[row])
-        left, right = good[good < column][-1:], good[good > column][:1]
-        beside = np.concatenate([left, right])
-        weight[row, beside] += 1 / max(beside.size, 1)
+        _lend(weight[row], ~bad[row], column)
     return weight
+
+
+def _lend(weight: Array, good: Mask, place: int) -> None:
+    """Give a weight of 1 to the nearest good ones on either side of a place along a line, shape (n,) as ``weight``."""
+    known = np.flatnonzero(good)
+    beside = np.concatenate([known[known < place][-1:], known[known > place][:1]])
+    weight[beside] += 1 / max(beside.size, 1)
 
 
 def hopeless_rows(wanted: Mask, bad: Mask) -> Mask:

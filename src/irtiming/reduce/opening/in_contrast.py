@@ -13,7 +13,15 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening import dead_pixels, expected_level, mask_shape, motion, sample_frames, wheel_contrast
+from irtiming.reduce.opening import (
+    dead_pixels,
+    dead_rows,
+    expected_level,
+    mask_shape,
+    motion,
+    sample_frames,
+    wheel_contrast,
+)
 from irtiming.reduce.opening.expected_level import ExpectedLevel
 from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.sample_frames import SampleFrames
@@ -91,7 +99,9 @@ def find(
     mask_shape.check_roi(roi, summed, name=name)
     picked = np.flatnonzero(good)[:: max(1, int(good.sum()) // _CLOSER_LOOK)]
     live = sample.values[picked]
-    bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed) | (correct.bad & summed)
+    bad = dead_pixels.find(live, outline.contrast, mask=outline.mask, summed=summed)
+    bad |= correct.bad & (summed | dead_rows.of(correct.bad)[:, None])
+    dead_rows.refuse_wide_gaps(correct.bad, outline.mask, name=name)
     _refuse_few_rows(outline.mask & ~bad, name)
     _refuse_saturation(live if correct.is_none else sample.raw[picked], outline.mask & ~bad, recording)
     expected = _expected(sample, outline.mask & ~bad, name)
@@ -185,9 +195,8 @@ def _doubts(recording: Recording, summed: Mask, bad: Mask) -> tuple[Finding, ...
     if np.concatenate([summed[0], summed[-1], summed[:, 0], summed[:, -1]]).any():
         what = "the blurred border of the opening reaches the border of the image: what lies beyond is not summed"
         doubts.append(doubt(code="opening-at-image-border", recording=recording, what=what, cure="leave more room"))
-    if bad.any():
-        what = (
-            f"{counted(int(bad.sum()), 'pixel')} found not to follow the wheel: replaced by neighbours in the same row"
-        )
+    replaced = bad & summed & ~dead_pixels.hopeless_rows(summed, bad)[:, None]
+    if replaced.any():
+        what = f"{counted(int(replaced.sum()), 'pixel')} found not to follow the wheel: replaced by neighbours in the same row"
         doubts.append(doubt(code="bad-pixels", recording=recording, what=what))
     return tuple(doubts)

@@ -12,8 +12,9 @@ from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Histogram, Opening
+from irtiming.reduce import remarks
 from irtiming.reduce.nonuniformity import Correction, corrected
-from irtiming.reduce.opening import dead_pixels, mask_shape, motion, never_open, sample_frames, steady_levels
+from irtiming.reduce.opening import dead_pixels, dead_rows, mask_shape, motion, never_open, sample_frames, steady_levels
 from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.steady_levels import SteadyLevels
 from irtiming.reduce.remarks import doubt
@@ -88,7 +89,9 @@ def find(
     covered_dn += _apart(open_dn - covered_dn, sample)
     step = float(np.median((open_dn - covered_dn)[sample.seeds]))
     contrast = (open_dn - covered_dn) / step
-    contrast[correct.bad] = ndimage.median_filter(contrast, 5)[correct.bad]
+    dead = dead_rows.of(correct.bad)
+    contrast, alone = dead_rows.filled(contrast, dead), correct.bad & ~dead[:, None]
+    contrast[alone] = ndimage.median_filter(contrast, 5)[alone]
     mask = mask_shape.largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
     border_px = mask_shape.border_px(contrast, mask)
     if before is not None and mask_shape.is_in_place(mask, before.mask):
@@ -98,6 +101,7 @@ def find(
     mask_shape.check_roi(roi, mask, name=recording.name)
     in_roi = np.zeros_like(mask)
     in_roi[slice(*roi[:2]), slice(*roi[2:])] = True
+    dead_rows.refuse_wide_gaps(correct.bad, mask, name=recording.name)
     histogram = _histogram(open_dn, mask, in_roi=in_roi, choices=choices, bad=correct.bad)
     summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
     found = Opening(
@@ -107,7 +111,7 @@ def find(
     )  # fmt: skip
     noise = sample_frames.noise_dn(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK)], ~summed)
     return Sighting(
-        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, histogram), steady=sample.steady,
+        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, found, histogram), steady=sample.steady,
         places=_places(sample, found, correct, wheel_angle_rad),
     )  # fmt: skip
 
@@ -131,14 +135,18 @@ def _histogram(open_dn: Array, mask: Mask, *, in_roi: Mask, choices: Choices, ba
     )
 
 
-def _doubts(recording: Recording, found: Histogram) -> tuple[Finding, ...]:
-    """What is odd in the histogram of a recording."""
+def _doubts(recording: Recording, opening: Opening, found: Histogram) -> tuple[Finding, ...]:
+    """What is odd in the opening of a recording, and in its histogram."""
+    doubts = []
+    if (dead := dead_rows.of(opening.bad) & opening.summed.any(axis=1)).any():
+        instead = ", with the rows above and below in their place"
+        doubts.append(remarks.rows_left_out(recording, np.flatnonzero(dead), instead=instead))
     low, high = sorted((found.plate_dn, found.blackbody_dn))
-    if low < found.threshold_dn < high:
-        return ()
-    peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
-    what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
-    return (doubt(code="threshold-outside-peaks", recording=recording, what=what),)
+    if not low < found.threshold_dn < high:
+        peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
+        what = f"threshold {found.threshold_dn:.0f} DN lies outside the histogram peaks {peaks}"
+        doubts.append(doubt(code="threshold-outside-peaks", recording=recording, what=what))
+    return tuple(doubts)
 
 
 def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | None) -> _Sample:
@@ -235,8 +243,9 @@ def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
         total += value
         squares += value * value
     swing = np.sqrt(np.maximum(squares / len(raw) - (total / len(raw)) ** 2, 0))
-    swing = ndimage.median_filter(swing, 3)
-    swing[correct.bad] = 0
+    dead = dead_rows.of(correct.bad)
+    swing = ndimage.median_filter(dead_rows.filled(swing, dead), 3)
+    swing[correct.bad & ~dead[:, None]] = 0
     quiet, loud = float(np.median(swing)), float(np.quantile(swing, 0.995))
     seeds = mask_shape.largest_part(swing > 0.6 * loud)
     if loud < 4 * quiet + 1 or seeds.sum() < 30:
@@ -245,7 +254,7 @@ def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
             f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
             "check that the camera sees mask and blackbody and that they differ by some kelvin"
         )
-    return seeds
+    return seeds & ~correct.bad
 
 
 def mean_frame(raw: Pixels, correct: Correction) -> Array:

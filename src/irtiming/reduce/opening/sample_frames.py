@@ -10,6 +10,7 @@ from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
 from irtiming.reduce import kernels, row_bands
 from irtiming.reduce.nonuniformity import Correction, corrected
+from irtiming.reduce.opening import dead_rows
 
 _MOST = 240
 _MOST_BYTES = 2**27
@@ -26,7 +27,8 @@ _LEAST_ODD = 0.5  # of the standard deviation of a frame's values
 class SampleFrames:
     """Frames that were looked at, in the order of the recording.
 
-    ``raw`` (frame, row, column) as recorded, ``values`` the same corrected for non-uniformity, in whole DN; shapes (frame,):
+    ``raw`` (frame, row, column) as recorded, ``values`` the same corrected for non-uniformity, in whole DN, dead rows from those
+    beside them; shapes (frame,):
     ``wheel_angle_rad``; ``place`` in the recording from 0 to 1; ``common_dn``, a level that all pixels share.
     """
 
@@ -103,7 +105,9 @@ def look(recording: Recording, wheel_angle_rad: Array, *, correct: Correction) -
         raw, picked = raw[alive], picked[alive]
     rim = np.ones(raw.shape[1:], bool)
     rim[_RIM_PX:-_RIM_PX, _RIM_PX:-_RIM_PX] = False
+    dead = dead_rows.of(correct.bad)
     values = raw if correct.is_none else np.array([_in_whole_dn(frame, correct) for frame in raw])
+    values = dead_rows.filled(values, dead)
     common = np.median(values.reshape(len(raw), -1)[:, np.flatnonzero(rim)], axis=1).astype(float)
     return SampleFrames(
         raw=raw, values=values, wheel_angle_rad=wheel_angle_rad[picked], place=picked / n_frames, common_dn=common
