@@ -18,6 +18,7 @@ from irtiming.inference.condensed import condensed
 from irtiming.inference.optimiser import Linearised, Minimum, minimise
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, Timing
+from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 
 _COARSE = 20
@@ -25,6 +26,7 @@ _RESPONSE_TURNS = np.geomspace(
     1e-3, 0.3, 9
 )  # of half a turn over pi: where the search looks for the response's parameter
 _SEARCHED_ROWS = 16  # about as many are looked at in the search
+_ALIKE = 0.05  # of a half turn: a frame that is nearer to whole ones after another shows nearly the same
 _EARLIEST = 0.2  # of half a turn before the trigger: the earliest that the middle row may be read
 
 
@@ -102,9 +104,21 @@ def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, .
     found = [_minimum(data, model, start=start, held=held)[0] for start in starts]
     possible = [one for one in found if abs(one.values[memory.PARAMETER]) < 1]
     if not possible:
-        raise EstimationError("the row sums fit only if each frame holds more of the one before than of its own light")
+        raise EstimationError(_no_share(model.step_rad))
     lowest = min(possible, key=lambda one: round(one.at.deviance, 3))  # of equal ones that from the least share
     return replace(lowest, n_steps=sum(one.n_steps for one in found))
+
+
+def _no_share(step_rad: float) -> str:
+    """Why there is no share of the frame before, where the wheel turns by ``step_rad`` from trigger to trigger."""
+    what = "the row sums fit only if each frame holds more of the one before than of its own light"
+    half_turns = 2 * step_rad / TURN
+    if abs(half_turns - round(half_turns)) > _ALIKE:
+        return what
+    return (
+        f"{what}; the wheel turns by {half_turns:.4f} half turns from frame to frame, so that the frame before shows nearly the "
+        "same: how much of it a frame holds cannot be determined; record at another wheel speed or frame rate (irtiming plan)"
+    )
 
 
 def uncertainty(data: Sequence[HarmonicData], model: RowSum, *, timing: Timing, name: str) -> float:

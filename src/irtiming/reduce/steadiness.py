@@ -15,12 +15,12 @@ from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
-from irtiming.reduce import renumbered
+from irtiming.reduce import passing_wave, renumbered
+from irtiming.reduce.passing_wave import PASSING
 from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _PARTS = 4
 _ORDERS = (1, 2, 3, *range(4, 17, 2))  # waves a turn: of two cutouts, and what tells them apart
-_PASSING = 2
 _CORNERS = tuple(
     range(18, 49, 2)
 )  # what the corners of the slopes add: of the whole run, since a part has too few frames for them
@@ -45,7 +45,7 @@ class Lateness:
 
 
 def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
-    """Of the parts of a run; None where it is too short to have any.
+    """Of the parts of a run; None where it is too short to have any, or where a part does not tell, as it sees no whole turn.
 
     Parameters
     ----------
@@ -58,22 +58,18 @@ def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
     parts = np.array_split(known, _PARTS)
     if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
         return None
+    if not passing_wave.is_told(wheel_angle_rad, parts, orders=_ORDERS):
+        return None
     light_dn = _without_corners(light_dn, wheel_angle_rad, known=known)
     found = [_phase(light_dn[part], wheel_angle_rad[part]) for part in parts]
     waves, u_rad = np.array([wave for wave, _ in found]), np.array([u for _, u in found])
     middle = np.sum(waves / np.abs(waves))
-    angle_rad = -np.angle(waves / middle) / _PASSING
+    angle_rad = -np.angle(waves / middle) / PASSING
     return Lateness(first_frame=tuple(int(part[0]) for part in parts), angle_rad=angle_rad, u_rad=u_rad)
 
 
-def _waves(angle: Array, orders: tuple[int, ...]) -> Array:
-    """Level, straight line over time, and cosine and sine of each order, shape (n_frame, 2 + 2 n_order)."""
-    waves = [wave for order in orders for wave in (np.cos(order * angle), np.sin(order * angle))]
-    return np.stack([np.ones(angle.size), np.linspace(-1.0, 1.0, angle.size), *waves], axis=1)
-
-
 def _without_corners(light: Array, angle: Array, *, known: Ticks) -> Array:
-    columns = _waves(angle[known], _ORDERS + _CORNERS)
+    columns = passing_wave.waves(angle[known], _ORDERS + _CORNERS)
     found = np.linalg.lstsq(columns, light[known], rcond=None)[0]
     first = columns.shape[1] - 2 * len(_CORNERS)
     less = np.full(light.size, np.nan)
@@ -83,19 +79,19 @@ def _without_corners(light: Array, angle: Array, *, known: Ticks) -> Array:
 
 def _phase(light: Array, angle: Array) -> tuple[complex, float]:
     """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part."""
-    columns = _waves(angle, _ORDERS)
+    columns = passing_wave.waves(angle, _ORDERS)
     kept = np.ones(light.size, bool)
-    at = 2 + 2 * _ORDERS.index(_PASSING)
+    at = passing_wave.place(_ORDERS)
     for _ in range(3):
         found = np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
         left = light - columns @ found
         usual = 1.4826 * float(np.median(np.abs(left[kept])))
         kept = np.abs(left) <= _OUTLIER * usual
     variance = float(np.sum(left[kept] ** 2)) / max(1, int(kept.sum()) - columns.shape[1])
-    covariance = np.linalg.pinv(columns[kept].T @ columns[kept])[at : at + 2, at : at + 2] * variance
-    wave = complex(found[at], -found[at + 1])
+    covariance = np.linalg.pinv(columns[kept].T @ columns[kept])[at, at] * variance
+    wave = complex(*(found[at] * (1, -1)))
     size = max(abs(wave), float(np.finfo(float).tiny))
-    return wave or 1.0, float(np.sqrt(np.trace(covariance) / 2)) / size / _PASSING
+    return wave or 1.0, float(np.sqrt(np.trace(covariance) / 2)) / size / PASSING
 
 
 def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding, ...]:

@@ -192,6 +192,13 @@ def test_almost_no_noise_is_no_trouble(noise):
     np.testing.assert_allclose(_values(found), TRUTH, rtol=1e-5)
 
 
+@pytest.mark.parametrize(("half_turns", "alike"), [(1.0033, True), (3.996, True), (0.6, False)])
+def test_frames_that_show_the_same_are_named_as_the_cause(half_turns, alike):
+    """Oracle: by hand; two cutouts look the same after half a turn, or after any number of them."""
+    said = row_timing._no_share(half_turns * TURN / 2)
+    assert (f"turns by {half_turns:.4f} half turns from frame to frame" in said) == alike
+
+
 def test_a_given_start_is_used():
     """Oracle: the solution by searching; from nearby it takes fewer steps."""
     theta, sums = _frames()

@@ -81,6 +81,14 @@ def test_less_than_the_mask_may_be_off_is_no_doubt():
     assert _found(_light(angle - 0.9e-3 * (np.arange(500) >= 250), noise=1e-5), angle) == ()
 
 
+@pytest.mark.parametrize("step", [2 + 1 / 500, 1 - 1 / 500, 0.5 + 0.5 / 500, 0.25 + 0.25 / 500])
+def test_a_run_that_visits_the_angles_once_has_no_parts(step):
+    """Oracle: nothing was changed; each quarter sees other angles, of which a fit of waves makes anything."""
+    angle = TURN * step * np.arange(500)
+    assert steadiness.lateness(_light(angle), angle) is None
+    assert _found(_light(angle), angle) == ()
+
+
 def test_a_short_run_has_no_parts():
     """Oracle: by hand; too few frames for four fits."""
     assert steadiness.lateness(_light(_angle(200)), _angle(200)) is None

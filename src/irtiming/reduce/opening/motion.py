@@ -26,11 +26,11 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import Opening
 from irtiming.records.rig import Rig
-from irtiming.reduce import kernels
+from irtiming.reduce import kernels, passing_wave
+from irtiming.reduce.passing_wave import PASSING
 
 _PARTS = 4
 _ORDERS = (1, 2, 3, 4, *range(6, 15, 2))  # waves a turn: of two cutouts, and what tells them apart
-_PASSING = 2
 _CORNERS = tuple(range(16, 49, 2))  # of the whole run, since a part has too few frames for them
 _FRAMES_PER_NUMBER = 2.5
 _CLUSTERS = 24
@@ -81,7 +81,7 @@ class SampledFrames:
 
 
 def places(sample: SampledFrames, opening: Opening, *, gain: Array | float = 1.0) -> Places | None:
-    """Of the parts of a run; None where too few frames, or pixels, tell.
+    """Of the parts of a run; None where too few frames, or pixels, tell, or frames of less than a turn.
 
     Parameters
     ----------
@@ -96,6 +96,8 @@ def places(sample: SampledFrames, opening: Opening, *, gain: Array | float = 1.0
     used = np.flatnonzero(sample.good & np.isfinite(sample.angle_rad))
     parts = np.array_split(used, _PARTS)
     if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
+        return None
+    if not passing_wave.is_told(sample.angle_rad, parts, orders=_ORDERS):
         return None
     box = _box(mask, margin=reach)
     near = np.ascontiguousarray(sample.values[:, *box])
@@ -127,22 +129,16 @@ def _box(mask: Mask, *, margin: int) -> tuple[slice, slice]:
     )
 
 
-def _waves(angle: Array, orders: tuple[int, ...]) -> Array:
-    """Level, straight line over time, and cosine and sine of each order, shape (n, 2 + 2 n_order)."""
-    waves = [wave for order in orders for wave in (np.cos(order * angle), np.sin(order * angle))]
-    return np.stack([np.ones(angle.size), np.linspace(-1.0, 1.0, angle.size), *waves], axis=1)
-
-
 def _harmonics(values: Pixels, angle: Array, *, parts: Sequence[Ticks]) -> list[ComplexArray]:
     """The wave with which cutouts pass in each part, shape (row, column): values weighted so that no other wave leaks into it."""
     used = np.concatenate(parts)
-    whole = _waves(angle[used], _ORDERS + _CORNERS)
+    whole = passing_wave.waves(angle[used], _ORDERS + _CORNERS)
     first = 2 + 2 * len(_ORDERS)
     corners = whole[:, first:] @ np.linalg.pinv(whole, rcond=1e-6)[first:]
-    at, found = 2 + 2 * _ORDERS.index(_PASSING), []
+    at, found = passing_wave.place(_ORDERS), list[ComplexArray]()
     for part in parts:
         here = np.isin(used, part)
-        inverse = np.linalg.pinv(_waves(angle[part], _ORDERS), rcond=1e-3)[at : at + 2]
+        inverse = np.linalg.pinv(passing_wave.waves(angle[part], _ORDERS), rcond=1e-3)[at]
         weight = -inverse @ corners[here]
         weight[:, here] += inverse
         every = np.zeros((2, len(values)))
@@ -176,7 +172,7 @@ def _radius_px(direction: ComplexArray, inner: Mask) -> float:
     """The phase of a pixel is twice its polar angle about the axle, so it changes by 2 / r per pixel."""
     deep = ndimage.binary_erosion(inner, iterations=2)
     slope = np.hypot(*(np.abs(one) for one in np.gradient(direction)))[deep if deep.any() else inner]
-    return _PASSING / max(float(np.median(slope)), 1e-9)
+    return PASSING / max(float(np.median(slope)), 1e-9)
 
 
 def _moved(

@@ -4,6 +4,7 @@ import numpy as np
 
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
+from irtiming.reduce.opening import steady_levels
 from irtiming.reduce.opening.steady_levels import SteadyLevels
 
 _LEAST_PLATEAU_RAD = 0.05
@@ -30,6 +31,11 @@ def diagnosis(steady: SteadyLevels | None, wheel_angle_rad: Array | None, *, gla
     found: Causes = _of_angles(wheel_angle_rad)
     if steady is not None:
         found += _of_levels(steady, glare)
+    if not found and steady is None and not steady_levels.are_told(wheel_angle_rad):
+        return (
+            "the frames visit the wheel's angles so slowly that nothing distinguishes the causes: record at another wheel speed "
+            "or frame rate (irtiming plan)"
+        )
     if not found and steady is None:
         return (
             "their brightness does not follow a wheel with two cutouts: check that triggers and slots are values of the same "

@@ -17,6 +17,7 @@ from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Shapes
 from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.records.arrays import Array, Mask
+from irtiming.reduce import passing_wave
 
 ODD, _SCATTERS = 0.05, 8.0
 """Of the step, and of the scatter: a frame that strays further shows something else."""
@@ -27,6 +28,7 @@ _OPENINGS_RAD = (0.6, 0.9, 1.2, 1.5)
 _EDGES = ("edge_0", "edge_1", "edge_2", "edge_3")
 _OPENING = "opening_angle"
 _ROUNDS = 2
+_PARTS, _ORDERS = 4, (1, 2, 4)  # of the run, of which each must tell the wheel from its levels
 _SHORTEST = 20  # frames per bend of a level
 _FEWEST = 60
 _TRIMMED, _MOST_ALIKE = 4, 0.8
@@ -118,7 +120,7 @@ class SteadyLevels:
 
 
 def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool) -> SteadyLevels | None:
-    """What the levels do; None where the values do not follow a wheel with two cutouts.
+    """What the levels do; None where the values do not follow a wheel with two cutouts, or its turns take a part of the run.
 
     Parameters
     ----------
@@ -133,6 +135,8 @@ def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool
     swing = float(np.ptp(values[known])) if known.any() else 0.0
     if known.sum() < _FEWEST or swing <= 0:
         return None
+    if not are_told(wheel_angle_rad):
+        return None
     given = _Given(values=values[known] / swing, angle=wheel_angle_rad[known], place=place[known])
     numbers = given.scanned(-1.0 if is_colder else 1.0)
     levels: Levels | None = None
@@ -145,6 +149,18 @@ def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool
             given.values, made.fraction, shapes=made.blades[:, None], place=given.place, shortest=_SHORTEST
         )
     return None if levels is None else given.result(numbers, levels, swing=swing, known=known)
+
+
+def are_told(wheel_angle_rad: Array) -> bool:
+    """Whether levels that sway are told from the wheel: not where it passes so slowly that they could do what it does.
+
+    Parameters
+    ----------
+    wheel_angle_rad
+        Shape (n,), nan where unknown.
+    """
+    parts = np.array_split(np.flatnonzero(np.isfinite(wheel_angle_rad)), _PARTS)
+    return passing_wave.is_told(wheel_angle_rad, parts, orders=_ORDERS)
 
 
 def _passing(angle: Array, edges_early_rad: Array, opening_angle_rad: float) -> Passing:

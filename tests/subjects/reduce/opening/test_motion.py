@@ -24,12 +24,12 @@ def _share(row, column):
     return np.prod([1 / (1 + np.exp(-2 * one)) for one in soft], axis=0), angle
 
 
-def _seen(moved_px, *, gain=None, level=None, noise=8.0, seed=0):
+def _seen(moved_px, *, gain=None, level=None, noise=8.0, seed=0, step=0.0991):
     """Frames of 1000 DN of contrast with the opening, and the wheel with it, moved by ``moved_px`` (n, 2)."""
     random = np.random.default_rng(seed)
     row, column = np.mgrid[:ROWS, :COLUMNS].astype(float)
     index = np.sort(random.choice(1000, N, replace=False))
-    angle = TURN * 0.0991 * index
+    angle = TURN * step * index
     frames = np.full((N, ROWS, COLUMNS), 2000.0)
     for k, (down, right) in enumerate(moved_px):
         share, place = _share(row - down, column - right)
@@ -49,6 +49,12 @@ def _still():
 
 def _from_half(down, right):
     return np.outer(np.arange(N) >= N // 2, [down, right]).astype(float)
+
+
+@pytest.mark.parametrize("step", [2 + 1 / 1000, 0.5 + 0.5 / 1000])
+def test_a_run_that_visits_the_angles_once_has_no_places(step):
+    """Oracle: nothing was moved; each quarter sees other angles."""
+    assert motion.places(*_seen(_still(), step=step)) is None
 
 
 @pytest.mark.parametrize("moved", [(0.0, 0.3), (-0.5, 0.0), (1.5, -1.0)])

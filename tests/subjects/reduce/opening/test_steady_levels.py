@@ -15,10 +15,10 @@ WAVE = np.sin(TURN * 1.3 * PLACE)
 EDGES = (0.0, 1.5718, 3.1421, 4.7125)
 
 
-def _seen(opening_deg=75.0, points=2000):
+def _seen(opening_deg=75.0, points=2000, angle=ANGLE):
     """Open share, and share behind the second blade: points of the opening, each asked where it is on the wheel."""
     along = np.radians(opening_deg) * ((np.arange(points) + 0.5) / points - 0.5)
-    alpha = np.mod(0.7 + ANGLE[:, None] + along, TURN)
+    alpha = np.mod(0.7 + angle[:, None] + along, TURN)
     opened = ((alpha >= EDGES[1]) & (alpha < EDGES[2])) | (alpha >= EDGES[3])
     return opened.mean(axis=1), ((alpha >= EDGES[2]) & (alpha < EDGES[3])).mean(axis=1)
 
@@ -41,6 +41,15 @@ def test_what_the_levels_do_is_taken_off(step, sway, blade):
     assert np.abs(steadied - line(fraction)).max() < 3e-3
     plateaus = [np.sum(np.abs(steadied - level) < 2e-3) for level in (steadied.min() + 1e-3, steadied.max() - 1e-3)]
     assert min(plateaus) > 10
+
+
+def test_a_wheel_that_passes_once_in_a_run_is_not_told_from_levels():
+    """Oracle: by hand; by a turn, or half a turn, over the whole run beside whole ones."""
+    for turns in (1.0, 0.5):
+        angle = TURN * turns * PLACE
+        assert steady_levels.find(_seen(angle=angle)[0], angle, place=PLACE, is_colder=False) is None
+    text = never_open.diagnosis(None, TURN * PLACE, glare=0.0)
+    assert "visit the wheel's angles so slowly that nothing distinguishes the causes" in text
 
 
 def test_values_that_do_not_follow_the_wheel_tell_nothing():
