@@ -1,6 +1,7 @@
 """Which recipe reduces a recording: pixel sums where all pixels are read at once and do not lag, else row sums."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import clipping, pixel_sums, row_sums, suspicions
+from irtiming.reduce import clipping, motion_filter, pixel_sums, row_sums, suspicions
 from irtiming.reduce.events import period
 from irtiming.reduce.wheel import wheel_angles
 
@@ -55,6 +56,7 @@ def reduce(
     with suspicions.explained(recording, rig, choices=choices):
         reduced = recipe.reduce(recording, rig, choices=choices, progress=progress, before=before, maps=maps)
         clipping.refuse(recording, reduced.opening.mask)
+    reduced = replace(reduced, findings=(*reduced.findings, *motion_filter.findings(recording)))
     if before is not None:
         _refuse_moved(recording, reduced.opening.mask, before.mask)
     return period.refined(reduced)

@@ -15,7 +15,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding, perhaps_therefore
 from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
-from irtiming.reduce import kernels, nonuniformity, steadiness
+from irtiming.reduce import kernels, motion_filter, nonuniformity, steadiness
 from irtiming.reduce.opening import sample_frames
 from irtiming.reduce.wheel import frame_angles
 
@@ -59,7 +59,8 @@ def of(recording: Recording, rig: Rig, *, choices: Choices) -> tuple[Finding, ..
         return ()
     swing = sample.raw.std(axis=0, dtype=np.float32)
     lively = np.asarray(swing >= _LIVELY * np.quantile(swing, _LIVELIEST))
-    return steadiness.findings(angles, rig, light_dn=_light(recording, lively))
+    unsteady = steadiness.findings(angles, rig, light_dn=_light(recording, lively))
+    return (*unsteady, *motion_filter.findings(recording))
 
 
 def _light(recording: Recording, area: Mask) -> Array:

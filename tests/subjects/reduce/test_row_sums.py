@@ -1,5 +1,7 @@
 """Rolling microbolometer recordings whose every frame was made, and broken, by hand."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -340,6 +342,15 @@ def test_dead_rows_beside_each_other_and_copies_leave_the_opening(reduced, clean
     found = reduced(frames, before=clean.opening)
     both = np.isin(clean.rows.row_px, found.rows.row_px)
     np.testing.assert_allclose(found.rows.row_sum_dn, clean.rows.row_sum_dn[:, both], atol=200)
+
+
+def test_a_filter_that_follows_motion_is_a_doubt(reduced, clean_frames):
+    """Oracle: by hand; half of each frame is the one before, where they differ by less than 60 DN."""
+    frames = clean_frames[:200].astype(float)
+    for before, now in pairwise(frames):
+        now -= 0.5 * (now - before) * (np.abs(now - before) < 60)
+    codes = [finding.code for finding in reduced(np.rint(frames).astype(np.uint16)).findings]
+    assert "filter-follows-motion" in codes
 
 
 _TIME_S = 0.033 * np.arange(1000)
