@@ -21,7 +21,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 
 _STRETCHES, _LENGTH = 4, 60  # of frames that follow each other
-_MOST_BYTES = 2**27
+_MOST_BYTES = 2**26
 _LIVELY, _LIVELIEST = 0.6, 0.995  # of the swing of the liveliest pixels
 _MOST_PIXELS = 1500
 _ENDS = (0.05, 0.95)  # quantiles of a pixel's values: a swing apart
