@@ -32,9 +32,7 @@ from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
 _DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
-_SIGNIFICANT = (
-    3.0  # standard uncertainties from which filters are undone, a warmer blade has two numbers, a curve is fitted
-)
+_SIGNIFICANT = 3.0  # standard uncertainties from which a filter is undone, a blade has two numbers, a curve is fitted
 _RANK = 1e-6  # relative: amounts of a sway that are determined worse stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
