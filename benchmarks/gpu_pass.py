@@ -8,33 +8,17 @@ every pixel. The best of several passes counts; the two processors take turns.
 """
 
 import argparse
-import tempfile
-import time
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from irtiming.archive import reader, writer
-from irtiming.archive.frame_stack import ArrayFrames
-from irtiming.records.choices import Choices, Processor
+from irtiming.records.choices import Processor
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
-from irtiming.reduce import device_memory, recipes
-from irtiming.twin import rig as twin
-from irtiming.twin.scene import microbolometer_scene
+from irtiming.reduce import device_memory
+from maps_speed import made, pass_s
 
-
-def pass_s(recording: Recording, rig: Rig, *, processor: Processor, maps: bool) -> tuple[float, ReducedRecording]:
-    """Time of the single pass, from what it tells after each block; the first block is not in it. And what it found."""
-    told: list[tuple[int, float]] = []
-    found = recipes.reduce(
-        recording, rig, choices=Choices(processor=processor), maps=maps,
-        progress=lambda n: told.append((n, time.perf_counter())),
-    )  # fmt: skip
-    (first, begin), (last, end) = told[0], told[-1]
-    return (end - begin) * last / (last - first), found
+PROCESSORS: tuple[Processor, ...] = ("cpu", "gpu")
 
 
 def apart(one: ReducedRecording, other: ReducedRecording) -> str:
@@ -47,10 +31,9 @@ def apart(one: ReducedRecording, other: ReducedRecording) -> str:
 
 def compare(name: str, recording: Recording, rig: Rig, *, rounds: int) -> None:
     for maps in (False, True):
-        best: dict[Processor, float] = {"cpu": np.inf, "gpu": np.inf}
-        found: dict[Processor, ReducedRecording] = {}
+        best, found = dict.fromkeys(PROCESSORS, np.inf), dict[str, ReducedRecording]()
         for _ in range(rounds + 1):  # the first compiles
-            for processor in best:
+            for processor in PROCESSORS:
                 taken_s, found[processor] = pass_s(recording, rig, processor=processor, maps=maps)
                 best[processor] = min(best[processor], taken_s)
         rate = {one: recording.frames.shape[0] / taken_s for one, taken_s in best.items()}
@@ -66,22 +49,14 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=1000)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
-    found = device_memory.gpu()
-    if found is None:
+    name = device_memory.gpu_name()
+    if name is None:
         print("no GPU here that CuPy finds: nothing to compare")
         return
-    print(found.cuda.runtime.getDeviceProperties(0)["name"].decode())
-    scene = microbolometer_scene(options.rows, options.rows * 4 // 3)
-    drawn = twin.draw(replace(scene, trigger=replace(scene.trigger, n_triggers=options.frames)), seed=1)
-    simulated = twin.simulate(drawn.scene, seed=1)
-    with tempfile.TemporaryDirectory() as scratch:
-        path = Path(scratch) / "bolo.nxs"
-        writer.write(simulated, path)
-        stored = reader.read(path)
-        compare("compressed file", stored, drawn.measured, rounds=options.rounds)
-        frames = np.concatenate([block.copy() for _, block in stored.frames.blocks()])
-        kept = replace(stored, frames=ArrayFrames(frames, block_frames=16))
-        compare("in memory      ", kept, drawn.measured, rounds=options.rounds)
+    print(name)
+    with made(rows=options.rows, frames=options.frames) as one:
+        compare("compressed file", one.stored, one.rig, rounds=options.rounds)
+        compare("in memory      ", one.kept, one.rig, rounds=options.rounds)
 
 
 if __name__ == "__main__":

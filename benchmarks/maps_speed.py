@@ -10,30 +10,60 @@ several passes counts; the two kinds take turns.
 import argparse
 import tempfile
 import time
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import final
 
 import numpy as np
 
 from irtiming.archive import reader, writer
 from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.estimate import pixel_maps, timing
-from irtiming.records.choices import Choices
+from irtiming.records.choices import Choices, Processor
 from irtiming.records.recording import Recording
+from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.reduce import recipes
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene
 
 
-def pass_s(recording: Recording, rig: Rig, *, maps: bool) -> tuple[float, int]:
-    """Time of the single pass, from what it tells after each block; the first block is not in it. And how many pixels."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Made:
+    """One recording, as a file and in memory, and its rig."""
+
+    stored: Recording
+    kept: Recording
+    rig: Rig
+
+
+@contextmanager
+def made(*, rows: int, frames: int) -> Iterator[Made]:
+    """A simulated recording of a microbolometer camera; its file is there within."""
+    scene = microbolometer_scene(rows, rows * 4 // 3)
+    drawn = twin.draw(replace(scene, trigger=replace(scene.trigger, n_triggers=frames)), seed=1)
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch) / "bolo.nxs"
+        writer.write(twin.simulate(drawn.scene, seed=1), path)
+        stored = reader.read(path)
+        values = np.concatenate([block.copy() for _, block in stored.frames.blocks()])
+        yield Made(stored=stored, kept=replace(stored, frames=ArrayFrames(values, block_frames=16)), rig=drawn.measured)
+
+
+def pass_s(
+    recording: Recording, rig: Rig, *, maps: bool, processor: Processor = "automatic"
+) -> tuple[float, ReducedRecording]:
+    """Time of the single pass, from what it tells after each block; the first block is not in it. And what it found."""
     told: list[tuple[int, float]] = []
     found = recipes.reduce(
-        recording, rig, choices=Choices(), progress=lambda n: told.append((n, time.perf_counter())), maps=maps
-    )
+        recording, rig, choices=Choices(processor=processor), maps=maps,
+        progress=lambda n: told.append((n, time.perf_counter())),
+    )  # fmt: skip
     (first, begin), (last, end) = told[0], told[-1]
-    return (end - begin) * last / (last - first), 0 if found.waves is None else found.waves.row_px.size
+    return (end - begin) * last / (last - first), found
 
 
 def compare(name: str, recording: Recording, rig: Rig, *, rounds: int) -> None:
@@ -41,8 +71,9 @@ def compare(name: str, recording: Recording, rig: Rig, *, rounds: int) -> None:
     best, pixels = {False: np.inf, True: np.inf}, 0
     for _ in range(rounds):
         for maps in (False, True):
-            taken_s, n = pass_s(recording, rig, maps=maps)
-            best[maps], pixels = min(best[maps], taken_s), max(pixels, n)
+            taken_s, found = pass_s(recording, rig, maps=maps)
+            best[maps] = min(best[maps], taken_s)
+            pixels = pixels if found.waves is None else found.waves.row_px.size
     ratio = best[True] / best[False]
     print(f"{name:<18} pass {best[False]:.3f} s, with maps of {pixels} pixels {best[True]:.3f} s: {ratio:.2f} times")
 
@@ -64,19 +95,11 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--estimate", action="store_true", help="the estimate from the sums, too")
     options = parser.parse_args()
-    scene = microbolometer_scene(options.rows, options.rows * 4 // 3)
-    drawn = twin.draw(replace(scene, trigger=replace(scene.trigger, n_triggers=options.frames)), seed=1)
-    simulated = twin.simulate(drawn.scene, seed=1)
-    with tempfile.TemporaryDirectory() as scratch:
-        path = Path(scratch) / "bolo.nxs"
-        writer.write(simulated, path)
-        stored = reader.read(path)
-        compare("compressed file", stored, drawn.measured, rounds=options.rounds)
-        frames = np.concatenate([block.copy() for _, block in stored.frames.blocks()])
-        kept = replace(stored, frames=ArrayFrames(frames, block_frames=16))
-        compare("in memory", kept, drawn.measured, rounds=options.rounds)
+    with made(rows=options.rows, frames=options.frames) as one:
+        compare("compressed file", one.stored, one.rig, rounds=options.rounds)
+        compare("in memory", one.kept, one.rig, rounds=options.rounds)
         if options.estimate:
-            estimate(kept, drawn.measured)
+            estimate(one.kept, one.rig)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import numpy as np
 from array_api_compat import array_namespace
 
 from irtiming.errors import ReductionError
-from irtiming.records.arrays import Mask, Pixels, Ticks
+from irtiming.records.arrays import Mask, Pixels
 from irtiming.records.choices import Processor
 
 
@@ -49,16 +49,21 @@ def gpu() -> ModuleType | None:
     return cupy if is_there else None
 
 
+def gpu_name() -> str | None:
+    """What the GPU calls itself; None where there is none."""
+    cupy = gpu()
+    return None if cupy is None else str(cupy.cuda.runtime.getDeviceProperties(0)["name"].decode())
+
+
 def to_host(values: Any) -> Any:
     """The same values in this machine's memory."""
     return values.get() if hasattr(values, "get") else np.asarray(values)
 
 
-def taken(frames: Pixels, which: Mask | Ticks) -> Pixels:
-    """Some of the frames, shape (n, row, column); ``which`` are their numbers, or true for each of them, shape (frame,)."""
-    index = np.flatnonzero(which) if which.dtype == bool else which
+def taken(frames: Pixels, which: Mask) -> Pixels:
+    """Some of the frames, shape (n, row, column); ``which`` is true for each of them, shape (frame,)."""
     xp = array_namespace(frames)
-    return xp.take(frames, xp.asarray(index), axis=0)
+    return xp.take(frames, xp.asarray(np.flatnonzero(which)), axis=0)
 
 
 def joined(first: Pixels, second: Pixels) -> Pixels:

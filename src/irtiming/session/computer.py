@@ -22,7 +22,7 @@ from irtiming.instruments.blackbodies import open_blackbody
 from irtiming.instruments.choppers import open_chopper
 from irtiming.instruments.device_address import CAMERAS, connect, drivers
 from irtiming.instruments.generator import trigger_generator
-from irtiming.reduce.device_memory import gpu
+from irtiming.reduce.device_memory import gpu_name
 
 DeviceKind = Literal["camera", "chopper", "blackbody", "generator"]
 Status = Literal["ok", "warning", "missing"]
@@ -138,11 +138,9 @@ def _compression() -> Check:
 
 
 def _gpu() -> Check:
-    found = gpu()
-    if found is None:
-        return Check(part="GPU", status="ok", found="none that CuPy finds: the processor sums the frames")
-    name = found.cuda.runtime.getDeviceProperties(0)["name"].decode()
-    return Check(part="GPU", status="ok", found=f"{name}, which sums the frames")
+    name = gpu_name()
+    found = "none that CuPy finds: the processor sums the frames" if name is None else f"{name}, which sums the frames"
+    return Check(part="GPU", status="ok", found=found)
 
 
 def _drivers() -> Iterator[Check]:

@@ -11,6 +11,7 @@ from irtiming.cli.doctor_command import doctor
 from irtiming.errors import ArchiveError, InstrumentError
 from irtiming.gateware.model_device import ModelDevice
 from irtiming.gateware.pseudo_terminal import PseudoTerminal
+from irtiming.reduce import device_memory
 from irtiming.session import computer
 from irtiming.twin.devices.blackbody import SimulatedBlackbody
 from irtiming.twin.devices.chopper import SimulatedChopper
@@ -60,7 +61,7 @@ def test_a_gpu_is_told_by_its_name(run, monkeypatch, there):
     """Oracle: the words for the device's own name, and for none."""
     runtime = SimpleNamespace(getDeviceProperties=lambda number: {"name": there})
     cupy = SimpleNamespace(cuda=SimpleNamespace(runtime=runtime))
-    monkeypatch.setattr(computer, "gpu", lambda: cupy if there else None)
+    monkeypatch.setattr(device_memory, "gpu", lambda: cupy if there else None)
     words = "Model Z, which sums the frames" if there else "none that CuPy finds"
     assert f"ok       GPU: {words}" in run().stdout
 
