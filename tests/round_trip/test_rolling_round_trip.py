@@ -94,8 +94,23 @@ def test_blur_that_is_not_round_and_glare_do_no_harm():
     for name, true in zip((*NAMES, MEMORY), _truth(rig.scene.timing), strict=True):
         assert abs(estimate.value(name) - true) < 3.5 * estimate.u(name)
     assert estimate.u("time_constant") < 30e-6
-    assert sector.shape.blur_of_axes_px == pytest.approx((0.55, 0.95), abs=0.06)
+    assert sector.shape.blur == pytest.approx((0.55, 0.95, 0.0), abs=0.06)
     assert 0.015 < sector.shape.glare < 0.035
+    assert not [one for one in found.found.result.findings if one.code == "image-not-explained"]
+
+
+def test_blur_along_a_diagonal_does_no_harm():
+    """Oracle: the scene, whose blur's axes are turned by 40 degrees; the covariance is half the variances' difference, nearly."""
+    scene = replace(
+        BASE, optics=replace(BASE.optics, blur_rows_px=0.55, blur_columns_px=0.95, blur_turn_rad=np.radians(40))
+    )
+    rig = twin.draw(scene, seed=41)
+    found = _fit(rig, twin.simulate(rig.scene, seed=7))
+    estimate, (sector, *_) = found.found.result.estimate, found.sectors
+    for name, true in zip((*NAMES, MEMORY), _truth(rig.scene.timing), strict=True):
+        assert abs(estimate.value(name) - true) < 3.5 * estimate.u(name)
+    expected_px2 = (0.95**2 - 0.55**2) / 2 * np.sin(np.radians(80))
+    assert sector.shape.blur.covariance_px2 == pytest.approx(expected_px2, abs=0.06)
     assert not [one for one in found.found.result.findings if one.code == "image-not-explained"]
 
 

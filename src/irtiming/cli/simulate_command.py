@@ -127,6 +127,9 @@ LensCentre = Annotated[
 ]
 BlurRows = Annotated[float | None, typer.Option(min=0, max=20, help="Blur from row to row, if not --blur-px.")]
 BlurColumns = Annotated[float | None, typer.Option(min=0, max=20, help="Blur from column to column, if not --blur-px.")]
+BlurTurn = Annotated[
+    float, typer.Option("--blur-turn-deg", min=-90, max=90, help="Both axes of that turned, from right to down.")
+]
 Glare = Annotated[float | None, typer.Option("--glare", help="Share of the light that goes astray, such as 0.03.")]
 GlarePx = Annotated[float | None, typer.Option(help="How far, standard deviation in pixels; 6 if not given.")]
 Shape = Annotated[GlareShape | None, typer.Option(help="How it falls off; exponential if not given.")]
@@ -202,6 +205,7 @@ def simulate(
     lens_centre_px: LensCentre = (0.0, 0.0),
     blur_rows_px: BlurRows = None,
     blur_columns_px: BlurColumns = None,
+    blur_turn_deg: BlurTurn = 0.0,
     glare_share: Glare = None,
     glare_px: GlarePx = None,
     glare_shape: Shape = None,
@@ -246,6 +250,7 @@ def simulate(
         tilt_about_column_rad=math.radians(tilt_deg[1]),
         lens_centre_row_px=lens_centre_px[0],
         lens_centre_column_px=lens_centre_px[1],
+        blur_turn_rad=math.radians(blur_turn_deg),
     )
     order = filled(
         SimulationOrder,

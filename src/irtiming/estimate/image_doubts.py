@@ -70,7 +70,7 @@ def left_over(sector: SectorFit) -> LeftOver:
     """
     shape = sector.shape
     side, depth = blurred_sector.border_sides(shape, roi=sector.roi)
-    near = (np.abs(depth) < _REACH * max(shape.blur_of_axes_px) + 1) & ~sector.odd
+    near = (np.abs(depth) < _REACH * shape.blur.widest_px + 1) & ~sector.odd
     straight = shape.outer_radius_px - shape.inner_radius_px
     lengths = shape.opening_angle_rad * np.array([shape.inner_radius_px, shape.outer_radius_px])
     row, column = np.indices(depth.shape) // _CELL_PX

@@ -56,7 +56,7 @@ def light_of_pixels(sector: SectorFit, orders: Ticks, *, row_px: Ticks, column_p
     even = _even(every, angle, reach)
     points = sector_points.border_points(shape)
     waves = np.exp(-1j * np.multiply.outer(every, points.angle_rad))
-    border = blurred_sector.images(points, waves, blur_px=shape.blur_of_axes_px, roi=roi)
+    border = blurred_sector.images(points, waves, blur=shape.blur, roi=roi)
     lit = [blurred_sector.with_glare(one, shape) for one in np.where(inside, even, border)]
     ring = sector.ring * _even(every, sector.ring_angle_rad, reach)
     light = ((1 - sector.plate) * np.array(lit) + ring)[:, *at]

@@ -265,7 +265,7 @@ def sharp(looks: Sequence[Look], numbers: Mapping[str, float], *, view: View) ->
         points = places.border
         value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
         values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
-    borders = blurred_sector.images(places.border, np.array(values), blur_px=shape.blur_of_axes_px, roi=view.roi)
+    borders = blurred_sector.images(places.border, np.array(values), blur=shape.blur, roi=view.roi)
     found = []
     for look, (turn, row_turn), border in zip(looks, turns, borders, strict=True):
         read = np.exp(2j * row_turn * view.rows)
@@ -318,7 +318,7 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
     points = sector_points.light_points(shape)
-    without = blurred_sector.image(points, 1 + 1j * points.angle_rad, blur_px=shape.blur_of_axes_px, roi=view.roi)
+    without = blurred_sector.image(points, 1 + 1j * points.angle_rad, blur=shape.blur, roi=view.roi)
     both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)

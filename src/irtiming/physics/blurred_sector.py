@@ -12,7 +12,7 @@ bisector               direction of the mask's bisector, polar angle in the imag
 opening angle          gamma, between the two radial edges
 distortion             of the lens (`physics.lens`), tilt and lens centre (`physics.projection`); offset, radii and angles
                        are those of the wheel's plane
-blur                   standard deviations of the Gaussian that smears light over rows and over columns, px
+blur                   of the Gaussian that smears light: standard deviations over rows and columns, px, and their correlation
 glare                  share of the blurred light that a further, round Gaussian spreads
 =====================  =======================================================================================
 
@@ -29,7 +29,7 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
-from irtiming.physics import gaussian_spread
+from irtiming.physics import gaussian_spread, sector_points
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
 from irtiming.physics.sector_points import (
@@ -42,6 +42,7 @@ from irtiming.physics.sector_points import (
 )
 from irtiming.physics.wheel_harmonics import later
 from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
+from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
 
 _PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
@@ -86,27 +87,20 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
 
 def blur_across_px(shape: SectorShape, *, roi: tuple[int, int, int, int], along: bool = False) -> Array:
     """Standard deviation of the blur across each pixel's radius, or ``along`` it, px, shape (roi rows, roi columns)."""
-    down, across = _direction(shape, roi)
-    rows, columns = shape.blur_of_axes_px
-    return np.asarray(np.hypot(rows * down, columns * across) if along else np.hypot(rows * across, columns * down))
+    down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
+    variances = sector_points.radial(shape.blur, down=down, right=right)
+    return np.asarray(np.sqrt(variances[0 if along else 1]))
 
 
 def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
     r"""By how much the mean polar angle of even light exceeds that of a pixel's centre, rad, shape (roi rows, roi columns).
 
     A blur that is not round has a covariance of places along and across the radius, :math:`c = (b_y^2 - b_x^2) \sin\phi
-    \cos\phi`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
+    \cos\phi + b_{xy} (\cos^2\phi - \sin^2\phi)`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
     """
-    down, across = _direction(shape, roi)
-    _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    rows, columns = shape.blur_of_axes_px
-    return np.asarray((columns**2 - rows**2) * down * across / np.maximum(away, 1.0) ** 2)
-
-
-def _direction(shape: SectorShape, roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
-    """Sine and cosine of the pixels' polar angles in the image, in the wheel's sense, shape (roi rows, roi columns)."""
-    down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    return down, shape.sense * right
+    down, right, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
+    _, _, both = sector_points.radial(shape.blur, down=down, right=right)
+    return np.asarray(-shape.sense * both / np.maximum(away, 1.0) ** 2)
 
 
 @lru_cache(maxsize=16)
@@ -125,12 +119,12 @@ def reach_px(blur_px: float) -> float:
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    return np.asarray(_depth_px(shape, roi) > REACH * max(shape.blur_of_axes_px) + 1)
+    return np.asarray(_depth_px(shape, roi) > REACH * shape.blur.widest_px + 1)
 
 
 def near_border(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border reaches, from either side, shape (roi rows, roi columns)."""
-    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * max(shape.blur_of_axes_px) + 1)
+    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * shape.blur.widest_px + 1)
 
 
 def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
@@ -191,25 +185,17 @@ def _polar(down: Array, right: Array, sector: Sector) -> Any:
     return out
 
 
-def image(
-    points: LightPoints, value: ComplexArray, *, blur_px: float | tuple[float, float], roi: tuple[int, int, int, int]
-) -> ComplexArray:
-    """Blurred image of points of light of complex brightness ``value`` per px^2, shape (roi rows, roi columns).
-
-    ``blur_px`` is the standard deviation of the Gaussian, or those over rows and over columns.
-    """
-    return np.asarray(images(points, value[None], blur_px=blur_px, roi=roi)[0])
+def image(points: LightPoints, value: ComplexArray, *, blur: Blur, roi: tuple[int, int, int, int]) -> ComplexArray:
+    """Blurred image of points of light of complex brightness ``value`` per px^2, shape (roi rows, roi columns)."""
+    return np.asarray(images(points, value[None], blur=blur, roi=roi)[0])
 
 
-def images(
-    points: LightPoints, values: ComplexArray, *, blur_px: float | tuple[float, float], roi: tuple[int, int, int, int]
-) -> ComplexArray:
+def images(points: LightPoints, values: ComplexArray, *, blur: Blur, roi: tuple[int, int, int, int]) -> ComplexArray:
     """The same of several brightnesses, shape (k, n), at once: shape (k, roi rows, roi columns)."""
-    over_rows, over_columns = (blur_px, blur_px) if isinstance(blur_px, float) else blur_px
     return gaussian_spread.deposit(
         (points.row_px - roi[0], points.column_px - roi[2]),
         values * points.area_px2,
-        blur=(over_rows, over_columns),
+        blur=blur,
         size=(roi[1] - roi[0], roi[3] - roi[2]),
     )
 

@@ -8,10 +8,12 @@ from numba import njit
 from scipy.special import ndtr
 
 from irtiming.records.arrays import Array, ComplexArray
+from irtiming.records.blur import Blur
 
 REACH = 5.0
 """Blurs beyond which no light comes."""
 
+_LEAST_SHARE = 1e-7  # of a point's light, in a row of a blur that is askew
 _TABLE_END, _TABLE_STEPS = 7, 128  # of the Gaussian's integral, in and per standard deviation
 
 
@@ -26,9 +28,7 @@ def _cubics() -> Array:
 _GAUSSIAN = _cubics()
 
 
-def deposit(
-    places: tuple[Array, Array], values: ComplexArray, *, blur: tuple[float, float], size: tuple[int, int]
-) -> ComplexArray:
+def deposit(places: tuple[Array, Array], values: ComplexArray, *, blur: Blur, size: tuple[int, int]) -> ComplexArray:
     """Light of each point, spread over the pixels around it, in several images of the same points; shape (k, *size).
 
     Parameters
@@ -38,12 +38,12 @@ def deposit(
     values
         Light of each point in each image, shape (k, n).
     blur
-        Standard deviations over rows and over columns, px.
+        Of the image.
     size
         Number of rows and of columns.
     """
     light = np.ascontiguousarray(np.concatenate([values.real, values.imag]).T)
-    spread = np.asarray(_deposit(*places, light, blur, size))
+    spread = np.asarray((_deposit_askew if blur.correlation else _deposit)(*places, light, blur, size))
     return np.asarray(spread[: len(values)] + 1j * spread[len(values) :])
 
 
@@ -68,23 +68,69 @@ def _along_axis(place: float, first: int, last: int, blur: float, out: Array) ->
 
 
 @njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, light: Array, blur: tuple[float, float], size: tuple[int, int]) -> Any:
+def _deposit(row: Array, column: Array, light: Array, blur: Blur, size: tuple[int, int]) -> Any:
     """See deposit; light (n, 2 k) and what it becomes, shape (2 k, *size), real parts before imaginary ones."""
     n_row, n_column = size
     n = light.shape[1]
     out = np.zeros((n, n_row, n_column))
     down, across = np.empty(n_row), np.empty(n_column)
-    reach, beside = REACH * blur[0] + 0.5, REACH * blur[1] + 0.5
+    reach, beside = REACH * blur.rows_px + 0.5, REACH * blur.columns_px + 0.5
     for k in range(row.size):
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
         if first_row > last_row or first > last:
             continue
-        _along_axis(row[k], first_row, last_row, blur[0], down)
-        _along_axis(column[k], first, last, blur[1], across)
+        _along_axis(row[k], first_row, last_row, blur.rows_px, down)
+        _along_axis(column[k], first, last, blur.columns_px, across)
         for part in range(n):
             for i in range(first_row, last_row + 1):
                 along = light[k, part] * down[i - first_row]
                 for j in range(last - first + 1):
                     out[part, i, first + j] += along * across[j]
     return out
+
+
+@njit(cache=True, nogil=True)
+def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, size: tuple[int, int]) -> Any:
+    """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there."""
+    n_row, n_column = size
+    n = light.shape[1]
+    out = np.zeros((n, n_row, n_column))
+    down, across = np.empty(n_row), np.empty(n_column)
+    reach = REACH * blur.rows_px + 0.5
+    slant = blur.correlation * blur.columns_px / blur.rows_px  # columns per row
+    own = blur.columns_px**2 * (1 - blur.correlation**2)
+    for k in range(row.size):
+        first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
+        if first_row > last_row:
+            continue
+        _along_axis(row[k], first_row, last_row, blur.rows_px, down)
+        for i in range(first_row, last_row + 1):
+            share = down[i - first_row]
+            if share < _LEAST_SHARE:
+                continue
+            mean, variance = _within((i - 0.5 - row[k]) / blur.rows_px, (i + 0.5 - row[k]) / blur.rows_px, share)
+            place = column[k] + slant * blur.rows_px * mean
+            width = math.sqrt(own + (slant * blur.rows_px) ** 2 * variance)
+            beside = REACH * width + 0.5
+            first, last = max(0, math.ceil(place - beside)), min(n_column - 1, math.floor(place + beside))
+            if first > last:
+                continue
+            _along_axis(place, first, last, width, across)
+            for part in range(n):
+                along = light[k, part] * share
+                for j in range(last - first + 1):
+                    out[part, i, first + j] += along * across[j]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _within(low: float, high: float, share: float) -> tuple[float, float]:
+    """Mean and variance of what a standard Gaussian, of which that is the share, has between two ends."""
+    at_low, at_high = (
+        math.exp(-(low**2) / 2) / math.sqrt(2 * math.pi),
+        math.exp(-(high**2) / 2) / math.sqrt(2 * math.pi),
+    )
+    mean = (at_low - at_high) / share
+    variance = 1 + (low * at_low - high * at_high) / share - mean**2
+    return mean, min(max(variance, 0.0), 1.0)

@@ -16,6 +16,7 @@ from irtiming.errors import GeometryError
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Eye, projection_of, seen_by
 from irtiming.records.arrays import Array
+from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
 
 _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(-2 pi^2 / 1.2^2), a millionth
@@ -48,19 +49,24 @@ def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
 
 def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
-    return _points(shape, n_harmonics=0, within_px=2 * (REACH * max(shape.blur_of_axes_px) + 1))
+    return _points(shape, n_harmonics=0, within_px=2 * (REACH * shape.blur.widest_px + 1))
 
 
 def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
     """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
     narrower = min(widths_with_glare(shape))
-    return light_points(replace(shape, blur_px=narrower, blur_ellipticity=0.0), n_harmonics=n_harmonics)
+    return light_points(
+        replace(shape, blur_px=narrower, blur_ellipticity=0.0, blur_correlation=0.0), n_harmonics=n_harmonics
+    )
 
 
 def widths_with_glare(shape: SectorShape) -> tuple[float, float]:
-    """Standard deviations over rows and over columns of the light that goes astray: blur and glare together."""
-    rows, columns = shape.blur_of_axes_px
-    return math.hypot(rows, shape.glare_px), math.hypot(columns, shape.glare_px)
+    """Standard deviations over rows and over columns of the light that goes astray: blur and glare together.
+
+    Glare is round and so much wider that a correlation of the blur is next to nothing in both.
+    """
+    blur = shape.blur
+    return math.hypot(blur.rows_px, shape.glare_px), math.hypot(blur.columns_px, shape.glare_px)
 
 
 def places(shape: SectorShape, *, n_radial: int, n_around: int) -> tuple[Array, Array, Array]:
@@ -127,11 +133,35 @@ def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightP
 
 
 def _sharpest(shape: SectorShape) -> tuple[float, float]:
-    """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show."""
+    """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show.
+
+    A wave across both kinds of gaps meets less blur, by twice the correlation of radius and what is across it, than two waves
+    across one kind each.
+    """
     polar = shape.bisector_rad + shape.opening_angle_rad * np.linspace(-0.5, 0.5, _DIRECTIONS)
-    rows, columns = np.square(shape.blur_of_axes_px)
-    along = rows * np.sin(polar) ** 2 + columns * np.cos(polar) ** 2
-    return math.sqrt(along.min()), math.sqrt((rows + columns - along).min())
+    down, right = np.sin(polar), shape.sense * np.cos(polar)
+    along, across, both = radial(shape.blur, down=down, right=right)
+    diagonal = np.sqrt(np.minimum(1.0, 2 * (1 - np.abs(both) / np.sqrt(along * across)))).min()
+    return diagonal * math.sqrt(along.min()), diagonal * math.sqrt(across.min())
+
+
+def radial(blur: Blur, *, down: Array, right: Array) -> tuple[Array, Array, Array]:
+    """Variance of the blur along a radius and across it, and the covariance of both, px^2; each of the same shape.
+
+    Parameters
+    ----------
+    blur
+        Of the image.
+    down, right
+        The radius' direction in the image, of length 1; across it is what lies down of a radius that points right.
+    """
+    rows, columns, both = blur.rows_px**2, blur.columns_px**2, blur.covariance_px2
+    twice = 2 * both * down * right
+    return (
+        rows * down**2 + columns * right**2 + twice,
+        rows * right**2 + columns * down**2 - twice,
+        (rows - columns) * down * right + both * (right**2 - down**2),
+    )
 
 
 @lru_cache(maxsize=256)

@@ -44,7 +44,7 @@ _ROWS = 50  # at least, that are looked at
 _BORDER_PX = 5.0  # that the reduction adds to both ends of a row, roughly
 _OPENING = (
     "axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-    "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "glare",
+    "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "glare",
 )  # fmt: skip
 _SHAPE = (*_OPENING, *WARP_NUMBERS)
 _STEPS = (
@@ -125,7 +125,7 @@ def _pixels(sector: SectorShape, roi: _Roi) -> Array:
     """Light of each pixel of a region, px^2."""
     points = sector_points.light_points(sector)
     ones = np.ones(points.row_px.size, complex)
-    sharp = blurred_sector.image(points, ones, blur_px=sector.blur_of_axes_px, roi=roi)
+    sharp = blurred_sector.image(points, ones, blur=sector.blur, roi=roi)
     return np.asarray(blurred_sector.with_glare(sharp, sector).real, float)
 
 
@@ -281,9 +281,9 @@ def _real(harmonics: ComplexArray) -> Array:
 class SectorImage:
     """Image of the second harmonic about each pixel's own phase, at contrast 1, and its derivatives.
 
-    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (33, n), complex: to 11 numbers of the opening, to
+    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (34, n), complex: to 12 numbers of the opening, to
     what else is unknown (row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it, the
-    blur's own shape), and to the nine of a warp; ``known`` (33,), the information on them without an image.
+    blur's own shape), and to the nine of a warp; ``known`` (34,), the information on them without an image.
     """
 
     sector: SectorShape
@@ -422,7 +422,7 @@ def _second_harmonic(sector: SectorShape, roi: _Roi) -> ComplexArray:
     """Image of exp(-2 i phi) over the sector; only its border is worked out point by point."""
     points = sector_points.border_points(sector)
     value = np.exp(-2j * (points.angle_rad + sector.bisector_rad))
-    border = blurred_sector.image(points, value, blur_px=sector.blur_of_axes_px, roi=roi)
+    border = blurred_sector.image(points, value, blur=sector.blur, roi=roi)
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
     even = angle + blurred_sector.even_angle_rad(sector, roi=roi)
     inside = _smear(sector, roi, 2) * np.exp(-2j * (even + sector.bisector_rad))

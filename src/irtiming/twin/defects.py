@@ -54,6 +54,7 @@ class Defects:
     distortion: float | None = None
     blur_rows_px: float | None = None
     blur_columns_px: float | None = None
+    blur_turn_rad: float = 0.0
     glare_share: float = 0.0
     glare_px: float = 6.0
     glare_shape: GlareShape = "exponential"
@@ -75,7 +76,7 @@ class Defects:
         limits = {
             "late_application_gate_s": 1e-2, "late_control_gate_s": 1e-2, "late_trigger_s": 1e-2, "clock_relative_error": 1e-2,
             "lateral_offset_m": 5e-3, "tilt_about_row_rad": math.radians(20), "tilt_about_column_rad": math.radians(20),
-            "blade_share": 0.2, "sway_share": 0.5, "count_time_error_s": 1e-2,
+            "blur_turn_rad": math.radians(90), "blade_share": 0.2, "sway_share": 0.5, "count_time_error_s": 1e-2,
         }  # fmt: skip
         for name, most in limits.items():
             if not abs(getattr(self, name)) <= most:
@@ -108,7 +109,7 @@ def with_defects(scene: Scene, defects: Defects) -> Scene:
     own = ("late_application_gate_s", "late_control_gate_s", "lateral_offset_m")
     optics = (
         "tilt_about_row_rad", "tilt_about_column_rad", "focal_length_px", "lens_centre_row_px", "lens_centre_column_px",
-        "blur_rows_px", "blur_columns_px", "glare_share", "glare_px", "glare_shape",
+        "blur_rows_px", "blur_columns_px", "blur_turn_rad", "glare_share", "glare_px", "glare_shape",
     )  # fmt: skip
     return replace(
         scene,

@@ -81,6 +81,7 @@ def draw_defects(scene: Scene, *, seed: int, always: bool = False) -> Defects:
         distortion=random.uniform(_DISTORTION, 0),
         blur_rows_px=rows_px,
         blur_columns_px=columns_px,
+        blur_turn_rad=float(generator(seed, "laboratory", index=1).uniform(-math.pi / 2, math.pi / 2)),
         glare_share=random.uniform(*_GLARE),
         glare_px=random.uniform(*_GLARE_PX),
         glare_shape="gaussian" if random.random() < 0.5 else "exponential",

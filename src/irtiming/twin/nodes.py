@@ -58,10 +58,10 @@ def trace_nodes(scene: Scene, width_rad: float) -> Nodes:
     """
     rows, columns = scene.detector.rows, scene.detector.columns
     view = view_of(scene.wheel, scene.mask, optics=scene.optics, shape=(rows, columns))
-    optics, blur_px = scene.optics, scene.optics.blur_rows_columns_px
+    optics, blur_px, turn_rad = scene.optics, scene.optics.blur_rows_columns_px, scene.optics.blur_turn_rad
     n_even = scene.optics.rays_along_pixel**2 or _RAYS_OF_EVEN_PIXEL
-    even = pixel_spread(n_even, blur_px, variants=1)
-    edge = pixel_spread(edge_rays(rows, columns), blur_px, variants=VARIANTS)
+    even = pixel_spread(n_even, blur_px, turn_rad=turn_rad, variants=1)
+    edge = pixel_spread(edge_rays(rows, columns), blur_px, turn_rad=turn_rad, variants=VARIANTS)
     reach = (reach_px(blur_px), width_rad, optics.glare_share)
     stray = stray_places(optics, _STRAY_RAYS if optics.glare_share else 1, variants=VARIANTS)
 

@@ -18,7 +18,8 @@ class Optics:
     the lens's axis appears at r_d = r_u (1 + ``distortion`` r_u^2), both in half diagonals of the image. The lens's axis
     lies ``lens_centre_*_px`` from the middle of the image, downwards and to the right.
     ``blur_px`` is the standard deviation of the Gaussian that smears light along a row and along a column;
-    ``blur_rows_px`` is that from row to row and ``blur_columns_px`` that from column to column, where they differ.
+    ``blur_rows_px`` is that from row to row and ``blur_columns_px`` that from column to column, where they differ;
+    ``blur_turn_rad`` turns both axes of it, from right to down.
     ``roll_rad`` turns the camera so that phi_image = phi_rig + roll.
 
     A tilted camera sees the plane of the wheel turned about the axle: by ``tilt_about_row_rad`` about a line that runs
@@ -44,6 +45,7 @@ class Optics:
     focal_length_px: float = 1000.0
     blur_rows_px: float | None = None
     blur_columns_px: float | None = None
+    blur_turn_rad: float = 0.0
     glare_share: float = 0.0
     glare_px: float = 6.0
     glare_shape: GlareShape = "exponential"
@@ -58,7 +60,7 @@ class Optics:
 
     @property
     def blur_rows_columns_px(self) -> tuple[float, float]:
-        """Standard deviation of the blur from row to row and from column to column."""
+        """Standard deviation of the blur from row to row and from column to column, before its axes are turned."""
         rows = self.blur_px if self.blur_rows_px is None else self.blur_rows_px
         columns = self.blur_px if self.blur_columns_px is None else self.blur_columns_px
         return rows, columns

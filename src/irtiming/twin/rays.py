@@ -61,7 +61,7 @@ def trace(scene: Scene) -> RayTable:
 def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, columns: int) -> RayTable:
     blur_px, view = optics.blur_rows_columns_px, view_of(wheel, mask, optics=optics, shape=(rows, columns))
     even, edge = (
-        pixel_spread(n, blur_px, variants=VARIANTS)
+        pixel_spread(n, blur_px, turn_rad=optics.blur_turn_rad, variants=VARIANTS)
         for n in (even_rays(optics, rows * columns), edge_rays(rows, columns) // 2)
     )
     reach = reach_px(blur_px)

@@ -4,6 +4,7 @@ Where a pixel's light comes over the edge of the mask's opening, thousands of ra
 """
 
 import math
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -22,6 +23,9 @@ _HALF_DIAGONAL_PX = 0.71
 _EDGE_RAY_BUDGET = 3e6
 _MOST_EDGE_RAYS = 10_000
 _GOLDEN = (math.sqrt(5) - 1) / 2
+_PLASTIC = (
+    1.32471795724474602596  # the root of x^3 = x + 1: its powers fill a plane as those of the golden ratio a line
+)
 
 
 def reach_px(blur_rows_columns_px: tuple[float, float]) -> float:
@@ -34,7 +38,7 @@ def edge_rays(rows: int, columns: int) -> int:
     return round(min(_EDGE_RAY_BUDGET / math.sqrt(rows * columns), _MOST_EDGE_RAYS))
 
 
-def pixel_spread(n: int, blur_rows_columns_px: tuple[float, float], *, variants: int) -> Offsets:
+def pixel_spread(n: int, blur_rows_columns_px: tuple[float, float], *, turn_rad: float = 0.0, variants: int) -> Offsets:
     """Places, px from a pixel's centre, from which its light comes in equal parts: its own square, blurred.
 
     Parameters
@@ -43,23 +47,54 @@ def pixel_spread(n: int, blur_rows_columns_px: tuple[float, float], *, variants:
         Places of one variant; they fill the plane evenly.
     blur_rows_columns_px
         Standard deviation of the Gaussian from row to row and from column to column, px.
+    turn_rad
+        By which its two axes are turned, from right to down.
     variants
-        Shifted copies, each with the mean 0, the variance 1/12 + blur^2 along each axis and no covariance.
+        Shifted copies, each with the mean 0 and the covariance of the blur, and 1/12 more along rows and columns.
 
     Returns
     -------
     Shape (variants, n, 2): row, column.
     """
-    order = np.arange(n)
-    shift = np.random.Generator(np.random.SFC64(1)).random((variants, 1, 2))
-    even = np.stack([(order + 0.5) / n, np.mod(0.5 + order * _GOLDEN, 1.0)], axis=1)
-    even = np.mod(even + shift, 1.0)
-    place = np.stack([_smeared(even[..., axis], blur_rows_columns_px[axis]) for axis in (0, 1)], axis=-1)
+    order = np.arange(n, dtype=float)
+    if turn_rad == 0:
+        even = _shifted([(order + 0.5) / n, 0.5 + order * _GOLDEN], variants)
+        place = np.stack([_smeared(even[..., axis], blur_rows_columns_px[axis]) for axis in (0, 1)], axis=-1)
+    else:
+        place = _turned(order, blur_rows_columns_px, turn_rad, variants)
     place = place - place.mean(axis=1, keepdims=True)
+    turn = np.array([[math.cos(turn_rad), math.sin(turn_rad)], [-math.sin(turn_rad), math.cos(turn_rad)]])
+    wanted = turn @ np.diag(np.square(blur_rows_columns_px)) @ turn.T + np.eye(2) / 12
     slant = np.mean(place[..., 0] * place[..., 1], axis=1) / np.mean(place[..., 0] ** 2, axis=1)
     place[..., 1] -= slant[:, None] * place[..., 0]
-    place *= np.sqrt((1 / 12 + np.square(blur_rows_columns_px)) / np.mean(place**2, axis=1, keepdims=True))
+    along = wanted[0, 1] / wanted[0, 0]
+    own = np.array([wanted[0, 0], wanted[1, 1] - along * wanted[0, 1]])
+    place *= np.sqrt(own / np.mean(place**2, axis=1, keepdims=True))
+    place[..., 1] += along * place[..., 0]
     return place.astype(np.float32)
+
+
+def _turned(order: Array, blur_rows_columns_px: tuple[float, float], turn_rad: float, variants: int) -> Array:
+    """Places of a round blur and the pixel's square, moved along the wide axis by what the blur is wider there."""
+    rows_px, columns_px = blur_rows_columns_px
+    even = _shifted([(order + 0.5) / order.size, 0.5 + order / _PLASTIC, 0.5 + order / _PLASTIC**2], variants)
+    narrow, beyond = min(rows_px, columns_px), math.sqrt(abs(columns_px**2 - rows_px**2))
+    place = _smeared(even[..., :2], narrow)
+    wide_rad = turn_rad if columns_px > rows_px else turn_rad + math.pi / 2
+    return place + beyond * _gaussian(even[..., 2:]) * np.array([math.sin(wide_rad), math.cos(wide_rad)])
+
+
+def _shifted(axes: Sequence[Array], variants: int) -> Array:
+    """Places in a cube of side 1, with shifted copies of them, shape (variants, n, axes)."""
+    shift = np.random.Generator(np.random.SFC64(1)).random((variants, 1, len(axes)))
+    return np.mod(np.mod(np.stack(axes, axis=1), 1.0) + shift, 1.0)
+
+
+def _gaussian(even: Array) -> Array:
+    """Places of a Gaussian of the standard deviation 1, of parts of it from 0 to 1, any shape."""
+    grid = np.linspace(-6, 6, 40_001)
+    below = np.cumsum(np.exp(-(grid**2) / 2))
+    return np.asarray(np.interp(even, (below - 0.5 * np.exp(-(grid**2) / 2)) / below[-1], grid))
 
 
 def _smeared(even: Array, blur_px: float) -> Array:

@@ -38,6 +38,7 @@ class BruteBolometer:
     opening_rad: float = float(np.radians(75))
     blur_px: float = 0.8
     blur_ellipticity: float = 0.0
+    blur_correlation: float = 0.0
     edges: tuple[float, float, float, float] = EDGES
     gate_rad: float = float(np.pi / 2 + 0.2682)
     centre_rad: float = float(np.radians(-90))
@@ -92,6 +93,7 @@ class BruteBolometer:
             opening_angle_rad=self.opening_rad,
             blur_px=self.blur_px,
             blur_ellipticity=self.blur_ellipticity,
+            blur_correlation=self.blur_correlation,
             distortion=self.distortion,
             keystone_row=-math.sin(self.tilt) * self.tilt_rad[1] / max(self.tilt, 1e-9) * unit / self.focal_px,
             keystone_column=math.sin(self.tilt) * self.tilt_rad[0] / max(self.tilt, 1e-9) * unit / self.focal_px,
@@ -144,7 +146,7 @@ class BruteBolometer:
     @cached_property
     def light(self):
         """Angles (b,) and how much light from there falls into each pixel after the blur, shape (b, row, column), px^2."""
-        row, column, angle, area = self.points
+        row, column, angle, area = self._smeared
         pitch = np.radians(0.1)
         first = np.floor(angle.min() / pitch)
         place = angle / pitch - first
@@ -152,12 +154,10 @@ class BruteBolometer:
         n_bin, reach = below.max() + 2, 4
         near = np.arange(-reach, reach + 1)
         at_row, at_column = np.rint(row)[:, None] + near, np.rint(column)[:, None] + near
+        rows_px, columns_px = np.sqrt(np.square(self.blurs_px) - self._along_diagonal_px2)
         by_row, by_column = (
             norm.cdf((at + 0.5 - x[:, None]) / blur) - norm.cdf((at - 0.5 - x[:, None]) / blur)
-            for at, x, blur in (
-                (at_row, row, self.blur_px * (1 - self.blur_ellipticity)),
-                (at_column, column, self.blur_px * (1 + self.blur_ellipticity)),
-            )
+            for at, x, blur in ((at_row, row, rows_px), (at_column, column, columns_px))
         )
         by_row[(at_row < 0) | (at_row >= self.rows)] = 0
         by_column[(at_column < 0) | (at_column >= self.columns)] = 0
@@ -171,6 +171,28 @@ class BruteBolometer:
             flat = which[:, None, None] * (self.rows * self.columns) + pixel
             out = out + np.bincount(flat.ravel(), (share * weight[:, None, None]).ravel(), size)
         return (first + np.arange(n_bin)) * pitch, out.reshape(n_bin, self.rows, self.columns)
+
+    @property
+    def blurs_px(self):
+        """Standard deviations over rows and over columns."""
+        return self.blur_px * (1 - self.blur_ellipticity), self.blur_px * (1 + self.blur_ellipticity)
+
+    @property
+    def _along_diagonal_px2(self):
+        """Of the variances over rows and columns, what both share in moves along a diagonal."""
+        return abs(self.blur_correlation) * math.prod(self.blurs_px)
+
+    @property
+    def _smeared(self):
+        """The points; where the blur is correlated, moved along a diagonal to the nodes of a Gaussian."""
+        if self.blur_correlation == 0:
+            return self.points
+        node, weight = np.polynomial.hermite_e.hermegauss(7)
+        move = np.sqrt(self._along_diagonal_px2) * node[:, None]
+        row, column, angle, area = self.points
+        at_row, at_column = row + move, column + math.copysign(1, self.blur_correlation) * move
+        many = np.ones((node.size, 1))
+        return at_row.ravel(), at_column.ravel(), (many * angle).ravel(), np.outer(weight / weight.sum(), area).ravel()
 
     def seen(self, coordinate_rad):
         """Openness of a point at a wheel coordinate as the camera shows it, in closed form between the edges; any shape."""

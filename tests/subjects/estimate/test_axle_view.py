@@ -9,6 +9,7 @@ import pytest
 from irtiming.estimate import shape
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics import blurred_sector, sector_points
+from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -26,7 +27,7 @@ def _seen(*, plate, mirrored):
     """Sector that shows its light and a plate all around it, in a lopsided region of summed pixels."""
     drawn = replace(SHAPE, mirrored=mirrored)
     points = sector_points.light_points(drawn)
-    light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=0.7, roi=ROI).real
+    light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
     angle, radius = blurred_sector.pixel_places(drawn, roi=ROI)
     half = drawn.opening_angle_rad / 2
     region = (angle > -half - BEYOND_RAD[0]) & (angle < half + BEYOND_RAD[1]) & (radius > 4) & (radius < 24)

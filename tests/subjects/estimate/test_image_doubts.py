@@ -9,6 +9,7 @@ from scipy import special
 
 from irtiming.estimate import image_doubts
 from irtiming.physics import blurred_sector, sector_points
+from irtiming.records.blur import Blur
 from irtiming.records.camera_settings import CameraSettings
 from irtiming.records.rig import CameraOptics, Measured
 
@@ -19,9 +20,11 @@ def sector(brute_bolometer, sector_of):
     return sector_of(brute_bolometer(rows=40, columns=70, axle=(36.2, 34.3)))
 
 
-def _light(shape, blur_px):
+def _light(shape, *blur_px):
     points = sector_points.light_points(replace(shape, blur_px=0.5))
-    return blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=(0, 40, 0, 70)).real
+    return blurred_sector.image(
+        points, np.ones(points.row_px.size, complex), blur=Blur(blur_px[0], blur_px[-1]), roi=(0, 40, 0, 70)
+    ).real
 
 
 def _burrs(seed):
@@ -40,7 +43,7 @@ def test_variance_left_over_is_that_of_the_blur(sector, blur):
 
 def test_blur_of_another_kind_is_a_doubt(sector):
     """Oracle: the image of a blur of 0.8 px over rows and 1.4 px over columns, where the fit has a round one."""
-    excess = _light(sector.shape, (0.8, 1.4)) - _light(sector.shape, 0.8) + 0.3 * _burrs(1)
+    excess = _light(sector.shape, 0.8, 1.4) - _light(sector.shape, 0.8) + 0.3 * _burrs(1)
     (finding,) = image_doubts.of_image(replace(sector, excess=excess))
     assert (finding.code, finding.severity) == ("image-not-explained", "doubt")
     assert "radial edge" in finding.what

@@ -26,7 +26,7 @@ class _Sector:
 def _kept(shape, summed):
     """Light of a sector that its glare leaves in the summed pixels, px^2: its sharp image, spread, added up."""
     points = sector_points.light_points(shape)
-    sharp = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_of_axes_px, roi=ROI)
+    sharp = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=shape.blur, roi=ROI)
     return points.area_px2.sum(), float(
         (blurred_sector.with_glare(sharp, replace(shape, glare=1.0)).real * summed).sum()
     )

@@ -49,7 +49,7 @@ def _six(fit):
 def _light_of(numbers, light, camera):
     """The same rows in the light of another sector."""
     shape = shape_of(dict(zip(SHAPE_NUMBERS, numbers, strict=True)), False, image=(camera.rows, camera.columns))
-    points, (over_rows, _) = sector_points.light_points(shape), shape.blur_of_axes_px
+    points, over_rows = sector_points.light_points(shape), shape.blur.rows_px
     harmonics = blurred_sector.row_harmonics(points, light.row_px, blur_px=over_rows, n_harmonics=HARMONICS)
     return replace(light, harmonics=(1 - shape.glare) * harmonics)
 

@@ -9,6 +9,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, changes, row_light, shape_of
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.response.first_order_lag import HARMONICS
+from irtiming.records.blur import Blur
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,9 @@ def test_plate_is_seen_beside_the_opening(sector, bare):
         opening_angle_rad=6.0,
     )
     points = sector_points.light_points(wider)
-    ring = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur_px=blur_px, roi=sector.roi).real
+    ring = blurred_sector.image(
+        points, np.ones(points.row_px.size, complex), blur=Blur(blur_px, blur_px), roi=sector.roi
+    ).real
     angle, _ = blurred_sector.pixel_places(shape, roi=sector.roi)
     seen = row_light(ROWS, replace(sector, plate=-0.05, ring=-0.05 * ring, ring_angle_rad=angle), n_harmonics=HARMONICS)
     rows = np.intersect1d(seen.row_px, bare[False].row_px)
@@ -140,7 +143,7 @@ def test_numbers_make_the_sector_they_were_taken_from(sector):
     numbers = {name: getattr(sector.shape, name) for name in SHAPE_NUMBERS} | {"another": 7.0}
     assert shape_of(numbers, False, image=(38, 67)) == sector.shape
     assert shape_of(numbers, True, image=(38, 67)) == replace(sector.shape, mirrored=True)
-    assert len(SHAPE_NUMBERS) == 27
+    assert len(SHAPE_NUMBERS) == 28
 
 
 def test_too_few_rows_are_refused(sector):

@@ -97,6 +97,21 @@ def test_a_blur_that_is_not_round_comes_back(brute_bolometer, lag, brute_rows, r
         assert np.all(np.abs(_pulls(found, soft)) < 4)
 
 
+@pytest.mark.parametrize("mirror", [False, True])
+def test_a_blur_along_a_diagonal_comes_back(brute_bolometer, lag, brute_rows, rig_with, mirror):
+    """Oracle: the light that was summed, points moved along a diagonal; read backwards, the other diagonal. No number is off."""
+    soft = brute_bolometer(offset=(0.35, -0.25), blur_px=0.75, blur_ellipticity=0.1, blur_correlation=-0.5, sub=6)
+    rows = brute_rows(soft, noise_dn=6.0, seed=3, mirror=mirror)
+    found = _twice(rows, soft, lag, rig=rig_with(mirrored=mirror))
+    expected = 0.5 if mirror else -0.5
+    assert abs(found.shape.blur_correlation - expected) < 4 * found.u("blur_correlation") < 0.2
+    assert abs(found.shape.blur_ellipticity - 0.1) < 4 * found.u("blur_ellipticity") < 0.1
+    assert abs(found.row_delay_s - soft.row_delay_s) < 4 * found.u_row_delay_s
+    assert image_doubts.of_image(found) == ()
+    if not mirror:
+        assert np.all(np.abs(_pulls(found, soft)) < 4)
+
+
 def test_even_pixels_leave_nothing_over(plain, camera):
     """Oracle: the light that was summed; no scatter of gains, no plate, and an excess that is noise."""
     light = camera.light[1].sum(axis=0)
@@ -266,7 +281,7 @@ def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, 
     found = sector_fit.settled([exchanging], camera.model, rig=rig_with(), timing=lag, start=before)
     assert found.n_rounds == before.n_rounds + 1
     assert np.abs(image_doubts.left_over(found).variance_px2).max() < 0.01
-    assert found.shape.blur_of_axes_px[1] ** 2 - camera.shape.blur_of_axes_px[1] ** 2 == pytest.approx(0.1, rel=0.3)
+    assert found.shape.blur.columns_px**2 - camera.shape.blur.columns_px**2 == pytest.approx(0.1, rel=0.3)
 
 
 def test_a_gain_that_is_not_quite_known_does_not_move_the_axle(camera, lag, brute_rows, brute_frames, rig_with):

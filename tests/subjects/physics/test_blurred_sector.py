@@ -20,6 +20,7 @@ from irtiming.physics.blurred_sector import (
     with_glare,
 )
 from irtiming.physics.sector_points import border_points, glare_points, light_points
+from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -112,7 +113,7 @@ def test_image_is_that_of_the_counted_sub_pixels(shape, blur):
     by_row, by_column = _into(np.arange(*ROI[:2]), row, blur), _into(np.arange(*ROI[2:]), column, blur)
     expected = by_row.T @ (np.exp(-2j * polar) * area) @ by_column
     points = light_points(shape)
-    found = image(points, np.exp(-2j * points.angle_rad), blur_px=blur, roi=ROI)
+    found = image(points, np.exp(-2j * points.angle_rad), blur=shape.blur, roi=ROI)
     assert found.shape == (34, 50)
     np.testing.assert_allclose(found, expected, atol=0.012)  # the border is jagged by a sixteenth of a pixel
     assert np.abs(found - expected).mean() < 6e-4
@@ -137,14 +138,14 @@ def test_blur_that_is_not_round_and_glare_are_those_of_the_counted_sub_pixels(mi
     narrow, wide = _spread(shape, np.exp(-2j * polar) * area)
     near, far = light_points(shape), glare_points(shape)
     assert far.row_px.size < near.row_px.size / 10
-    found = image(near, np.exp(-2j * near.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
+    found = image(near, np.exp(-2j * near.angle_rad), blur=shape.blur, roi=ROI)
     np.testing.assert_allclose(found, narrow, atol=0.012)
     assert np.abs(found - narrow).mean() < 6e-4
     np.testing.assert_allclose(with_glare(found, replace(shape, glare=1.0)), wide, atol=1e-3)
-    widths = tuple(float(np.hypot(blur, shape.glare_px)) for blur in shape.blur_of_axes_px)
-    np.testing.assert_allclose(image(far, np.exp(-2j * far.angle_rad), blur_px=widths, roi=ROI), wide, atol=1e-3)
+    widths = tuple(float(np.hypot(blur, shape.glare_px)) for blur in shape.blur[:2])
+    np.testing.assert_allclose(image(far, np.exp(-2j * far.angle_rad), blur=Blur(*widths), roi=ROI), wide, atol=1e-3)
     border = border_points(shape)
-    near_border = image(border, np.exp(-2j * border.angle_rad), blur_px=shape.blur_of_axes_px, roi=ROI)
+    near_border = image(border, np.exp(-2j * border.angle_rad), blur=shape.blur, roi=ROI)
     inside = well_inside(shape, roi=ROI)
     np.testing.assert_allclose(near_border[~inside], narrow[~inside], atol=0.012)
 
@@ -162,35 +163,55 @@ def test_glare_of_the_rows_is_what_falls_into_their_summed_pixels():
     assert everywhere.sum() == pytest.approx(light_points(ELLIPTIC).area_px2.sum(), rel=1e-9)
 
 
+@pytest.mark.parametrize("correlation", [0.0, -0.5])
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_even_light_through_a_blur_that_is_not_round(mirrored):
+def test_even_light_through_a_blur_that_is_not_round(mirrored, correlation):
     """Oracle: mean and standard deviation of the polar angles of a pixel's points, each blurred by a Gaussian of two widths."""
-    shape = replace(ELLIPTIC, mirrored=mirrored)
-    place = (np.arange(60) + 0.5) / 60 - 0.5
+    shape = replace(ELLIPTIC, mirrored=mirrored, blur_correlation=correlation)
+    place = (np.arange(30) + 0.5) / 30 - 0.5
     node, weight = np.polynomial.hermite_e.hermegauss(16)
-    weights = np.tile(weight / weight.sum() / 60, 60)
+    weights = np.multiply.outer(weight, weight) / weight.sum() ** 2 / 900
+    down_by, right_by = shape.blur.rows_px * node, shape.blur.columns_px * node
+    own = np.sqrt(1 - correlation**2)
     box = (3, 10, 40, 55)
     shift, reach = even_angle_rad(shape, roi=box), angular_reach(shape, roi=box)
     sense = -1 if mirrored else 1
     for row, column in ((4, 41), (9, 54)):
-        rows, columns = ((place[:, None] + blur * node).ravel() for blur in shape.blur_of_axes_px)
-        down = (row - shape.axle_row_px + rows)[:, None]
-        across = sense * (column - shape.axle_column_px + columns)
-        centre = np.arctan2(row - shape.axle_row_px, sense * (column - shape.axle_column_px))
-        off = np.arctan2(down, across) - centre
-        off = np.angle(np.exp(1j * off))
-        mean = weights @ off @ weights
-        assert abs(mean) > 3e-5
-        assert shift[row - 3, column - 40] == pytest.approx(mean, rel=0.02)
-        assert reach[row - 3, column - 40] == pytest.approx(np.sqrt(weights @ off**2 @ weights), rel=3e-3)
+        off, square = 0.0, 0.0
+        for below in place:
+            down = row - shape.axle_row_px + below + down_by[:, None]
+            for beside in place:
+                right = column - shape.axle_column_px + beside + own * right_by + correlation * right_by[:, None]
+                centre = np.arctan2(row - shape.axle_row_px, sense * (column - shape.axle_column_px))
+                angle = np.angle(np.exp(1j * (np.arctan2(down, sense * right) - centre)))
+                off, square = off + np.sum(weights * angle), square + np.sum(weights * angle**2)
+        assert abs(off) > 3e-5
+        assert shift[row - 3, column - 40] == pytest.approx(off, rel=0.02)
+        assert reach[row - 3, column - 40] == pytest.approx(np.sqrt(square), rel=3e-3)
 
 
-def test_a_round_blur_without_glare_is_the_case_of_equal_widths():
-    """Oracle: the numbers of one width for both axes, to rounding."""
-    points = light_points(SHAPE)
-    value = np.exp(-2j * points.angle_rad)
-    one, two = (image(points, value, blur_px=blur, roi=ROI) for blur in (0.8, (0.8, 0.8)))
-    np.testing.assert_allclose(one, two, rtol=0, atol=1e-15)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_blur_askew_is_that_of_the_counted_sub_pixels(mirrored):
+    """Oracle: 16 x 16 sub-pixels a pixel, moved along a diagonal by a Gaussian's nodes and spread along rows and columns."""
+    shape = replace(SHAPE, mirrored=mirrored, blur_px=0.8, blur_ellipticity=0.1, blur_correlation=-0.55)
+    row, column, polar, area = _counted(shape)
+    rows_px, columns_px = 0.72, 0.88
+    along = 0.55 * rows_px * columns_px
+    node, weight = np.polynomial.hermite_e.hermegauss(9)
+    expected = 0
+    for move, share in zip(node * np.sqrt(along), weight / weight.sum(), strict=True):
+        by_row = _into(np.arange(*ROI[:2]), row + move, np.sqrt(rows_px**2 - along))
+        by_column = _into(np.arange(*ROI[2:]), column - move, np.sqrt(columns_px**2 - along))
+        expected = expected + share * (by_row.T @ (np.exp(-2j * polar) * area) @ by_column)
+    near = ~well_inside(shape, roi=ROI)
+    for points in (light_points(shape), border_points(shape)):
+        found = image(points, np.exp(-2j * points.angle_rad), blur=shape.blur, roi=ROI)
+        np.testing.assert_allclose(found[near], expected[near], atol=0.012)
+        assert np.abs(found - expected)[near].mean() < 2e-3
+
+
+def test_a_round_blur_is_the_same_in_every_direction():
+    """Oracle: the one width that it has."""
     assert np.all(even_angle_rad(SHAPE, roi=ROI) == 0)
     np.testing.assert_allclose(blur_across_px(SHAPE, roi=ROI), 0.8, rtol=1e-14)
     np.testing.assert_allclose(blur_across_px(SHAPE, roi=ROI, along=True), 0.8, rtol=1e-14)
@@ -215,7 +236,7 @@ def test_light_is_as_much_as_the_sector_is_large():
     assert points.area_px2.sum() == pytest.approx(area, rel=1e-12)
     for blur in (0.5, 2.0):
         points = light_points(replace(SHAPE, blur_px=blur))
-        whole = image(points, np.ones(points.row_px.size, complex), blur_px=blur, roi=(-20, 80, -20, 90))
+        whole = image(points, np.ones(points.row_px.size, complex), blur=Blur(blur, blur), roi=(-20, 80, -20, 90))
         assert whole.sum().real == pytest.approx(area, rel=1e-6)
         rows = row_harmonics(points, np.arange(-20, 80), blur_px=blur, n_harmonics=3)
         np.testing.assert_allclose(rows[:, 0].real, whole.sum(axis=1).real, atol=2e-5)
@@ -247,7 +268,7 @@ def test_quadrature_is_fine_enough_where_a_lens_magnifies_most(distortion):
     """Oracle: the same with nodes for a quarter of the blur, in every pixel; 1 is the light of a whole one."""
     shape = replace(FAR_OUT, distortion=distortion)
     few, many = (
-        image(points, np.ones(points.row_px.size, complex), blur_px=shape.blur_px, roi=(0, 45, 0, 75))
+        image(points, np.ones(points.row_px.size, complex), blur=shape.blur, roi=(0, 45, 0, 75))
         for points in (light_points(shape), light_points(replace(shape, blur_px=shape.blur_px / 4)))
     )
     np.testing.assert_allclose(few, many, atol=3e-5)
@@ -288,7 +309,7 @@ def test_points_near_the_border_make_the_whole_image_but_for_what_is_well_inside
     shape = replace(shape, blur_px=0.5, outer_radius_px=31.0)
     every, near = light_points(shape), border_points(shape)
     value = [np.exp(-2j * points.angle_rad) for points in (every, near)]
-    whole, border = (image(p, v, blur_px=0.5, roi=ROI) for p, v in zip((every, near), value, strict=True))
+    whole, border = (image(p, v, blur=shape.blur, roi=ROI) for p, v in zip((every, near), value, strict=True))
     inside = well_inside(shape, roi=ROI)
     assert inside.sum() > 50
     assert near.row_px.size < every.row_px.size
@@ -319,7 +340,7 @@ def test_a_mirrored_sector_is_the_mirror_image():
     straight = replace(SHAPE, axle_column_px=30.0)
     other = replace(straight, mirrored=True)
     one, two = (
-        image(p, np.exp(1j * p.angle_rad), blur_px=SHAPE.blur_px, roi=(0, 40, 0, 61))
+        image(p, np.exp(1j * p.angle_rad), blur=SHAPE.blur, roi=(0, 40, 0, 61))
         for p in (light_points(straight), light_points(other))
     )
     np.testing.assert_allclose(two, one[:, ::-1], atol=1e-12)
@@ -333,7 +354,7 @@ def test_one_point_of_light_is_spread_as_a_gaussian():
     points = light_points(SHAPE)
     value = np.zeros(points.row_px.size, complex)
     value[100] = (2 - 1j) / points.area_px2[100]
-    found = image(points, value, blur_px=0.8, roi=ROI)
+    found = image(points, value, blur=Blur(0.8, 0.8), roi=ROI)
     expected = np.outer(
         _into(np.arange(*ROI[:2]), points.row_px[100:101], 0.8),
         _into(np.arange(*ROI[2:]), points.column_px[100:101], 0.8),

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.stats import norm
+from scipy.stats import multivariate_normal, norm
 
 from irtiming.physics import gaussian_spread
+from irtiming.records.blur import Blur
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 6), (2, 5)])
@@ -19,10 +20,38 @@ def test_pixels_share_a_gaussian_by_its_distribution(first, last):
 def test_light_is_spread_over_rows_and_columns_and_none_is_lost():
     """Oracle: products of the normal distribution; points in the middle of an image and at its border."""
     places, values = (np.array([10.2, 0.4]), np.array([12.7, 24.1])), np.array([[2 - 1j, 0.5j]])
-    found = gaussian_spread.deposit(places, values, blur=(0.7, 1.1), size=(21, 26))[0]
+    found = gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1), size=(21, 26))[0]
     rows, columns = np.arange(22) - 0.5, np.arange(27) - 0.5
     parts = [
         value * np.outer(np.diff(norm.cdf(rows, row, 0.7)), np.diff(norm.cdf(columns, column, 1.1)))
         for row, column, value in zip(*places, values[0], strict=True)
     ]
     np.testing.assert_allclose(found, sum(parts), atol=1e-6)
+
+
+@pytest.mark.parametrize("blur", [Blur(0.7, 1.1, 0.6), Blur(0.9, 0.6, -0.5), Blur(0.5, 0.6, 0.7), Blur(2.0, 1.5, 0.3)])
+def test_a_blur_askew_is_a_normal_distribution_of_two_places(blur):
+    """Oracle: SciPy's bivariate normal distribution over each pixel, to 2 % of its peak; light, place and spread exactly."""
+    row, column, size = 10.2, 12.7, (21, 26)
+    places, one = (np.array([row]), np.array([column])), np.array([[1 + 0j]])
+    found = gaussian_spread.deposit(places, one, blur=blur, size=size)[0].real
+    covariance = np.array([[blur.rows_px**2, blur.covariance_px2], [blur.covariance_px2, blur.columns_px**2]])
+    ends = np.stack(np.meshgrid(np.arange(22) - 0.5, np.arange(27) - 0.5, indexing="ij"), axis=-1)
+    below = multivariate_normal([row, column], covariance).cdf(ends)
+    expected = np.diff(np.diff(below, axis=0), axis=1)
+    np.testing.assert_allclose(found, expected, atol=0.02 * expected.max())
+    rows, columns = np.arange(21)[:, None] - row, np.arange(26)[None, :] - column
+    np.testing.assert_allclose(found.sum(), 1, atol=1e-4)
+    assert np.sum(found * rows) == pytest.approx(np.sum(expected * rows), abs=1e-3)
+    assert np.sum(found * columns) == pytest.approx(np.sum(expected * columns), abs=1e-3)
+    assert np.sum(found * rows * columns) == pytest.approx(np.sum(expected * rows * columns), rel=0.01)
+    assert np.sum(found * columns**2) == pytest.approx(np.sum(expected * columns**2), rel=1e-2)
+
+
+def test_a_blur_hardly_askew_is_hardly_another():
+    """Oracle: the one that is not askew, which goes its own way."""
+    places, values = (np.array([10.2]), np.array([12.7])), np.array([[2 - 1j]])
+    straight, askew = (
+        gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1, r), size=(21, 26)) for r in (0.0, 1e-7)
+    )
+    np.testing.assert_allclose(askew, straight, atol=1e-6)

@@ -11,6 +11,7 @@ from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import wheel_model
 from irtiming.plan import information, rolling_information
 from irtiming.plan.rolling_information import IMAGE, RollingRun
+from irtiming.records.blur import Blur
 from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 
@@ -79,7 +80,7 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     at = np.array([0.0, 0, 0, 0, response_s, 0.0, 0.0, camera.row_delay_s or 0.0])
     steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-5, 1e-9])
     k = 8 if rolls else 7
-    normal, pull = np.zeros((k, k)), np.zeros((k, 20))
+    normal, pull = np.zeros((k, k)), np.zeros((k, 21))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
@@ -129,16 +130,16 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     def seen(shape):
         points = sector_points.light_points(shape)
         value = np.exp(-2j * (points.angle_rad + shape.bisector_rad))
-        sharp = blurred_sector.image(points, value, blur_px=shape.blur_of_axes_px, roi=roi)
-        wide = tuple(np.hypot(shape.blur_of_axes_px, shape.glare_px))
-        return (1 - shape.glare) * sharp + shape.glare * blurred_sector.image(points, value, blur_px=wide, roi=roi)
+        sharp = blurred_sector.image(points, value, blur=shape.blur, roi=roi)
+        wide = Blur(*np.hypot(shape.blur[:2], shape.glare_px))
+        return (1 - shape.glare) * sharp + shape.glare * blurred_sector.image(points, value, blur=wide, roi=roi)
 
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
     phase = np.exp(-2j * (angle + sector.bisector_rad))
     light = seen(sector)
     np.testing.assert_allclose(image.light, np.clip(np.abs(light), 0, 1).ravel(), atol=2e-3)
     names = ("axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-             "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "glare")  # fmt: skip
+             "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "glare")  # fmt: skip
     for name, column in zip(names, image.columns, strict=False):
         step = 1e-3 if name.endswith("rad") else 1e-2
         ahead, behind = (seen(replace(sector, **{name: getattr(sector, name) + sign * step})) for sign in (1, -1))
@@ -147,7 +148,7 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     rows = np.linspace(-1, 1, roi[1] - roi[0])[:, None]
     turned = light * phase.conj()
     for column, expected in zip(
-        image.columns[11:15], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
+        image.columns[12:16], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
     ):
         np.testing.assert_allclose(column, expected.ravel(), atol=3e-3)
 
@@ -160,14 +161,14 @@ def test_the_images_errors_are_those_of_least_squares(run, image):
     noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
     border = 4 * image.light * (1 - image.light)
     scatter = np.hypot(CAMERA.gain_scatter * image.light, CAMERA.border_scatter * border)
-    along, columns = np.hypot(noise, scatter), image.columns[:24]
-    design = np.concatenate([columns.real / along, columns.imag / noise, np.diag(np.sqrt(image.known[:24]))], axis=1).T
+    along, columns = np.hypot(noise, scatter), image.columns[:25]
+    design = np.concatenate([columns.real / along, columns.imag / noise, np.diag(np.sqrt(image.known[:25]))], axis=1).T
     scale = np.linalg.norm(design, axis=0)
     random = np.random.default_rng(3)
     drawn = random.normal(size=(300, len(design)))
-    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:11] / scale[:11, None]
+    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:12] / scale[:12, None]
     expected = np.sqrt(np.mean(fitted**2, axis=1))
-    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:11], expected, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:12], expected, rtol=0.15)
 
 
 def _equal(run):
@@ -180,8 +181,8 @@ def test_equal_pixels_leave_noise_alone(run, image):
     even, image = _equal(run), replace(image, known=0 * image.known)
     found = _errors(even, image)
     longer = _errors(replace(even, n_frames=4000), image)
-    assert np.abs(found.stays[:11, :11]).max() < 1e-9
-    np.testing.assert_allclose(np.diag(found.noise)[:11], 4 * np.diag(longer.noise)[:11], rtol=1e-6)
+    assert np.abs(found.stays[:12, :12]).max() < 1e-9
+    np.testing.assert_allclose(np.diag(found.noise)[:12], 4 * np.diag(longer.noise)[:12], rtol=1e-6)
 
 
 def _predicted(run, image, *, n_runs=1, angles=ANGLES):
@@ -228,7 +229,7 @@ def test_a_lens_that_draws_the_opening_larger_hides_no_row(monkeypatch, distorti
     bent = replace(rolling_information.sector_of(Microbolometer(opening_pixels=6000.0), 1.309), distortion=distortion)
     points, columns = sector_points.light_points(bent), (-bent.image_columns, 2 * bent.image_columns)
     lit = blurred_sector.image(
-        points, np.ones(points.row_px.size, complex), blur_px=bent.blur_px, roi=(0, bent.image_rows, *columns)
+        points, np.ones(points.row_px.size, complex), blur=bent.blur, roi=(0, bent.image_rows, *columns)
     )
     expected = np.flatnonzero(lit.real.sum(axis=1) > 3.0)
     assert rolling_information.rows_of(bent, n_harmonics=4).row_px.tolist() == expected.tolist()

@@ -134,6 +134,14 @@ def test_elliptical_blur_has_its_variances(blurs: tuple[float, float]) -> None:
     assert [np.cov(one.T)[0, 1] for one in place] == pytest.approx([0, 0], abs=1e-6)
 
 
+@pytest.mark.parametrize(("turn_deg", "sign"), [(45, 1), (-45, -1), (135, -1)])
+def test_a_blur_that_is_turned_smears_along_a_diagonal(turn_deg: float, sign: int) -> None:
+    """Oracle: by hand: half of both variances along each axis, their difference from upper left to lower right."""
+    place = pixel_spread(1024, (0.5, 0.9), turn_rad=math.radians(turn_deg), variants=2).astype(float)
+    assert place.var(axis=1) == pytest.approx(np.full((2, 2), 1 / 12 + (0.25 + 0.81) / 2), rel=2e-3)
+    assert [np.cov(one.T)[0, 1] for one in place] == pytest.approx([sign * (0.81 - 0.25) / 2] * 2, rel=2e-3)
+
+
 @pytest.mark.parametrize("shape", ["gaussian", "exponential"])
 def test_the_tail_keeps_all_light_and_has_its_width(shape: str) -> None:
     """Oracle: shares add up to 1; the standard deviation along each axis is the one that was asked for."""

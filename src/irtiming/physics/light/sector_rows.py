@@ -23,8 +23,8 @@ def harmonics(
     n_harmonics
         Highest order M.
     """
-    points, (blur_px, _) = sector_points.light_points(shape, n_harmonics=n_harmonics), shape.blur_of_axes_px
-    inside = blurred_sector.row_harmonics(points, rows, blur_px=blur_px, n_harmonics=n_harmonics)
+    points = sector_points.light_points(shape, n_harmonics=n_harmonics)
+    inside = blurred_sector.row_harmonics(points, rows, blur_px=shape.blur.rows_px, n_harmonics=n_harmonics)
     if shape.glare == 0:
         return inside
     wide = blurred_sector.glare_harmonics(shape, summed, roi=roi, n_harmonics=n_harmonics)
