@@ -16,13 +16,14 @@ from irtiming.report.sections.inputs import versions
 class Verdict:
     """The answer: the numbers in large type, the sentence that says what they are, and what to know beside them.
 
-    ``number`` is the first; ``further`` are those that stand below it.
+    ``number`` is the first, ``outside`` what its uncertainty does not hold; ``further`` are those that stand below it.
     """
 
     number: str
     sentence: str
     remarks: tuple[str, ...]
     further: tuple[str, ...] = ()
+    outside: str = ""
 
 
 @final

@@ -25,9 +25,10 @@ def verdict(analysis: Analysis) -> Verdict:
         else f"{words(name)}: {bounds.get(name, t('unknown'))}"
         for name in names
     ]
-    without = t(" ({what} not in u)", what=trusted(result)) if result.not_in_uncertainty and names[0] in found else ""
+    outside = t("not in u: {what}", what=trusted(result)) if result.not_in_uncertainty and names[0] in found else ""
     return Verdict(
-        number=numbers[0] + without,
+        number=numbers[0],
+        outside=outside,
         further=tuple(numbers[1:]),
         sentence=_sentence(analysis, names, found=found, bounds=bounds),
         remarks=tuple(text for text in _remarks(analysis, names, found=found) if text),

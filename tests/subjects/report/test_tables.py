@@ -123,7 +123,8 @@ def test_what_no_uncertainty_holds_is_said_beside_the_number(analysis):
     """Oracle: the rule: without [latency] no absolute delay without that word."""
     plain = verdict(analysis)
     told = verdict(replace(analysis, best=replace(analysis.best, not_in_uncertainty=("latency of the trigger path",))))
-    assert told.number == f"{plain.number} (latency of the trigger path not in u)"
+    assert (plain.outside, told.number) == ("", plain.number)
+    assert told.outside == "not in u: latency of the trigger path"
     assert told.sentence == f"{plain.sentence} Not in this uncertainty: latency of the trigger path."
 
 
