@@ -20,7 +20,6 @@ SHAPES_OF_LIBRARIES = ("Client",)
 
 OFFENDERS = {
     "estimate/published/lag_simulation.py:_follow_rows(mask)",
-    "physics/blurred_sector.py:_row_harmonics(wanted)",
     "plan/prediction.py:_asked(runs)",
     "plan/prediction.py:sizes_s(runs)",
     "plan/prediction.py:uncertainties(runs)",

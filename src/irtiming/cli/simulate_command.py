@@ -130,6 +130,10 @@ BlurColumns = Annotated[float | None, typer.Option(min=0, max=20, help="Blur fro
 BlurTurn = Annotated[
     float, typer.Option("--blur-turn-deg", min=-90, max=90, help="Both axes of that turned, from right to down.")
 ]
+BlurGrowth = Annotated[
+    float,
+    typer.Option(min=-0.9, max=20, help="By which share the blur's variance is larger in the corners of the image."),
+]
 Glare = Annotated[float | None, typer.Option("--glare", help="Share of the light that goes astray, such as 0.03.")]
 GlarePx = Annotated[float | None, typer.Option(help="How far, standard deviation in pixels; 6 if not given.")]
 Shape = Annotated[GlareShape | None, typer.Option(help="How it falls off; exponential if not given.")]
@@ -206,6 +210,7 @@ def simulate(
     blur_rows_px: BlurRows = None,
     blur_columns_px: BlurColumns = None,
     blur_turn_deg: BlurTurn = 0.0,
+    blur_growth: BlurGrowth = 0.0,
     glare_share: Glare = None,
     glare_px: GlarePx = None,
     glare_shape: Shape = None,

@@ -24,7 +24,6 @@ from irtiming.records.rig import CameraOptics, Measured
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 
 _CELL_PX = 3  # pixels that share a burr
-_REACH = 5.0  # blurs on either side of the border
 _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life of a laboratory
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _ROW_DELAYS_APART = 4.0  # standard uncertainties between rows and pixels: by chance once in the life of a laboratory
@@ -70,7 +69,7 @@ def left_over(sector: SectorFit) -> LeftOver:
     """
     shape = sector.shape
     side, depth = blurred_sector.border_sides(shape, roi=sector.roi)
-    near = (np.abs(depth) < _REACH * shape.blur.widest_px + 1) & ~sector.odd
+    near = blurred_sector.near_border(shape, roi=sector.roi) & ~sector.odd
     straight = shape.outer_radius_px - shape.inner_radius_px
     lengths = shape.opening_angle_rad * np.array([shape.inner_radius_px, shape.outer_radius_px])
     row, column = np.indices(depth.shape) // _CELL_PX

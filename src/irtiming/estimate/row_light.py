@@ -19,7 +19,7 @@ SHAPE_NUMBERS = tuple(field.name for field in fields(SectorShape) if field.type 
 
 STEP_OF = dict.fromkeys(SHAPE_NUMBERS, 3e-3) | dict.fromkeys(WARP_NUMBERS, 0.02) | {
     "bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "distortion": 1e-3, "keystone_row": 1e-4, "keystone_column": 1e-4,
-    "log_focal_length": 0.01, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3,
+    "log_focal_length": 0.01, "lens_row_px": 0.1, "lens_column_px": 0.1, "glare": 1e-3, "blur_growth": 1e-2,
     "glare_px": 3e-2,
 }  # fmt: skip
 """By how much each is varied for a derivative."""

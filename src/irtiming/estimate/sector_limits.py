@@ -7,7 +7,7 @@ import numpy as np
 
 from irtiming.errors import EstimationError
 from irtiming.estimate.sector_image import GLARE_PX
-from irtiming.inference.lens_knowledge import U_GLARE
+from irtiming.inference.lens_knowledge import U_BLUR_GROWTH, U_GLARE
 from irtiming.physics import lens
 from irtiming.records.arrays import Array
 
@@ -82,7 +82,7 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name
 
 
 def off_usual(numbers: Mapping[str, float]) -> Array:
-    """A loose word on the cutouts, the plate's reflection and the glare, for where they do not show, shape (N_USUAL,).
+    """A loose word on cutouts, plate's reflection, glare and the blur's growth, for where they do not show, shape (N_USUAL,).
 
     Parameters
     ----------
@@ -93,8 +93,8 @@ def off_usual(numbers: Mapping[str, float]) -> Array:
     outer = numbers["ring_outer_px"] - numbers["outer_radius_px"]
     margins = [(margin - _RING_MARGIN_PX) / _RING_MARGIN_PX for margin in (inner, outer)]
     glare = numbers["glare"] / U_GLARE, math.log(numbers["glare_px"] / GLARE_PX) / _U_GLARE_WIDTH
-    return np.array([*margins, numbers["plate_reflection"], *glare])
+    return np.array([*margins, numbers["plate_reflection"], *glare, numbers["blur_growth"] / U_BLUR_GROWTH])
 
 
-N_USUAL = 5
+N_USUAL = 6
 """Length of what `off_usual` gives."""

@@ -18,6 +18,7 @@ Change: TypeAlias = Callable[[Numbers, Sequence[Sharp]], Array]
 _SHARPEST_PX, _MOST_BLURRED_PX = 0.25, 8.0
 _MOST_ELLIPTIC = 0.6
 _MOST_CORRELATED = 0.85  # of a blur that is 3.5 times as wide along one diagonal as along the other
+_LEAST_GROWTH, _MOST_GROWTH = -0.6, 15.0
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _MOST_EVALUATIONS = 30
@@ -32,6 +33,7 @@ SCALES: Mapping[str, float] = dict.fromkeys(NUMBERS, 1.0) | {
     "blur_px": 0.5,
     "blur_ellipticity": 0.2,
     "blur_correlation": 0.2,
+    "blur_growth": 0.3,
     "glare": 0.02,
     "glare_px": 3.0,
     "distortion": 0.02,
@@ -53,6 +55,7 @@ LIMITS: Mapping[str, tuple[float, float]] = {
     "blur_px": (_SHARPEST_PX, _MOST_BLURRED_PX),
     "blur_ellipticity": (-_MOST_ELLIPTIC, _MOST_ELLIPTIC),
     "blur_correlation": (-_MOST_CORRELATED, _MOST_CORRELATED),
+    "blur_growth": (_LEAST_GROWTH, _MOST_GROWTH),
     "glare": (_LEAST_GLARE, _MOST_GLARE),
     "glare_px": (_NARROWEST_GLARE_PX, _WIDEST_GLARE_PX),
     "distortion": (lens.LOWEST, lens.HIGHEST),

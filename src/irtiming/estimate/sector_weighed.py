@@ -18,13 +18,7 @@ from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
 
-_OF_BLUR = (
-    "blur_px",
-    "blur_ellipticity",
-    "blur_correlation",
-    "glare",
-    "glare_px",
-)  # of a Gaussian; see `_reshaped`
+_OF_BLUR = ("blur_px", "blur_ellipticity", "blur_correlation", "blur_growth", "glare", "glare_px")  # see `_reshaped`
 _STEP = 1e-2  # of a number's scale, to either side, over which its slope is taken: those that a search ends with are too rough
 _WARP_STEP_PX = 0.02  # the same of a warp's
 

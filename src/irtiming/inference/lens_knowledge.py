@@ -27,6 +27,9 @@ CAMERA_NUMBERS = (*LENS_NUMBERS, "tilt_row", "tilt_column", "axis_row_px", "axis
 U_GLARE = 0.03
 """Of the share of light that goes astray: makers of lenses state 1 to 3 %."""
 
+U_BLUR_GROWTH = 1.5
+"""Of the blur's variance, over half a diagonal: in the corners few lenses are more than twice as blurred as in the middle."""
+
 _USUAL_DISTORTION = Measured(0.0, 0.05)  # few lenses exceed twice that, over half a diagonal
 _TILT_U_RAD = math.radians(1.2)
 _QUARTIC_U = 0.02  # over half a diagonal: k_2 of a wide lens whose k is at the limit of what is usual

@@ -89,7 +89,13 @@ def blur_across_px(shape: SectorShape, *, roi: tuple[int, int, int, int], along:
     """Standard deviation of the blur across each pixel's radius, or ``along`` it, px, shape (roi rows, roi columns)."""
     down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
     variances = sector_points.radial(shape.blur, down=down, right=right)
-    return np.asarray(np.sqrt(variances[0 if along else 1]))
+    return np.asarray(np.sqrt(variances[0 if along else 1]) * _widening(shape, roi))
+
+
+def _widening(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
+    """See `sector_points.widening`, shape (roi rows, roi columns)."""
+    row, column = _pixels(roi)
+    return sector_points.widening(shape, row_px=row, column_px=column)
 
 
 def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
@@ -100,7 +106,7 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
     """
     down, right, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
     _, _, both = sector_points.radial(shape.blur, down=down, right=right)
-    return np.asarray(-shape.sense * both / np.maximum(away, 1.0) ** 2)
+    return np.asarray(-shape.sense * both * _widening(shape, roi) ** 2 / np.maximum(away, 1.0) ** 2)
 
 
 @lru_cache(maxsize=16)
@@ -119,12 +125,12 @@ def reach_px(blur_px: float) -> float:
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    return np.asarray(_depth_px(shape, roi) > REACH * shape.blur.widest_px + 1)
+    return np.asarray(_depth_px(shape, roi) > REACH * shape.blur.widest_px * _widening(shape, roi) + 1)
 
 
 def near_border(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border reaches, from either side, shape (roi rows, roi columns)."""
-    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * shape.blur.widest_px + 1)
+    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * shape.blur.widest_px * _widening(shape, roi) + 1)
 
 
 def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:
@@ -196,6 +202,7 @@ def images(points: LightPoints, values: ComplexArray, *, blur: Blur, roi: tuple[
         (points.row_px - roi[0], points.column_px - roi[2]),
         values * points.area_px2,
         blur=blur,
+        widening=points.widening,
         size=(roi[1] - roi[0], roi[3] - roi[2]),
     )
 
@@ -210,7 +217,8 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     rows
         Image rows, shape (n_row,).
     blur_px
-        Standard deviation of the blur over rows; over columns it moves light within the row and plays no part.
+        Standard deviation of the blur over rows, in the middle of the image; over columns it moves light within the row and
+        plays no part.
     n_harmonics
         Highest order M.
 
@@ -219,7 +227,8 @@ def row_harmonics(points: LightPoints, rows: Ticks, *, blur_px: float, n_harmoni
     sum over the light of exp(-i m (phi - bisector)) times the share that falls into the row. m = 0 is the row's light.
     """
     ascending = np.argsort(rows)
-    found = _row_harmonics(points.row_px, points.angle_rad, points.area_px2, blur_px, (rows[ascending], n_harmonics))
+    light = points.row_px, points.angle_rad, points.area_px2
+    found = _row_harmonics(light, blur_px * points.widening, rows[ascending], n_harmonics)
     return np.asarray(found[np.argsort(ascending)])
 
 
@@ -276,21 +285,21 @@ def _share(low: float, high: float, blur: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _row_harmonics(row: Array, angle: Array, area: Array, blur: float, wanted: tuple[Ticks, int]) -> Any:
-    """See row_harmonics; rows ascend."""
-    rows, n_harmonics = wanted
+def _row_harmonics(light: tuple[Array, Array, Array], blur: Array, rows: Ticks, n_harmonics: int) -> Any:
+    """See row_harmonics; row, angle, area and blur of each point, (n,), rows that ascend."""
+    row, angle, area = light
     real = np.zeros((rows.size, n_harmonics + 1))
     imaginary = np.zeros((rows.size, n_harmonics + 1))
     cosine, sine = np.empty(n_harmonics + 1), np.empty(n_harmonics + 1)
-    reach = REACH * blur + 0.5
     for k in range(row.size):
+        reach = REACH * blur[k] + 0.5
         turn = complex(math.cos(angle[k]), -math.sin(angle[k]))
         wave = complex(area[k], 0.0)
         for m in range(n_harmonics + 1):
             cosine[m], sine[m] = wave.real, wave.imag
             wave *= turn
         for i in range(np.searchsorted(rows, row[k] - reach), np.searchsorted(rows, row[k] + reach, side="right")):
-            share = _share(rows[i] - 0.5 - row[k], rows[i] + 0.5 - row[k], blur)
+            share = _share(rows[i] - 0.5 - row[k], rows[i] + 0.5 - row[k], blur[k])
             for m in range(n_harmonics + 1):
                 real[i, m] += share * cosine[m]
                 imaginary[i, m] += share * sine[m]

@@ -28,7 +28,9 @@ def _cubics() -> Array:
 _GAUSSIAN = _cubics()
 
 
-def deposit(places: tuple[Array, Array], values: ComplexArray, *, blur: Blur, size: tuple[int, int]) -> ComplexArray:
+def deposit(
+    places: tuple[Array, Array], values: ComplexArray, *, blur: Blur, widening: Array, size: tuple[int, int]
+) -> ComplexArray:
     """Light of each point, spread over the pixels around it, in several images of the same points; shape (k, *size).
 
     Parameters
@@ -39,11 +41,13 @@ def deposit(places: tuple[Array, Array], values: ComplexArray, *, blur: Blur, si
         Light of each point in each image, shape (k, n).
     blur
         Of the image.
+    widening
+        By which it is wider at each point, shape (n,).
     size
         Number of rows and of columns.
     """
     light = np.ascontiguousarray(np.concatenate([values.real, values.imag]).T)
-    spread = np.asarray((_deposit_askew if blur.correlation else _deposit)(*places, light, blur, size))
+    spread = np.asarray((_deposit_askew if blur.correlation else _deposit)(*places, light, blur, widening, size))
     return np.asarray(spread[: len(values)] + 1j * spread[len(values) :])
 
 
@@ -68,20 +72,21 @@ def _along_axis(place: float, first: int, last: int, blur: float, out: Array) ->
 
 
 @njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, light: Array, blur: Blur, size: tuple[int, int]) -> Any:
+def _deposit(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
     """See deposit; light (n, 2 k) and what it becomes, shape (2 k, *size), real parts before imaginary ones."""
     n_row, n_column = size
     n = light.shape[1]
     out = np.zeros((n, n_row, n_column))
     down, across = np.empty(n_row), np.empty(n_column)
-    reach, beside = REACH * blur.rows_px + 0.5, REACH * blur.columns_px + 0.5
     for k in range(row.size):
+        rows_px, columns_px = blur.rows_px * widening[k], blur.columns_px * widening[k]
+        reach, beside = REACH * rows_px + 0.5, REACH * columns_px + 0.5
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
         if first_row > last_row or first > last:
             continue
-        _along_axis(row[k], first_row, last_row, blur.rows_px, down)
-        _along_axis(column[k], first, last, blur.columns_px, across)
+        _along_axis(row[k], first_row, last_row, rows_px, down)
+        _along_axis(column[k], first, last, columns_px, across)
         for part in range(n):
             for i in range(first_row, last_row + 1):
                 along = light[k, part] * down[i - first_row]
@@ -91,27 +96,28 @@ def _deposit(row: Array, column: Array, light: Array, blur: Blur, size: tuple[in
 
 
 @njit(cache=True, nogil=True)
-def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, size: tuple[int, int]) -> Any:
+def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
     """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there."""
     n_row, n_column = size
     n = light.shape[1]
     out = np.zeros((n, n_row, n_column))
     down, across = np.empty(n_row), np.empty(n_column)
-    reach = REACH * blur.rows_px + 0.5
     slant = blur.correlation * blur.columns_px / blur.rows_px  # columns per row
     own = blur.columns_px**2 * (1 - blur.correlation**2)
     for k in range(row.size):
+        rows_px = blur.rows_px * widening[k]
+        reach = REACH * rows_px + 0.5
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         if first_row > last_row:
             continue
-        _along_axis(row[k], first_row, last_row, blur.rows_px, down)
+        _along_axis(row[k], first_row, last_row, rows_px, down)
         for i in range(first_row, last_row + 1):
             share = down[i - first_row]
             if share < _LEAST_SHARE:
                 continue
-            mean, variance = _within((i - 0.5 - row[k]) / blur.rows_px, (i + 0.5 - row[k]) / blur.rows_px, share)
-            place = column[k] + slant * blur.rows_px * mean
-            width = math.sqrt(own + (slant * blur.rows_px) ** 2 * variance)
+            mean, variance = _within((i - 0.5 - row[k]) / rows_px, (i + 0.5 - row[k]) / rows_px, share)
+            place = column[k] + slant * rows_px * mean
+            width = math.sqrt(own * widening[k] ** 2 + (slant * rows_px) ** 2 * variance)
             beside = REACH * width + 0.5
             first, last = max(0, math.ceil(place - beside)), min(n_column - 1, math.floor(place + beside))
             if first > last:

@@ -23,6 +23,7 @@ _NODES_PER_BLUR = 1.2  # of the widest gaps of the quadrature: its error is exp(
 _MORE_NODES = 20  # than half the radians of a wave: its error is a millionth
 _MOST_NODES = 5000  # of a quadrature: the sharpest opening that fills 4000 pixels asks for fewer
 _DIRECTIONS = 33  # in the sector, among which its sharpest are sought
+_LEAST_VARIANCE = 0.05  # of a blur, as a share of that in the middle of the image: no lens is so much sharper beside it
 _LOOKS = 9  # along either arc for the largest magnification
 
 
@@ -31,14 +32,15 @@ _LOOKS = 9  # along either arc for the largest magnification
 class LightPoints:
     """Nodes and weights of a quadrature over the sector.
 
-    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2). ``gap_rad`` is the
-    widest between neighbours of one radius.
+    Shapes (n,): place in the image (px), polar angle about the axle minus the bisector (rad), area (px^2), and by how much wider
+    the blur is there than in the middle of the image. ``gap_rad`` is the widest between neighbours of one radius.
     """
 
     row_px: Array
     column_px: Array
     angle_rad: Array
     area_px2: Array
+    widening: Array
     gap_rad: float
 
 
@@ -49,21 +51,20 @@ def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
 
 def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
-    return _points(shape, n_harmonics=0, within_px=2 * (REACH * shape.blur.widest_px + 1))
+    return _points(shape, n_harmonics=0, within_px=2 * (REACH * shape.blur.widest_px * _widenings(shape)[1] + 1))
 
 
 def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
     """Nodes close enough for the glare, which are few, and for the highest order that is asked for."""
     narrower = min(widths_with_glare(shape))
-    return light_points(
-        replace(shape, blur_px=narrower, blur_ellipticity=0.0, blur_correlation=0.0), n_harmonics=n_harmonics
-    )
+    even = replace(shape, blur_px=narrower, blur_ellipticity=0.0, blur_correlation=0.0, blur_growth=0.0)
+    return light_points(even, n_harmonics=n_harmonics)
 
 
 def widths_with_glare(shape: SectorShape) -> tuple[float, float]:
     """Standard deviations over rows and over columns of the light that goes astray: blur and glare together.
 
-    Glare is round and so much wider that a correlation of the blur is next to nothing in both.
+    Glare is round and so much wider that correlation and growth of the blur are next to nothing in both.
     """
     blur = shape.blur
     return math.hypot(blur.rows_px, shape.glare_px), math.hypot(blur.columns_px, shape.glare_px)
@@ -128,6 +129,7 @@ def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightP
         column_px=column,
         angle_rad=angle,
         area_px2=area,
+        widening=widening(shape, row_px=row, column_px=column),
         gap_rad=math.pi * sector.half_angle_rad / n_around,  # in the middle, where the nodes are widest apart
     )
 
@@ -142,7 +144,30 @@ def _sharpest(shape: SectorShape) -> tuple[float, float]:
     down, right = np.sin(polar), shape.sense * np.cos(polar)
     along, across, both = radial(shape.blur, down=down, right=right)
     diagonal = np.sqrt(np.minimum(1.0, 2 * (1 - np.abs(both) / np.sqrt(along * across)))).min()
-    return diagonal * math.sqrt(along.min()), diagonal * math.sqrt(across.min())
+    least, _ = _widenings(shape)
+    return least * diagonal * math.sqrt(along.min()), least * diagonal * math.sqrt(across.min())
+
+
+def widening(shape: SectorShape, *, row_px: Array, column_px: Array) -> Array:
+    """By how much wider the blur is at places of the image than in its middle; of the shape to which both broadcast."""
+    if shape.blur_growth == 0:
+        return np.ones(np.broadcast_shapes(np.shape(row_px), np.shape(column_px)))
+    down, right = row_px - (shape.image_rows - 1) / 2, column_px - (shape.image_columns - 1) / 2
+    half_diagonals2 = (down**2 + right**2) / ((shape.image_rows**2 + shape.image_columns**2) / 4)
+    return np.asarray(np.sqrt(np.maximum(1 + shape.blur_growth * half_diagonals2, _LEAST_VARIANCE)))
+
+
+def _widenings(shape: SectorShape) -> tuple[float, float]:
+    """Least, or a little less, and most in the sector: the middle of the image may lie in it."""
+    if shape.blur_growth == 0:
+        return 1.0, 1.0
+    polar = shape.bisector_rad + shape.opening_angle_rad * np.linspace(-0.5, 0.5, _LOOKS)
+    radii = np.array([[shape.inner_radius_px], [shape.outer_radius_px]])
+    down = shape.offset_row_px + radii * np.sin(polar)
+    right = shape.sense * (shape.offset_column_px + radii * np.cos(polar))
+    row, column = projection_of(shape).seen(down.ravel(), right.ravel())
+    found = widening(shape, row_px=row, column_px=column)
+    return min(1.0, float(found.min())), max(1.0, float(found.max()))
 
 
 def radial(blur: Blur, *, down: Array, right: Array) -> tuple[Array, Array, Array]:

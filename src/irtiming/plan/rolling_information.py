@@ -19,7 +19,7 @@ from scipy import ndimage
 
 from irtiming.inference import weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
-from irtiming.inference.lens_knowledge import U_GLARE, LensKnowledge
+from irtiming.inference.lens_knowledge import U_BLUR_GROWTH, U_GLARE, LensKnowledge
 from irtiming.physics import blurred_sector, sector_points, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
@@ -44,12 +44,13 @@ _ROWS = 50  # at least, that are looked at
 _BORDER_PX = 5.0  # that the reduction adds to both ends of a row, roughly
 _OPENING = (
     "axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-    "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "glare",
+    "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "blur_growth",
+    "glare",
 )  # fmt: skip
 _SHAPE = (*_OPENING, *WARP_NUMBERS)
 _STEPS = (
     dict.fromkeys(_OPENING, 3e-3)
-    | {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "glare": 1e-3}
+    | {"bisector_rad": 1e-4, "opening_angle_rad": 1e-4, "glare": 1e-3, "blur_growth": 1e-2}
     | dict.fromkeys(WARP_NUMBERS, 0.02)
 )
 _LEAST = 1e-6  # of a variance: what counts as none
@@ -281,9 +282,9 @@ def _real(harmonics: ComplexArray) -> Array:
 class SectorImage:
     """Image of the second harmonic about each pixel's own phase, at contrast 1, and its derivatives.
 
-    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (34, n), complex: to 12 numbers of the opening, to
+    Shapes: ``light`` (n,), share of each pixel in the light; ``columns`` (35, n), complex: to 13 numbers of the opening, to
     what else is unknown (row delay, phase, contrast, that of the mask plate beside the opening, a slope and a bow of it, the
-    blur's own shape), and to the nine of a warp; ``known`` (34,), the information on them without an image.
+    blur's own shape), and to the nine of a warp; ``known`` (35,), the information on them without an image.
     """
 
     sector: SectorShape
@@ -310,6 +311,7 @@ def sector_image(sector: SectorShape) -> SectorImage:
     columns += [exchanged(image, U_EXCHANGED, axis=axis, away=away) - image for axis, away in EXCHANGES]
     known = np.zeros(len(columns) + len(WARP_NUMBERS))
     known[_OPENING.index("glare")] = U_GLARE**-2
+    known[_OPENING.index("blur_growth")] = U_BLUR_GROWTH**-2
     known[len(columns) - len(EXCHANGES) : len(columns)] = 1.0
     columns += map(slope, WARP_NUMBERS)
     return SectorImage(

@@ -37,16 +37,17 @@ class SectorShape:
     arcs have their centre ``offset_row_px``, ``offset_column_px`` beside it, and radii about that centre. ``bisector_rad`` is
     the direction of the mask's bisector, ``opening_angle_rad`` gamma. Light is smeared by a Gaussian of the standard
     deviations ``blur_px`` (1 - ``blur_ellipticity``) over rows and ``blur_px`` (1 + ``blur_ellipticity``) over columns of the
-    image, with the correlation ``blur_correlation`` of both, but for the share ``glare`` of it, which a further round
-    Gaussian, of the standard deviation ``glare_px``, spreads on top of that. ``distortion`` is that of the lens
-    (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels, ``lens_row_px`` and ``lens_column_px`` say how
-    far beside the middle of the image its centre lies, ``lens_terms`` what else is known of it. ``keystone_row`` and
-    ``keystone_column`` are the shares by which a length of the wheel's plane appears shorter half a diagonal of the image
-    further down, and further right; they come from a tilted camera (`physics.projection`), whose focal length is exp
-    ``log_focal_length`` half diagonals. The ``warp_..._px`` are what moves places in the plane beside that (`physics.warp`):
-    errors of lens and tilt together. Offsets, radii and angles are those of the wheel's plane, a px of it being as large as
-    one of the image at the axle. ``mirrored`` is true for a counterclockwise wheel: then columns are counted leftwards from
-    the axle, and polar angles, bisector and column offset with them.
+    image, with the correlation ``blur_correlation`` of both, in the middle of the image; half a diagonal from there its
+    variance is larger by the share ``blur_growth``, elsewhere as the square of the distance; but for the share ``glare`` of
+    it, which a further round Gaussian, of the standard deviation ``glare_px``, spreads on top of that. ``distortion`` is that
+    of the lens (`physics.lens`), in an image of ``image_rows`` by ``image_columns`` pixels, ``lens_row_px`` and
+    ``lens_column_px`` say how far beside the middle of the image its centre lies, ``lens_terms`` what else is known of it.
+    ``keystone_row`` and ``keystone_column`` are the shares by which a length of the wheel's plane appears shorter half a
+    diagonal of the image further down, and further right; they come from a tilted camera (`physics.projection`), whose focal
+    length is exp ``log_focal_length`` half diagonals. The ``warp_..._px`` are what moves places in the plane beside that
+    (`physics.warp`): errors of lens and tilt together. Offsets, radii and angles are those of the wheel's plane, a px of it
+    being as large as one of the image at the axle. ``mirrored`` is true for a counterclockwise wheel: then columns are counted
+    leftwards from the axle, and polar angles, bisector and column offset with them.
     """
 
     axle_row_px: float
@@ -61,6 +62,7 @@ class SectorShape:
     distortion: float = 0.0
     blur_ellipticity: float = 0.0
     blur_correlation: float = 0.0
+    blur_growth: float = 0.0
     glare: float = 0.0
     glare_px: float = 6.0
     keystone_row: float = 0.0
@@ -84,7 +86,7 @@ class SectorShape:
 
     @property
     def blur(self) -> Blur:
-        """What smears all light, glare apart."""
+        """What smears light in the middle of the image, glare apart."""
         return Blur(
             rows_px=self.blur_px * (1 - self.blur_ellipticity),
             columns_px=self.blur_px * (1 + self.blur_ellipticity),

@@ -55,6 +55,7 @@ class Defects:
     blur_rows_px: float | None = None
     blur_columns_px: float | None = None
     blur_turn_rad: float = 0.0
+    blur_growth: float = 0.0
     glare_share: float = 0.0
     glare_px: float = 6.0
     glare_shape: GlareShape = "exponential"
@@ -109,7 +110,7 @@ def with_defects(scene: Scene, defects: Defects) -> Scene:
     own = ("late_application_gate_s", "late_control_gate_s", "lateral_offset_m")
     optics = (
         "tilt_about_row_rad", "tilt_about_column_rad", "focal_length_px", "lens_centre_row_px", "lens_centre_column_px",
-        "blur_rows_px", "blur_columns_px", "blur_turn_rad", "glare_share", "glare_px", "glare_shape",
+        "blur_rows_px", "blur_columns_px", "blur_turn_rad", "blur_growth", "glare_share", "glare_px", "glare_shape",
     )  # fmt: skip
     return replace(
         scene,

@@ -16,10 +16,13 @@ _SMALL = 0.13  # of the ratio of an angle's sides
 class View(NamedTuple):
     """What the kernel needs to follow a ray; lengths in m in the rig plane, places in px of the image.
 
-    ``middle_*`` is the lens's axis, ``mask_right`` and ``mask_up`` the direction of the mask's opening. In a tilted view, one
-    step to the right in the plane is ``*_of_right`` to the right, down and away from the camera, and so one step down.
+    ``frame_*`` is the middle of the image, ``middle_*`` the lens's axis, ``mask_right`` and ``mask_up`` the direction of the
+    mask's opening. In a tilted view, one step to the right in the plane is ``*_of_right`` to the right, down and away from the
+    camera, and so one step down.
     """
 
+    frame_row: float
+    frame_column: float
     middle_row: float
     middle_column: float
     half_diagonal: float
@@ -134,6 +137,13 @@ def turned(x: float, y: float, direction: tuple[float, float]) -> float:
     square = ratio * ratio
     series = 1 / 9 - square * (1 / 11 - square / 13)
     return ratio * (1 - square * (1 / 3 - square * (1 / 5 - square * (1 / 7 - square * series))))
+
+
+@njit(cache=True, nogil=True)
+def grade(row: int, column: int, view: View, grades: int) -> int:
+    """Which step from the middle of the image to its corners a pixel lies in; steps are equal in the square of the distance."""
+    square = ((row - view.frame_row) ** 2 + (column - view.frame_column) ** 2) / view.half_diagonal**2
+    return min(int(square * grades), grades - 1)
 
 
 @njit(cache=True, nogil=True)

@@ -18,7 +18,7 @@ _CLOCK = 50e-6
 _ASIDE_M = (0.05e-3, 0.2e-3)
 _TILT_RAD, _FOCAL_WIDTHS = math.radians(1.5), (1.5, 4.5)
 _LENS_CENTRE_WIDTHS, _DISTORTION = 0.03, -0.05
-_BLUR_PX, _BLUR_RATIO = (0.5, 1.0), 2.0
+_BLUR_PX, _BLUR_RATIO, _BLUR_GROWTH = (0.5, 1.0), 2.0, (0.0, 1.0)
 _GLARE, _GLARE_PX = (0.01, 0.03), (3.0, 8.0)
 _BLADE, _SWAY = (0.003, 0.015), (0.01, 0.05)
 _FILTER, _MEMORY = (0.0, 0.3), (0.0, 0.01)
@@ -82,6 +82,7 @@ def draw_defects(scene: Scene, *, seed: int, always: bool = False) -> Defects:
         blur_rows_px=rows_px,
         blur_columns_px=columns_px,
         blur_turn_rad=float(generator(seed, "laboratory", index=1).uniform(-math.pi / 2, math.pi / 2)),
+        blur_growth=generator(seed, "laboratory", index=2).uniform(*_BLUR_GROWTH),
         glare_share=random.uniform(*_GLARE),
         glare_px=random.uniform(*_GLARE_PX),
         glare_shape="gaussian" if random.random() < 0.5 else "exponential",

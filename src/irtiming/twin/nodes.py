@@ -14,10 +14,10 @@ from numba import njit
 
 from irtiming.records.arrays import Array
 from irtiming.twin.glare import stray_places
-from irtiming.twin.kernels import View, kind_of_pixel, to_rig, trace_pixel, variant
+from irtiming.twin.kernels import View, grade, kind_of_pixel, to_rig, trace_pixel, variant
 from irtiming.twin.rays import Counts, Indices, in_parallel, view_of
 from irtiming.twin.scene import Scene
-from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, pixel_spread, reach_px
+from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, graded_spread, reach_px
 
 _RAYS_OF_EVEN_PIXEL = 144
 _STRAY_RAYS, _STRAY_WIDER = (
@@ -58,11 +58,11 @@ def trace_nodes(scene: Scene, width_rad: float) -> Nodes:
     """
     rows, columns = scene.detector.rows, scene.detector.columns
     view = view_of(scene.wheel, scene.mask, optics=scene.optics, shape=(rows, columns))
-    optics, blur_px, turn_rad = scene.optics, scene.optics.blur_rows_columns_px, scene.optics.blur_turn_rad
-    n_even = scene.optics.rays_along_pixel**2 or _RAYS_OF_EVEN_PIXEL
-    even = pixel_spread(n_even, blur_px, turn_rad=turn_rad, variants=1)
-    edge = pixel_spread(edge_rays(rows, columns), blur_px, turn_rad=turn_rad, variants=VARIANTS)
-    reach = (reach_px(blur_px), width_rad, optics.glare_share)
+    optics = scene.optics
+    n_even = optics.rays_along_pixel**2 or _RAYS_OF_EVEN_PIXEL
+    even = graded_spread(n_even, optics, variants=1)
+    edge = graded_spread(edge_rays(rows, columns), optics, variants=VARIANTS)
+    reach = (reach_px(optics), width_rad, optics.glare_share)
     stray = stray_places(optics, _STRAY_RAYS if optics.glare_share else 1, variants=VARIANTS)
 
     def one_row(row: int) -> Any:
@@ -85,7 +85,7 @@ def _row_nodes(
 ) -> Any:
     """Live pixels of one row: index, reference, number of nodes; and of all their nodes offset, share, behind."""
     reach, width, astray = how
-    most = spreads[1].shape[1] + spreads[0].shape[1] + spreads[2].shape[1]
+    most = spreads[1].shape[2] + spreads[0].shape[2] + spreads[2].shape[1]
     pixel, reference = np.empty(columns, np.int32), np.empty(columns, np.float64)
     n_node = np.zeros(columns, np.int64)
     room = columns * min(8 * _MOST_BINS, 2 * most)
@@ -98,9 +98,8 @@ def _row_nodes(
             continue
         x, y = to_rig(float(row), float(column), view)
         centre = math.atan2(y, view.mirror * x)
-        spread = spreads[0][0]
-        if kind == 3:  # the edge of the opening
-            spread = spreads[1][variant(row, column, spreads[1].shape[0])]
+        copies = spreads[1] if kind == 3 else spreads[0]  # the edge of the opening has more
+        spread = copies[grade(row, column, view, copies.shape[0]), variant(row, column, copies.shape[1])]
         before = used
         for tail in range(2 if astray > 0 else 1):
             gathered, light = width, (1.0 - astray) / spread.shape[0]

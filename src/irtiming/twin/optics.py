@@ -7,6 +7,7 @@ from irtiming.errors import PlanError
 
 GlareShape = Literal["gaussian", "exponential"]
 _MOST_GLARE = 0.5
+_LEAST_GROWTH, _MOST_GROWTH = -0.9, 20.0
 
 
 @final
@@ -19,7 +20,8 @@ class Optics:
     lies ``lens_centre_*_px`` from the middle of the image, downwards and to the right.
     ``blur_px`` is the standard deviation of the Gaussian that smears light along a row and along a column;
     ``blur_rows_px`` is that from row to row and ``blur_columns_px`` that from column to column, where they differ;
-    ``blur_turn_rad`` turns both axes of it, from right to down.
+    ``blur_turn_rad`` turns both axes of it, from right to down. In the corners of the image its variance is larger by the share
+    ``blur_growth`` than in the middle, elsewhere as the square of the distance.
     ``roll_rad`` turns the camera so that phi_image = phi_rig + roll.
 
     A tilted camera sees the plane of the wheel turned about the axle: by ``tilt_about_row_rad`` about a line that runs
@@ -46,12 +48,18 @@ class Optics:
     blur_rows_px: float | None = None
     blur_columns_px: float | None = None
     blur_turn_rad: float = 0.0
+    blur_growth: float = 0.0
     glare_share: float = 0.0
     glare_px: float = 6.0
     glare_shape: GlareShape = "exponential"
 
     def __post_init__(self) -> None:
         """Refuse what no lens does."""
+        if not _LEAST_GROWTH <= self.blur_growth <= _MOST_GROWTH:
+            raise PlanError(
+                f"a blur whose variance grows by {self.blur_growth:g} to the corners; it must grow by {_LEAST_GROWTH:g} to "
+                f"{_MOST_GROWTH:g}"
+            )
         if not 0 <= self.glare_share <= _MOST_GLARE or not 0 < self.glare_px <= 100 or self.focal_length_px <= 0:
             raise PlanError(
                 f"glare of {self.glare_share} over {self.glare_px} px with a focal length of {self.focal_length_px} px; "

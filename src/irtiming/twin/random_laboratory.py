@@ -27,7 +27,7 @@ _FIELDS: dict[str, tuple[str, ...]] = {
     "aside": ("lateral_offset_m",),
     "tilt": ("tilt_about_row_rad", "tilt_about_column_rad", "focal_length_px"),
     "lens": ("lens_centre_row_px", "lens_centre_column_px", "distortion"),
-    "blur": ("blur_rows_px", "blur_columns_px", "blur_turn_rad"),
+    "blur": ("blur_rows_px", "blur_columns_px", "blur_turn_rad", "blur_growth"),
     "glare": ("glare_share", "glare_px", "glare_shape"),
     "blades": ("blade_share",),
     "sway": ("sway_share",),

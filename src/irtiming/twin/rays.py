@@ -13,10 +13,10 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Array
-from irtiming.twin.kernels import View, kind_of_pixel, to_rig, trace_pixel, undistorted, variant
+from irtiming.twin.kernels import View, grade, kind_of_pixel, to_rig, trace_pixel, undistorted, variant
 from irtiming.twin.optics import Optics
 from irtiming.twin.scene import ChopperWheel, MaskPlate, Scene
-from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, pixel_spread, reach_px
+from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, graded_spread, reach_px
 
 Indices: TypeAlias = npt.NDArray[np.int32]
 Counts: TypeAlias = npt.NDArray[np.int64]
@@ -59,12 +59,12 @@ def trace(scene: Scene) -> RayTable:
 
 @lru_cache(maxsize=2)
 def _trace(wheel: ChopperWheel, mask: MaskPlate, optics: Optics, rows: int, columns: int) -> RayTable:
-    blur_px, view = optics.blur_rows_columns_px, view_of(wheel, mask, optics=optics, shape=(rows, columns))
+    view = view_of(wheel, mask, optics=optics, shape=(rows, columns))
     even, edge = (
-        pixel_spread(n, blur_px, turn_rad=optics.blur_turn_rad, variants=VARIANTS)
+        graded_spread(n, optics, variants=VARIANTS)
         for n in (even_rays(optics, rows * columns), edge_rays(rows, columns) // 2)
     )
-    reach = reach_px(blur_px)
+    reach = reach_px(optics)
 
     def one_row(row: int) -> Any:
         return _trace_row(row, columns, view, (even, edge), reach)
@@ -100,6 +100,8 @@ def view_of(wheel: ChopperWheel, mask: MaskPlate, *, optics: Optics, shape: tupl
     )
     below, beside = optics.tilt_about_row_rad, optics.tilt_about_column_rad
     return View(
+        frame_row=(shape[0] - 1) / 2,
+        frame_column=(shape[1] - 1) / 2,
         middle_row=middle_row,
         middle_column=middle_column,
         half_diagonal=half_diagonal,
@@ -135,14 +137,14 @@ def _trace_row(row: int, columns: int, view: View, spreads: tuple[Offsets, Offse
     """Live pixels of one row: flat index, reference angle, numbers of rays, of those to opening and plate; offsets of these."""
     pixel, reference = np.empty(columns, np.int32), np.empty(columns, np.float64)
     counts = np.zeros((3, columns), np.int32)
-    behind = np.empty((2, max(spreads[0].shape[1], spreads[1].shape[1])), np.float32)
-    offsets, used, live = np.empty(columns * spreads[0].shape[1], np.float32), 0, 0
+    behind = np.empty((2, max(spreads[0].shape[2], spreads[1].shape[2])), np.float32)
+    offsets, used, live = np.empty(columns * spreads[0].shape[2], np.float32), 0, 0
     for column in range(columns):
         kind = kind_of_pixel(row, column, view, reach)
         if kind == 2:  # nothing but solid wheel
             continue
         copies = spreads[1] if kind == 3 else spreads[0]
-        spread = copies[variant(row, column, copies.shape[0])]
+        spread = copies[grade(row, column, view, copies.shape[0]), variant(row, column, copies.shape[1])]
         x, y = to_rig(float(row), float(column), view)
         centre = math.atan2(y, view.mirror * x)
         found = trace_pixel(behind, (row, column, centre), view, spread)

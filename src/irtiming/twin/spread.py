@@ -12,12 +12,14 @@ import numpy.typing as npt
 from numba import njit
 
 from irtiming.records.arrays import Array
+from irtiming.twin.optics import Optics
 
 Offsets: TypeAlias = npt.NDArray[np.float32]
 
 VARIANTS = 16
 """Shifted copies of the places, among pixels as if by chance, lest an edge runs along places of many pixels."""
 
+_GRADES = 32
 _REACH = 4.0  # standard deviations of the blur
 _HALF_DIAGONAL_PX = 0.71
 _EDGE_RAY_BUDGET = 3e6
@@ -28,14 +30,30 @@ _PLASTIC = (
 )
 
 
-def reach_px(blur_rows_columns_px: tuple[float, float]) -> float:
+def reach_px(optics: Optics) -> float:
     """How far from its centre a pixel's light may come: what lies within is looked at for the edge of the opening."""
-    return _HALF_DIAGONAL_PX + _REACH * max(blur_rows_columns_px)
+    return _HALF_DIAGONAL_PX + _REACH * max(optics.blur_rows_columns_px) * math.sqrt(max(1.0, 1 + optics.blur_growth))
 
 
 def edge_rays(rows: int, columns: int) -> int:
     """Rays of a pixel on the edge of the opening, in an image of that size: there are as many such pixels as it is long."""
     return round(min(_EDGE_RAY_BUDGET / math.sqrt(rows * columns), _MOST_EDGE_RAYS))
+
+
+def graded_spread(n: int, optics: Optics, *, variants: int) -> Offsets:
+    """`pixel_spread` of pixels in the middle of the image and of others in steps to its corners, one step where all are alike.
+
+    Returns
+    -------
+    Shape (steps, variants, n, 2): steps of equal size in the square of the distance, from 0 to half a diagonal.
+    """
+    steps = _GRADES if optics.blur_growth != 0 else 1
+    wider = np.sqrt(1 + optics.blur_growth * (np.arange(steps) + 0.5) / steps)
+    rows_px, columns_px = optics.blur_rows_columns_px
+    return np.stack([
+        pixel_spread(n, (rows_px * one, columns_px * one), turn_rad=optics.blur_turn_rad, variants=variants)
+        for one in wider.tolist()
+    ])  # fmt: skip
 
 
 def pixel_spread(n: int, blur_rows_columns_px: tuple[float, float], *, turn_rad: float = 0.0, variants: int) -> Offsets:

@@ -39,6 +39,7 @@ class BruteBolometer:
     blur_px: float = 0.8
     blur_ellipticity: float = 0.0
     blur_correlation: float = 0.0
+    blur_growth: float = 0.0
     edges: tuple[float, float, float, float] = EDGES
     gate_rad: float = float(np.pi / 2 + 0.2682)
     centre_rad: float = float(np.radians(-90))
@@ -94,6 +95,7 @@ class BruteBolometer:
             blur_px=self.blur_px,
             blur_ellipticity=self.blur_ellipticity,
             blur_correlation=self.blur_correlation,
+            blur_growth=self.blur_growth,
             distortion=self.distortion,
             keystone_row=-math.sin(self.tilt) * self.tilt_rad[1] / max(self.tilt, 1e-9) * unit / self.focal_px,
             keystone_column=math.sin(self.tilt) * self.tilt_rad[0] / max(self.tilt, 1e-9) * unit / self.focal_px,
@@ -154,7 +156,10 @@ class BruteBolometer:
         n_bin, reach = below.max() + 2, 4
         near = np.arange(-reach, reach + 1)
         at_row, at_column = np.rint(row)[:, None] + near, np.rint(column)[:, None] + near
-        rows_px, columns_px = np.sqrt(np.square(self.blurs_px) - self._along_diagonal_px2)
+        middle = (self.rows - 1) / 2, (self.columns - 1) / 2
+        away = np.hypot(row - middle[0], column - middle[1]) / (np.hypot(self.rows, self.columns) / 2)
+        wider = np.sqrt(1 + self.blur_growth * away**2)[:, None]
+        rows_px, columns_px = (wider * one for one in np.sqrt(np.square(self.blurs_px) - self._along_diagonal_px2))
         by_row, by_column = (
             norm.cdf((at + 0.5 - x[:, None]) / blur) - norm.cdf((at - 0.5 - x[:, None]) / blur)
             for at, x, blur in ((at_row, row, rows_px), (at_column, column, columns_px))
@@ -174,7 +179,7 @@ class BruteBolometer:
 
     @property
     def blurs_px(self):
-        """Standard deviations over rows and over columns."""
+        """Standard deviations over rows and over columns in the middle of the image."""
         return self.blur_px * (1 - self.blur_ellipticity), self.blur_px * (1 + self.blur_ellipticity)
 
     @property

@@ -112,6 +112,16 @@ def test_a_blur_along_a_diagonal_comes_back(brute_bolometer, lag, brute_rows, ri
         assert np.all(np.abs(_pulls(found, soft)) < 4)
 
 
+def test_a_blur_that_grows_to_the_corners_comes_back(brute_bolometer, lag, brute_rows, rig_with):
+    """Oracle: the light that was summed, each point spread by its own width; twice the variance half a diagonal off."""
+    soft = brute_bolometer(offset=(0.35, -0.25), blur_px=0.6, blur_growth=2.0, sub=6)
+    rows = brute_rows(soft, noise_dn=6.0, seed=3)
+    found = _twice(rows, soft, lag, rig=rig_with())
+    assert abs(found.shape.blur_growth - 2.0) < 4 * found.u("blur_growth") < 2.0
+    assert abs(found.shape.blur_px - 0.6) < 4 * found.u("blur_px") < 0.1
+    assert np.all(np.abs(_pulls(found, soft)) < 4)
+
+
 def test_even_pixels_leave_nothing_over(plain, camera):
     """Oracle: the light that was summed; no scatter of gains, no plate, and an excess that is noise."""
     light = camera.light[1].sum(axis=0)

@@ -210,6 +210,26 @@ def test_a_blur_askew_is_that_of_the_counted_sub_pixels(mirrored):
         assert np.abs(found - expected)[near].mean() < 2e-3
 
 
+@pytest.mark.parametrize("growth", [-0.5, 3.0])
+def test_a_blur_that_grows_to_the_corners_is_that_of_the_counted_sub_pixels(growth):
+    """Oracle: 16 x 16 sub-pixels a pixel, each spread by a width of its own: 1 + growth times the square of half diagonals."""
+    shape = replace(SHAPE, blur_px=0.6, blur_growth=growth)
+    rows, columns, polar, area = _counted(shape)
+    lit = area > 0
+    row, column = rows[np.nonzero(lit)[0]], columns[np.nonzero(lit)[1]]
+    half_diagonals2 = ((row - 22) ** 2 + (column - 31.5) ** 2) / ((45**2 + 64**2) / 4)
+    width = 0.6 * np.sqrt(1 + growth * half_diagonals2)[:, None]
+    by_row, by_column = _into(np.arange(*ROI[:2]), row, width), _into(np.arange(*ROI[2:]), column, width)
+    value = np.exp(-2j * polar[lit]) * area[lit]
+    expected = by_row.T @ (value[:, None] * by_column)
+    near = ~well_inside(shape, roi=ROI)
+    for points in (light_points(shape), border_points(shape)):
+        found = image(points, np.exp(-2j * points.angle_rad), blur=shape.blur, roi=ROI)
+        np.testing.assert_allclose(found[near], expected[near], atol=0.012)
+    found = row_harmonics(light_points(shape), np.arange(*ROI[:2]), blur_px=0.6, n_harmonics=2)
+    np.testing.assert_allclose(found[:, 2], by_row.T @ value, atol=0.05)
+
+
 def test_a_round_blur_is_the_same_in_every_direction():
     """Oracle: the one width that it has."""
     assert np.all(even_angle_rad(SHAPE, roi=ROI) == 0)

@@ -20,7 +20,7 @@ def test_pixels_share_a_gaussian_by_its_distribution(first, last):
 def test_light_is_spread_over_rows_and_columns_and_none_is_lost():
     """Oracle: products of the normal distribution; points in the middle of an image and at its border."""
     places, values = (np.array([10.2, 0.4]), np.array([12.7, 24.1])), np.array([[2 - 1j, 0.5j]])
-    found = gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1), size=(21, 26))[0]
+    found = gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1), widening=np.ones(2), size=(21, 26))[0]
     rows, columns = np.arange(22) - 0.5, np.arange(27) - 0.5
     parts = [
         value * np.outer(np.diff(norm.cdf(rows, row, 0.7)), np.diff(norm.cdf(columns, column, 1.1)))
@@ -34,7 +34,7 @@ def test_a_blur_askew_is_a_normal_distribution_of_two_places(blur):
     """Oracle: SciPy's bivariate normal distribution over each pixel, to 2 % of its peak; light, place and spread exactly."""
     row, column, size = 10.2, 12.7, (21, 26)
     places, one = (np.array([row]), np.array([column])), np.array([[1 + 0j]])
-    found = gaussian_spread.deposit(places, one, blur=blur, size=size)[0].real
+    found = gaussian_spread.deposit(places, one, blur=blur, widening=np.ones(1), size=size)[0].real
     covariance = np.array([[blur.rows_px**2, blur.covariance_px2], [blur.covariance_px2, blur.columns_px**2]])
     ends = np.stack(np.meshgrid(np.arange(22) - 0.5, np.arange(27) - 0.5, indexing="ij"), axis=-1)
     below = multivariate_normal([row, column], covariance).cdf(ends)
@@ -52,6 +52,23 @@ def test_a_blur_hardly_askew_is_hardly_another():
     """Oracle: the one that is not askew, which goes its own way."""
     places, values = (np.array([10.2]), np.array([12.7])), np.array([[2 - 1j]])
     straight, askew = (
-        gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1, r), size=(21, 26)) for r in (0.0, 1e-7)
+        gaussian_spread.deposit(places, values, blur=Blur(0.7, 1.1, r), widening=np.ones(1), size=(21, 26))
+        for r in (0.0, 1e-7)
     )
     np.testing.assert_allclose(askew, straight, atol=1e-6)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.4])
+def test_each_point_has_a_blur_as_wide_as_it_says(correlation):
+    """Oracle: points one by one, each with its own blur of one width."""
+    places, values = (np.array([10.2, 4.4]), np.array([12.7, 17.1])), np.array([[2 - 1j, 0.5j]])
+    wider = np.array([1.0, 1.6])
+    found = gaussian_spread.deposit(places, values, blur=Blur(0.7, 0.9, correlation), widening=wider, size=(21, 26))
+    alone = [
+        gaussian_spread.deposit(
+            (places[0][k : k + 1], places[1][k : k + 1]), values[:, k : k + 1],
+            blur=Blur(0.7 * wider[k], 0.9 * wider[k], correlation), widening=np.ones(1), size=(21, 26),
+        )
+        for k in (0, 1)
+    ]  # fmt: skip
+    np.testing.assert_allclose(found, sum(alone), atol=1e-12)

@@ -80,7 +80,7 @@ def test_information_on_all_numbers_is_that_of_all_frames(run, camera):
     at = np.array([0.0, 0, 0, 0, response_s, 0.0, 0.0, camera.row_delay_s or 0.0])
     steps = np.array([1e-7] * 4 + [1e-7, 1e-5, 1e-5, 1e-9])
     k = 8 if rolls else 7
-    normal, pull = np.zeros((k, k)), np.zeros((k, 21))
+    normal, pull = np.zeros((k, k)), np.zeros((k, 22))
     sums = run.rows.harmonics[:, 0].real + 10.0
     for y, summed in enumerate(sums):
         columns = [
@@ -139,7 +139,8 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     light = seen(sector)
     np.testing.assert_allclose(image.light, np.clip(np.abs(light), 0, 1).ravel(), atol=2e-3)
     names = ("axle_row_px", "axle_column_px", "offset_row_px", "offset_column_px", "inner_radius_px", "outer_radius_px",
-             "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "glare")  # fmt: skip
+             "bisector_rad", "opening_angle_rad", "blur_px", "blur_ellipticity", "blur_correlation", "blur_growth",
+             "glare")  # fmt: skip
     for name, column in zip(names, image.columns, strict=False):
         step = 1e-3 if name.endswith("rad") else 1e-2
         ahead, behind = (seen(replace(sector, **{name: getattr(sector, name) + sign * step})) for sign in (1, -1))
@@ -148,7 +149,7 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
     rows = np.linspace(-1, 1, roi[1] - roi[0])[:, None]
     turned = light * phase.conj()
     for column, expected in zip(
-        image.columns[12:16], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
+        image.columns[13:17], (1j * rows * turned, 1j * turned, turned, 1 - turned), strict=True
     ):
         np.testing.assert_allclose(column, expected.ravel(), atol=3e-3)
 
@@ -161,14 +162,14 @@ def test_the_images_errors_are_those_of_least_squares(run, image):
     noise = CAMERA.noise_to_contrast * np.sqrt(2 / 1000) / abs(point)
     border = 4 * image.light * (1 - image.light)
     scatter = np.hypot(CAMERA.gain_scatter * image.light, CAMERA.border_scatter * border)
-    along, columns = np.hypot(noise, scatter), image.columns[:25]
-    design = np.concatenate([columns.real / along, columns.imag / noise, np.diag(np.sqrt(image.known[:25]))], axis=1).T
+    along, columns = np.hypot(noise, scatter), image.columns[:26]
+    design = np.concatenate([columns.real / along, columns.imag / noise, np.diag(np.sqrt(image.known[:26]))], axis=1).T
     scale = np.linalg.norm(design, axis=0)
     random = np.random.default_rng(3)
     drawn = random.normal(size=(300, len(design)))
-    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:12] / scale[:12, None]
+    fitted = np.linalg.lstsq(design / scale, drawn.T, rcond=None)[0][:13] / scale[:13, None]
     expected = np.sqrt(np.mean(fitted**2, axis=1))
-    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:12], expected, rtol=0.15)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.noise + found.stays))[:13], expected, rtol=0.15)
 
 
 def _equal(run):
@@ -181,8 +182,8 @@ def test_equal_pixels_leave_noise_alone(run, image):
     even, image = _equal(run), replace(image, known=0 * image.known)
     found = _errors(even, image)
     longer = _errors(replace(even, n_frames=4000), image)
-    assert np.abs(found.stays[:12, :12]).max() < 1e-9
-    np.testing.assert_allclose(np.diag(found.noise)[:12], 4 * np.diag(longer.noise)[:12], rtol=1e-6)
+    assert np.abs(found.stays[:13, :13]).max() < 1e-9
+    np.testing.assert_allclose(np.diag(found.noise)[:13], 4 * np.diag(longer.noise)[:13], rtol=1e-6)
 
 
 def _predicted(run, image, *, n_runs=1, angles=ANGLES):

@@ -14,13 +14,13 @@ from irtiming.twin.defects import Defects, defects_of, with_defects
 from irtiming.twin.frames import SimulatedFrames
 from irtiming.twin.glare import stray_places, tail_table, veil_of
 from irtiming.twin.in_camera import InCamera
-from irtiming.twin.kernels import to_rig
+from irtiming.twin.kernels import grade, to_rig
 from irtiming.twin.noise import Values
 from irtiming.twin.optics import Optics
 from irtiming.twin.processed_frames import ProcessedFrames
 from irtiming.twin.rays import view_of
 from irtiming.twin.scene import CameraTiming, ChopperWheel, MaskPlate, Scene, microbolometer_scene, paper_scene
-from irtiming.twin.spread import pixel_spread
+from irtiming.twin.spread import graded_spread, pixel_spread
 from irtiming.twin.sway import swayed
 from irtiming.twin.upkeep import SelfCorrection, ShutterEvent, Sway
 from irtiming.twin.window import centre_s, instants_s, weights
@@ -140,6 +140,27 @@ def test_a_blur_that_is_turned_smears_along_a_diagonal(turn_deg: float, sign: in
     place = pixel_spread(1024, (0.5, 0.9), turn_rad=math.radians(turn_deg), variants=2).astype(float)
     assert place.var(axis=1) == pytest.approx(np.full((2, 2), 1 / 12 + (0.25 + 0.81) / 2), rel=2e-3)
     assert [np.cov(one.T)[0, 1] for one in place] == pytest.approx([sign * (0.81 - 0.25) / 2] * 2, rel=2e-3)
+
+
+def test_a_blur_that_grows_is_wider_in_each_step_to_the_corners() -> None:
+    """Oracle: variances in the middle of 32 steps by hand; the corner, the middle and a place half way in the right ones."""
+    optics = Optics(blur_rows_px=0.5, blur_columns_px=0.9, blur_growth=2.0)
+    place = graded_spread(1024, optics, variants=2).astype(float)
+    assert place.shape == (32, 2, 1024, 2)
+    for step in (0, 15, 31):
+        larger = 1 + 2.0 * (step + 0.5) / 32
+        expected = [1 / 12 + larger * blur**2 for blur in (0.5, 0.9)]
+        assert place[step].var(axis=1) == pytest.approx(np.tile(expected, (2, 1)), rel=1e-5)
+    view = view_of(ChopperWheel(), MaskPlate(), optics=optics, shape=(101, 201))
+    places = (50, 100), (0, 0), (100, 200), (50, 180)
+    assert [grade(*place, view, 32) for place in places] == [0, 31, 31, 16]
+    assert graded_spread(64, Optics(), variants=2).shape == (1, 2, 64, 2)
+
+
+def test_a_blur_that_shrinks_to_nothing_is_refused() -> None:
+    """Oracle: by hand; a variance of nought in the corners."""
+    with pytest.raises(PlanError, match="it must grow by -0.9 to 20"):
+        Optics(blur_growth=-1.0)
 
 
 @pytest.mark.parametrize("shape", ["gaussian", "exponential"])

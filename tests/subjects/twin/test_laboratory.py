@@ -62,6 +62,7 @@ def test_defects_have_their_usual_sizes() -> None:
         assert 0.01 <= one.glare_share <= 0.03
         assert 0.003 <= abs(one.blade_share) <= 0.015
     assert abs(np.mean([one.blur_turn_rad for one in photon + lagging])) < np.radians(8)
+    assert 0.4 < np.mean([one.blur_growth for one in photon + lagging]) < 0.6
     assert max(abs(one.blur_turn_rad) for one in photon) == pytest.approx(np.radians(90), rel=0.05)
     assert 0.35 < np.mean([one.memory_share > 0 for one in photon]) < 0.65
     assert 0.35 < np.mean([one.filter_share > 0 for one in lagging]) < 0.65

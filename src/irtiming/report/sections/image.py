@@ -35,6 +35,7 @@ _SHAPE = (
     ("distortion of the lens", "distortion", 1.0),
     ("blur over columns against rows", "blur_ellipticity", 1.0),
     ("blur, correlation of rows and columns", "blur_correlation", 1.0),
+    ("blur, growth of its variance over half a diagonal (%)", "blur_growth", 100.0),
     ("glare, share of the light", "glare", 1.0),
     ("glare, standard deviation (px)", "glare_px", 1.0),
     ("keystone, rows (% over half a diagonal)", "keystone_row", 100.0),
