@@ -389,7 +389,7 @@ def sector_of() -> Callable[..., SectorFit]:
             "shape": camera.shape,
             "names": SHAPE_NUMBERS,
             "covariance": np.diag(
-                np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4] + [1e-5] * 3 + [1e-6] * 5 + [1e-3] * 9) ** 2
+                np.array([1e-3] * 6 + [1e-5] * 2 + [1e-3, 1e-4] + [1e-5] * 5 + [1e-6] * 5 + [1e-3] * 9) ** 2
             ),
             "plate": 0.0,
             "swept": nothing + 1.0,
