@@ -81,7 +81,7 @@ def test_a_cooled_camera_is_timed(tmp_path):
         assert f"gige:{_loopback()}" in said
         ready, _ = _typed("doctor", "--device", f"camera=gige:{_loopback()}", cwd=tmp_path)
         assert f"ok       camera gige:{_loopback()}: vendor irtiming" in ready
-        _change(tmp_path / "lab" / "plan.toml", ("samples", 250), ("frames", 20))
+        _change(tmp_path / "lab" / "plan.toml", ("samples", 200), ("frames", 20))
         _, checked = _typed("record", "lab/plan.toml", "--out", "photon", "--dry-run", cwd=tmp_path)
         assert "2 of 2 runs to make" in checked
         assert not (tmp_path / "photon").exists()
@@ -101,8 +101,8 @@ def test_a_cooled_camera_is_timed(tmp_path):
 
 def test_a_microbolometer_camera_is_timed(tmp_path):
     """Oracle: truth.json, which the rig wrote and no other command reads: within 3.5 stated standard uncertainties."""
-    with _served(tmp_path, "--camera", "microbolometer", "--rows", "60", "--columns", "80"):
-        _change(tmp_path / "lab" / "plan.toml", ("samples", 300))
+    with _served(tmp_path, "--camera", "microbolometer", "--rows", "48", "--columns", "64"):
+        _change(tmp_path / "lab" / "plan.toml", ("samples", 200))
         _typed("record", "lab/plan.toml", "--out", "series", cwd=tmp_path)
     (recording,) = _recordings(tmp_path / "series")
     _typed("analyse", recording, "--rig", "lab/rig.toml", "--json", "result.json", cwd=tmp_path)

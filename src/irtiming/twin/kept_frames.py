@@ -10,6 +10,7 @@ from irtiming.records.recording import FrameStack
 
 _MOST_BYTES = 64e6
 _BLOCK_BYTES = 16e6
+_FEW = 0.2  # of all frames: so many are made alone, and once more by the pass
 
 
 @final
@@ -21,12 +22,13 @@ class KeptFrames:
     made
         Makes the frames, the same ones every time.
     one_by_one
-        Whether it makes a single frame without those before it: then some that are asked for before the pass are made alone.
+        Whether it makes a single frame without those before it: then a few that are asked for before the pass are made alone.
     """
 
     def __init__(self, made: FrameStack, *, one_by_one: bool) -> None:
         self._made, self._one_by_one = made, one_by_one
         self._all: Pixels | None = None
+        self._n_alone = 0
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -54,7 +56,8 @@ class KeptFrames:
             If there is no such frame.
         """
         exist = all(0 <= index < self.shape[0] for index in indices)
-        if exist and self._all is None and not self._one_by_one:
+        self._n_alone += len(indices)
+        if exist and self._all is None and not (self._one_by_one and self._n_alone < _FEW * self.shape[0]):
             for _ in self._pass():
                 pass
         return self._made.pick(indices) if self._all is None or not exist else np.asarray(self._all[indices])

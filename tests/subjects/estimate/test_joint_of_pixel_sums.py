@@ -104,6 +104,7 @@ def _minuit(models, shared, found):
     """That deviance for an independent minimiser."""
     minimiser = Minuit(_deviance(models, shared, found), np.zeros(len(shared)))
     minimiser.errordef = Minuit.LEAST_SQUARES
+    minimiser.strategy = 0  # only the minimum is asked for, not its curvature
     minimiser.errors[:] = 0.3
     return minimiser
 

@@ -97,7 +97,7 @@ def test_each_derivative_is_that_of_the_model(name, wheel_hz):
 @pytest.mark.parametrize("structure", [SHARED_SHAPE, OWN_SHAPE, KNOWN_WINDOW])
 def test_uncertainties_are_those_of_the_whole_fisher_matrix(structure):
     """Oracle: the matrix of all parameters of two runs at two speeds by central differences, priors added, inverted at once."""
-    runs = [(_sampling(5.0), 0), (_sampling(20.0, per_frame=401), 1)]
+    runs = [(_sampling(5.0, n=400, per_frame=39), 0), (_sampling(20.0, n=400, per_frame=161), 1)]
     errors = [*ANGLES.common, *[("edge", ANGLES.edge_rad)] * 4]
     n_own, n_shared = len(structure.own), len(structure.shared)
     whole = np.zeros((n_shared + len(errors) + 2 * n_own,) * 2)
@@ -106,7 +106,7 @@ def test_uncertainties_are_those_of_the_whole_fisher_matrix(structure):
         columns = [_column(name, sampling, NOISE) for name in structure.shared]
         columns += [u * np.sum(edges, axis=0) for _, u in ANGLES.common] + [ANGLES.edge_rad * edge for edge in edges]
         own = [_column(name, sampling, NOISE) for name in structure.own]
-        nothing = [np.zeros(1000)] * n_own
+        nothing = [np.zeros(400)] * n_own
         columns += [*own, *nothing] if k == 0 else [*nothing, *own]
         slope = sampling.angular_frequency_rad_per_s * np.sum(edges, axis=0)
         weighted = np.array(columns) / np.hypot(NOISE.share, NOISE.jitter_s * slope)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -347,16 +348,23 @@ class PaperBolometer:
         values = np.empty((theta.size, camera.rows, camera.columns))
         for row in range(camera.rows):
             at = theta + TURN * self.rate_hz * (self.delay_s + row * self.row_delay_s)
-            share = np.interp(at[:, None] + alpha, wheel, seen, period=TURN)
             opening = light[:, row]
             values[:, row] = camera.plate_dn + (camera.wheel_dn - camera.plate_dn) * opening.sum(axis=0)
-            values[:, row] += (camera.blackbody_dn - camera.wheel_dn) * (share @ opening)
+            if opening.any():
+                share = np.interp(at[:, None] + alpha, wheel, seen, period=TURN)
+                values[:, row] += (camera.blackbody_dn - camera.wheel_dn) * (share @ opening)
         return values
 
     def noisy(self, values, *, seed=0):
         """What the camera makes of them."""
-        noise = np.random.default_rng(seed).normal(0, self.noise_dn, values.shape)
-        return np.clip(np.rint(values + noise), 0, 65535).astype(np.uint16)
+        noisy = values + self.noise_dn * _white(seed, values.shape)
+        return np.clip(np.rint(noisy, out=noisy), 0, 65535, out=noisy).astype(np.uint16)
+
+
+@lru_cache(maxsize=2)
+def _white(seed, shape):
+    """Normal noise of standard deviation 1: drawn once for all recordings of a seed, for drawing takes longer than reducing."""
+    return np.random.default_rng(seed).standard_normal(shape, dtype=np.float32)
 
 
 @pytest.fixture(scope="session")

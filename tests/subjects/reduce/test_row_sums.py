@@ -238,16 +238,15 @@ def test_rows_of_a_frame_read_behind_a_shutter_drop_it(reduced, clean_frames, fi
 def test_lost_frames_skip_their_triggers(reduced, clean_frames, clean):
     """Oracle: the same recording without 30 of its frames; sums of the others stay, but for the drift."""
     kept = np.delete(np.arange(1000), np.random.default_rng(2).choice(np.arange(1, 999), 30, replace=False))
-    found = reduced(clean_frames[kept], frame_number=kept, n_triggers=1000)
+    found = reduced(clean_frames[kept], frame_number=kept, n_triggers=1000, before=clean.opening)
     assert found.shutter_events == ()
     assert np.array_equal(found.trigger_ticks, clean.trigger_ticks[kept])
     assert _sentences(found) == (
         "on paper: 30 frames lost between the first and the last: triggers without a frame are skipped",
     )
-    if np.array_equal(found.rows.row_px, clean.rows.row_px):
-        np.testing.assert_allclose(
-            found.rows.mask_row_sum_dn.sum(axis=1), clean.rows.mask_row_sum_dn[kept].sum(axis=1), rtol=2e-4
-        )
+    np.testing.assert_allclose(
+        found.rows.mask_row_sum_dn.sum(axis=1), clean.rows.mask_row_sum_dn[kept].sum(axis=1), rtol=2e-4
+    )
 
 
 def test_frames_outside_the_control_slots_are_dropped(reduced, clean_frames, clean):
@@ -407,7 +406,7 @@ def test_warm_and_cold_blackbodies_are_told_apart(
 ):
     """Oracle: the levels that were rendered; plate and wheel need not be alike."""
     camera = paper_camera(plate_dn=float(plate), wheel_dn=float(wheel), blackbody_dn=float(blackbody))
-    found = reduced(paper_bolometer(camera=camera).scene(trigger_angles(1000)))
+    found = reduced(paper_bolometer(camera=camera).scene(trigger_angles(500)))
     assert found.opening.blackbody_is_colder == colder
     assert found.shutter_events == ()
     step = np.median((found.opening.open_frame_dn - found.opening.covered_frame_dn)[found.opening.mask])
@@ -422,9 +421,9 @@ def test_fast_and_slow_pixels_and_rows_read_upwards(
     """Oracle: the rendered light again, whether levels settle or not; the shutter that was closed is found."""
     camera = paper_camera(plate_dn=4950.0, blackbody_dn=4000.0)
     bolometer = paper_bolometer(camera=camera, time_constant_s=tau, row_delay_s=row_delay, delay_s=18e-3)
-    values = _shut(bolometer.scene(trigger_angles(1000)), 420, 440, jump=4.0)
+    values = _shut(bolometer.scene(trigger_angles(500)), 220, 240, jump=4.0)
     found = reduced(values)
-    assert [(e.first_frame, e.end_frame) for e in found.shutter_events] == [pytest.approx((420, 440), abs=1)]
+    assert [(e.first_frame, e.end_frame) for e in found.shutter_events] == [pytest.approx((220, 240), abs=1)]
     assert np.mean(found.opening.mask != (bolometer.opening() > 0.5)) < 0.012
 
 
@@ -432,7 +431,7 @@ def test_a_counterclockwise_wheel_is_no_matter(reduced, paper_bolometer, paper_c
     """Oracle: the mirrored image, rendered."""
     camera = paper_camera(plate_dn=4950.0, blackbody_dn=4000.0, clockwise=False)
     bolometer = paper_bolometer(camera=camera)
-    found = reduced(bolometer.scene(trigger_angles(1000)))
+    found = reduced(bolometer.scene(trigger_angles(500)))
     assert np.mean(found.opening.mask != (bolometer.opening() > 0.5)) < 0.012
     assert found.shutter_events == ()
 
