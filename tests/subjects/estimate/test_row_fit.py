@@ -143,7 +143,7 @@ def test_lost_frames_leave_no_gap(camera, truth, light, brute_rows):
     assert fit.residual.shape[0] == 300
 
 
-def _repeated(rows, camera, light, noise_of, *, n=100):
+def _repeated(rows, camera, light, noise_of, *, n=60):
     start = row_fit.fit(rows, camera.model, light=light)
     fits = [row_fit.fit(_noisy(rows, noise_of, seed=k), camera.model, light=light, start=start) for k in range(n)]
     moved = np.array([_six(fit) for fit in fits]) - _six(start)
@@ -155,17 +155,17 @@ def _repeated(rows, camera, light, noise_of, *, n=100):
 
 
 def test_white_noise_is_what_it_is_said_to_be(camera, exact, light):
-    """Oracle: 100 repetitions; scatter of the six numbers over the stated uncertainty, hardly any inflation of the variance."""
+    """Oracle: 60 repetitions; scatter of the six numbers over the stated uncertainty, hardly any inflation of the variance."""
     moved, u, variance_inflation = _repeated(exact, camera, light, _white(150.0))
     pulls = moved / u
-    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(100))
-    np.testing.assert_allclose(pulls.std(axis=0), 1, atol=0.15)
+    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(60))
+    np.testing.assert_allclose(pulls.std(axis=0), 1, atol=0.2)
     assert variance_inflation.min() >= 1
     assert variance_inflation.mean() < 1.25
 
 
 def test_noise_common_to_the_rows_widens_what_it_moves(camera, brute_rows, light):
-    """Oracle: 100 repetitions; each frame has a level of its own, as much in each row as its pixels are many.
+    """Oracle: 60 repetitions; each frame has a level of its own, as much in each row as its pixels are many.
 
     As many frames as recordings have: of 400 an edge has but eighty, of which 17 are taken together, and u is a tenth too small.
     """
@@ -177,9 +177,9 @@ def test_noise_common_to_the_rows_widens_what_it_moves(camera, brute_rows, light
 
     moved, u, variance_inflation = _repeated(exact, camera, light, common)
     pulls = moved / u
-    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(100))
-    assert np.sqrt(np.mean(pulls[:, :4] ** 2)) == pytest.approx(1, abs=0.15)  # the four edges are alike
-    np.testing.assert_allclose(pulls[:, 4:].std(axis=0), 1, atol=0.15)
+    assert np.all(np.abs(pulls.mean(axis=0)) < 4 / np.sqrt(60))
+    assert np.sqrt(np.mean(pulls[:, :4] ** 2)) == pytest.approx(1, abs=0.2)  # the four edges are alike
+    np.testing.assert_allclose(pulls[:, 4:].std(axis=0), 1, atol=0.2)
     assert variance_inflation.mean() > 3
 
 

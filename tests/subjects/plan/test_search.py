@@ -91,10 +91,10 @@ def _found(wishes):
     return [(option.used_tolerance, option.schemes[0]) for option in options.best], options.n_options
 
 
-def test_a_thousand_random_wishes_agree_with_brute_force_in_number_members_and_order():
+def test_random_wishes_agree_with_brute_force_in_number_members_and_order():
     """Oracle: all T and all C within the limits, tried one by one; ranks by exact fractions."""
     possible = 0
-    for wishes in _random_wishes(1000, seed=1):
+    for wishes in _random_wishes(400, seed=1):
         expected = _brute_force(wishes)
         found, number = _found(wishes)
         assert number == len(expected), wishes
@@ -103,7 +103,7 @@ def test_a_thousand_random_wishes_agree_with_brute_force_in_number_members_and_o
             for used, s in found
         ] == expected, wishes
         possible += bool(expected)
-    assert 250 < possible < 750
+    assert 100 < possible < 300
 
 
 def test_the_nearest_wish_that_is_named_works():
