@@ -24,15 +24,14 @@ from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 
 SETUP = CameraSetup(
-    rows=48, columns=64, pixel_format="Mono14", bit_depth=14, trigger_source="Line1", trigger_activation="RisingEdge"
+    rows=60, columns=80, pixel_format="Mono14", bit_depth=14, trigger_source="Line1", trigger_activation="RisingEdge"
 )
-FRAMES = 250
 WHO = CameraIdentity(vendor="", model="", serial_number="", firmware="", address="")
 
 
 @pytest.fixture(scope="module")
 def rig():
-    return twin.draw(paper_scene(48, 64), seed=7)
+    return twin.draw(paper_scene(60, 80), seed=7)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +39,7 @@ def finished(rig, tmp_path_factory):
     """Recordings at two wheel speeds."""
     folder, paths = tmp_path_factory.mktemp("finished"), []
     for k, speed in enumerate((3.0, 12.0)):
-        scene = with_wheel_speed(rig.scene, speed, samples=FRAMES)
+        scene = with_wheel_speed(rig.scene, speed, samples=400)
         paths.append(folder / f"{k}.nxs")
         writer.write(twin.simulate(scene, seed=70 + k), paths[-1])
     return paths
@@ -65,14 +64,14 @@ def test_what_it_says_at_the_end_is_what_analyse_says(rig, finished):
         live.settled()
         live.keep(finished[1])
         _same(live.settled(), finished, rig)
-        assert live.latest.frames == 2 * FRAMES
+        assert live.latest.frames == 800
 
 
 def test_of_a_microbolometer_too(tmp_path):
     """Oracle: `measurement.analyse`."""
-    rig = twin.draw(microbolometer_scene(48, 64), seed=3)
+    rig = twin.draw(microbolometer_scene(60, 80), seed=3)
     path = tmp_path / "one.nxs"
-    writer.write(twin.simulate(with_wheel_speed(rig.scene, 3.0, samples=FRAMES), seed=3), path)
+    writer.write(twin.simulate(with_wheel_speed(rig.scene, 3.0, samples=400), seed=3), path)
     _same(told_of(Analyst(rig.measured).keep(path)), [path], rig)
 
 
@@ -119,7 +118,7 @@ def _grow(live: LiveRecording, recording, *, first: int, upto: int) -> LiveRecor
 def test_the_estimate_tightens_while_the_file_grows(rig, finished, tmp_path):
     """Oracle: more frames of the same run beside a finished one at another speed; the truth within four uncertainties."""
     recording = reader.read(finished[1])
-    growing = _grown(recording, tmp_path / "growing.nxs", upto=FRAMES // 2)
+    growing = _grown(recording, tmp_path / "growing.nxs", upto=200)
     try:
         with LiveAnalysis(rig.measured) as live:
             live.keep(finished[0])
@@ -127,18 +126,18 @@ def test_the_estimate_tightens_while_the_file_grows(rig, finished, tmp_path):
             live.begins()
             live.grows(tmp_path / "growing.nxs", FEWEST_FRAMES - 1)
             few = live.settled()
-            assert few.frames == FRAMES  # too few to be looked at
-            live.grows(tmp_path / "growing.nxs", FRAMES // 2)
+            assert few.frames == 400  # too few to be looked at
+            live.grows(tmp_path / "growing.nxs", 200)
             half = live.settled()
-            _grow(growing, recording, first=FRAMES // 2, upto=FRAMES)
-            live.grows(tmp_path / "growing.nxs", FRAMES // 2 + 10)
+            _grow(growing, recording, first=200, upto=400)
+            live.grows(tmp_path / "growing.nxs", 210)
             assert live.settled() is half  # not enough more
-            live.grows(tmp_path / "growing.nxs", FRAMES)
+            live.grows(tmp_path / "growing.nxs", 400)
             whole = live.settled()
     finally:
         growing.finish()
         growing.__exit__(None, None, None)
-    assert (half.frames, whole.frames) == (FRAMES + FRAMES // 2, 2 * FRAMES)
+    assert (half.frames, whole.frames) == (600, 800)
     name, truth = "trigger_delay", rig.scene.timing.trigger_delay_s
     assert few.uncertainties[name] > 3 * half.uncertainties[name] > 3 * whole.uncertainties[name]
     for found in (few, half, whole):

@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 from irtiming.cli.main import app
 from irtiming.errors import IrTimingError
+from irtiming.session.simulation import CameraOrder, SimulationOrder, simulate
 
 
 @pytest.fixture(scope="module")
@@ -18,9 +19,8 @@ def bolo(shared_recordings):
     return folder
 
 
-def _analyse(folder, *options):
-    recording = folder / "bolo-3Hz-0ms.nxs"
-    words = ["analyse", str(recording), "--rig", str(folder / "rig.toml"), *map(str, options)]
+def _analyse(folder, *options, recording="bolo-3Hz-0ms.nxs"):
+    words = ["analyse", str(folder / recording), "--rig", str(folder / "rig.toml"), *map(str, options)]
     return CliRunner(env={"COLUMNS": "130"}).invoke(app, words)
 
 
@@ -58,9 +58,11 @@ def test_terminal_and_page_say_the_same(analysed):
     assert text.count("shutter is closed") == page.count("the shutter is closed") == 2
 
 
-def test_the_published_method_is_the_result_when_asked_for(bolo, tmp_path):
-    """Oracle: the result's method, and the other method beside it."""
-    done = _analyse(bolo, "--method", "published", "--json", tmp_path / "result.json")
+def test_the_published_method_is_the_result_when_asked_for(tmp_path):
+    """Oracle: the result's method, and the other method beside it, of a small simulated recording."""
+    small = CameraOrder(camera="microbolometer", rows=60, columns=80)
+    made = simulate(SimulationOrder(folder=tmp_path, camera=small, frames=300)).recordings[0]
+    done = _analyse(tmp_path, "--method", "published", "--json", tmp_path / "result.json", recording=made)
     assert done.exception is None, done.output
     result = json.loads((tmp_path / "result.json").read_text())
     assert (result["method"], result["other_method"]["method"]) == ("published", "row-sum")
