@@ -21,7 +21,7 @@ _ROOT = Path(__file__).resolve().parent.parent
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Garbage is not looked for among thousands of tests, all of which stay: that took an eighth of the time of all of them."""
+    """Garbage is not looked for among thousands of collected tests, all of which stay."""
     gc.disable()
     try:
         return (yield)
