@@ -13,7 +13,7 @@ from irtiming.records.blur import Blur
 REACH = 5.0
 """Blurs beyond which no light comes."""
 
-_LEAST_SHARE = 1e-7  # of a point's light, in a row of a blur that is askew
+_LEAST_SHARE = math.exp(-(REACH**2) / 2)  # of a point's light, in a row of a blur that is askew
 _TABLE_END, _TABLE_STEPS = 7, 128  # of the Gaussian's integral, in and per standard deviation
 
 
@@ -97,28 +97,33 @@ def _deposit(row: Array, column: Array, light: Array, blur: Blur, widening: Arra
 
 @njit(cache=True, nogil=True)
 def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
-    """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there."""
+    """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there.
+
+    Of a standard Gaussian between two ends the mean is the density at the first less that at the last, over the share; the mean
+    square is 1 and as much more as the ends times those densities say.
+    """
     n_row, n_column = size
     n = light.shape[1]
     out = np.zeros((n, n_row, n_column))
     down, across = np.empty(n_row), np.empty(n_column)
-    slant = blur.correlation * blur.columns_px / blur.rows_px  # columns per row
     own = blur.columns_px**2 * (1 - blur.correlation**2)
     for k in range(row.size):
-        rows_px = blur.rows_px * widening[k]
+        rows_px, slant_px = blur.rows_px * widening[k], blur.correlation * blur.columns_px * widening[k]
         reach = REACH * rows_px + 0.5
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         if first_row > last_row:
             continue
         _along_axis(row[k], first_row, last_row, rows_px, down)
+        high, at_high = _density((first_row - 0.5 - row[k]) / rows_px)
         for i in range(first_row, last_row + 1):
-            share = down[i - first_row]
+            low, at_low, share = high, at_high, down[i - first_row]
+            high, at_high = _density((i + 0.5 - row[k]) / rows_px)
             if share < _LEAST_SHARE:
                 continue
-            mean, variance = _within((i - 0.5 - row[k]) / rows_px, (i + 0.5 - row[k]) / rows_px, share)
-            place = column[k] + slant * rows_px * mean
-            width = math.sqrt(own * widening[k] ** 2 + (slant * rows_px) ** 2 * variance)
-            beside = REACH * width + 0.5
+            mean = (at_low - at_high) / share
+            variance = max(0.0, 1 + (low * at_low - high * at_high) / share - mean**2)
+            place, width = column[k] + slant_px * mean, math.sqrt(own * widening[k] ** 2 + slant_px**2 * variance)
+            beside = width * math.sqrt(REACH**2 + 2 * math.log(share)) + 0.5  # the ends of an ellipse
             first, last = max(0, math.ceil(place - beside)), min(n_column - 1, math.floor(place + beside))
             if first > last:
                 continue
@@ -131,12 +136,6 @@ def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening
 
 
 @njit(cache=True, nogil=True)
-def _within(low: float, high: float, share: float) -> tuple[float, float]:
-    """Mean and variance of what a standard Gaussian, of which that is the share, has between two ends."""
-    at_low, at_high = (
-        math.exp(-(low**2) / 2) / math.sqrt(2 * math.pi),
-        math.exp(-(high**2) / 2) / math.sqrt(2 * math.pi),
-    )
-    mean = (at_low - at_high) / share
-    variance = 1 + (low * at_low - high * at_high) / share - mean**2
-    return mean, min(max(variance, 0.0), 1.0)
+def _density(place: float) -> tuple[float, float]:
+    """A place, in standard deviations, and the Gaussian's density there."""
+    return place, math.exp(-(place**2) / 2) / math.sqrt(2 * math.pi)

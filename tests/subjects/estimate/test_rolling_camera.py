@@ -125,8 +125,9 @@ def test_edges_that_nobody_stated_do_not_turn_the_wheel(camera, brute_rows, rig,
 
 
 def test_rounds_that_never_agree_are_told(rows, rig, monkeypatch):
-    """Oracle: an agreement that cannot be reached."""
+    """Oracle: an agreement that cannot be reached, as no two rounds are nearer than nothing."""
     monkeypatch.setattr(rolling_camera, "_MOST_ROUNDS", 2)
+    monkeypatch.setattr(rolling_camera, "_NEAR", -1.0)
     with pytest.raises(EstimationError, match="did not agree within 2 rounds"):
         timing.estimate([rows], rig())
 
