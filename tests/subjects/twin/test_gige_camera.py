@@ -112,11 +112,11 @@ class Client:
         for address, value in [*wanted, (TRIGGER_MODE, 1), (TRIGGER_SOURCE, int(line))]:
             assert self.write(address, value) == 0
 
-    def packets(self, *, quiet_s=0.25):
-        """Everything that arrives until it is quiet: (status, block, kind, packet, content)."""
-        self.stream.settimeout(quiet_s)
+    def packets(self, *, quiet_s=0.25, wait_s=None):
+        """What arrives until it is quiet, the first within ``wait_s``: (status, block, kind, packet, content)."""
         found = []
         while True:
+            self.stream.settimeout(wait_s if wait_s and not found else quiet_s)
             try:
                 packet = self.stream.recv(20_000)
             except TimeoutError:
@@ -287,7 +287,7 @@ def test_images_come_as_the_standard_says(bench, client):
         assert client.write(START, 1) == 0
         assert client.write(WIDTH, 20) == 0x8004  # locked
         bench.pull(3)
-        packets = client.packets()
+        packets = client.packets(wait_s=10)
         assert client.write(STOP, 1) == 0
         per_packet = 576 - 36
         n = -(-ROWS * COLUMNS * 2 // per_packet)
@@ -312,7 +312,7 @@ def test_a_part_of_the_image_and_eight_bits(bench, client):
         assert client.write(address, value) == 0
     client.write(START, 1)
     bench.pull(1)
-    block = _blocks(client.packets())[1]
+    block = _blocks(client.packets(wait_s=10))[1]
     assert (block.leader.width, block.leader.height, block.leader.offset_x) == (20, 16, 4)
     data = np.frombuffer(block.pixels.tobytes(), np.uint8)
     assert data.size == 320
@@ -342,11 +342,11 @@ def test_packets_are_sent_again_on_demand(bench, client):
     client.take_control()
     client.write(START, 1)
     bench.pull(1)
-    first = client.packets()
+    first = client.packets(wait_s=10)
     client.stream.sendto(struct.pack(">BBHHHHHII", 0x42, 0, 0x40, 12, 9, 0, 1, 2, 3), (bench.address, 3956))
-    assert client.packets() == first[2:4]
+    assert client.packets(wait_s=10) == first[2:4]
     client.stream.sendto(struct.pack(">BBHHHHHII", 0x42, 0, 0x40, 12, 9, 0, 7, 2, 2), (bench.address, 3956))
-    ((status, block, _, packet, content),) = client.packets()
+    ((status, block, _, packet, content),) = client.packets(wait_s=10)
     assert (status, block, packet, content) == (0x800C, 7, 2, b"")
     bench.camera.faults.resend_honoured = False
     client.stream.sendto(struct.pack(">BBHHHHHII", 0x42, 0, 0x40, 12, 9, 0, 1, 2, 3), (bench.address, 3956))
@@ -370,7 +370,7 @@ def test_triggers_and_frames_that_are_missed_lost_or_too_many(bench, client):
     client.take_control()
     client.write(START, 1)
     bench.pull(8)
-    blocks = _blocks(client.packets())
+    blocks = _blocks(client.packets(wait_s=10))
     assert sorted(blocks) == [1, 2, 4, 5, 6, 7, 8]
     since_ms = {k: (block.leader.timestamp - blocks[1].leader.timestamp) / 1e6 for k, block in blocks.items()}
     assert [round(since_ms[k] / 20) for k in (2, 4, 5, 7, 8)] == [2, 4, 5, 6, 7]
@@ -382,10 +382,10 @@ def test_a_frozen_camera_without_clock_repeats_itself(bench, client):
     client.take_control()
     client.write(START, 1)
     bench.pull(2)
-    moving = _blocks(client.packets())
+    moving = _blocks(client.packets(wait_s=10))
     bench.camera.faults.frozen, bench.camera.faults.has_timestamps = True, False
     bench.pull(2)
-    frozen = _blocks(client.packets())
+    frozen = _blocks(client.packets(wait_s=10))
     assert not np.array_equal(moving[1].pixels, moving[2].pixels)
     assert all(np.array_equal(frozen[k].pixels, moving[2].pixels) for k in (3, 4))
     assert [frozen[k].leader.timestamp for k in (3, 4)] == [0, 0]
@@ -441,7 +441,7 @@ def test_a_microbolometer_has_no_exposure_time_and_a_clock_of_its_own():
         assert client.write(0x8124, struct.unpack(">I", struct.pack(">f", 100.0))[0]) == 0x8002
         client.write(START, 1)
         bench.pull(1)
-        assert _blocks(client.packets())[1].leader.timestamp > 7
+        assert _blocks(client.packets(wait_s=10))[1].leader.timestamp > 7
 
 
 def test_its_client_in_pygigevision_and_genicam_streams_from_it(bench):
