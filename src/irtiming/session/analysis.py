@@ -110,10 +110,9 @@ def _require_places(order: AnalysisOrder) -> None:
         raise ArchiveError(
             f"{order.maps}: maps are written as HDF5 with a picture, NAME.png, beside them; give a name that ends in .h5"
         )
-    beside = None if order.maps is None else order.maps.with_suffix(".png")
     require_places(
         [order.result, order.report],
-        files=[order.maps, beside, order.picture],
+        files=[order.maps, order.picture],
         inputs=[*order.recordings, order.rig, order.wheel_calibration],
     )
 

@@ -62,3 +62,13 @@ def test_a_file_that_is_read_is_refused_as_output(words, read, tmp_path, monkeyp
     assert isinstance(done.exception, IrTimingError), done.output
     assert "is another file of this command and would be overwritten" in str(done.exception)
     assert Path(read).read_bytes() == before
+
+
+def test_maps_and_the_picture_beside_them_are_two_places(tmp_path, monkeypatch):
+    """Oracle: by hand; both may be written, so what is refused is the recording, which is empty."""
+    monkeypatch.chdir(tmp_path)
+    Path("a.nxs").touch()
+    Path("rig.toml").write_text((EXAMPLES / "cooled.rig.toml").read_text())
+    done = CliRunner().invoke(app, ["analyse", "a.nxs", "--rig", "rig.toml", "--maps", "maps.h5"])
+    assert isinstance(done.exception, IrTimingError), done.output
+    assert str(done.exception).startswith("a.nxs: ")
