@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from irtiming.archive.suffixes import require_suffix
+from irtiming.archive.suffixes import NEVER_REPLACED, NO_TEXT, Kind, require_suffix
 from irtiming.archive.whole_file import place_of, stays_as_it_is, text_output, unwritable
 from irtiming.errors import ArchiveError
 
@@ -92,7 +92,7 @@ def make_folder(path: str | Path) -> None:
 
 
 def require_place(
-    path: str | Path, *, besides: Iterable[str | Path] = (), is_text: bool = True, is_new: bool = False
+    path: str | Path, *kinds: Kind, besides: Iterable[str | Path] = (), is_text: bool = True, is_new: bool = False
 ) -> None:
     """Refuse a place where no result may be written, before the long work whose result should go there.
 
@@ -100,6 +100,8 @@ def require_place(
     ----------
     path
         Where the result should go.
+    kinds
+        What may be written there, by its suffix; none where the caller asks that itself.
     besides
         Files that are read or written too: none of them may be overwritten.
     is_text
@@ -110,14 +112,16 @@ def require_place(
     Raises
     ------
     ArchiveError
-        If the path is a folder or one of the other files, its folder does not exist or may not be written to, it is no file
-        where it must be one, or there where it must be new.
+        If the path is a folder or one of the other files, has the suffix of another format, its folder does not exist or may
+        not be written to, it is no file where it must be one, or there where it must be new.
     """
     target = Path(path)
     if target.resolve() in {Path(other).resolve() for other in besides}:
         raise ArchiveError(
             f"{target}: is another file of this command and would be overwritten; name a new file to write"
         )
+    if kinds:
+        require_suffix(target, *kinds)
     if is_text and stays_as_it_is(target):
         return
     place = place_of(target)
@@ -128,18 +132,19 @@ def require_place(
 
 
 def require_places(
-    texts: Iterable[str | Path | None],
+    places: Mapping[Kind, Iterable[str | Path | None]],
     *,
     files: Iterable[str | Path | None] = (),
-    new: Iterable[str | Path | None] = (),
     inputs: Iterable[str | Path | None] = (),
 ) -> None:
     """`require_place` for all that a command writes, None for what it does not: each to a file of its own.
 
     Parameters
     ----------
-    texts, files, new
-        Where texts should go, what is no text, and what is none and replaces no file.
+    places
+        Where each kind of file should go.
+    files
+        Where other files should go, which are no text.
     inputs
         All files that are read, or written to in another way: none of them may be overwritten.
 
@@ -149,8 +154,12 @@ def require_places(
         As `require_place`.
     """
     taken = [one for one in inputs if one is not None]
-    for places, is_text, is_new in ((new, False, True), (texts, True, False), (files, False, False)):
-        for place in places:
-            if place is not None:
-                require_place(place, besides=taken, is_text=is_text, is_new=is_new)
-                taken.append(place)
+    for kind, paths in places.items():
+        for path in paths:
+            if path is not None:
+                require_place(path, kind, besides=taken, is_text=kind not in NO_TEXT, is_new=kind in NEVER_REPLACED)
+                taken.append(path)
+    for path in files:
+        if path is not None:
+            require_place(path, besides=taken, is_text=False)
+            taken.append(path)

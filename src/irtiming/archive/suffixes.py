@@ -6,7 +6,7 @@ from typing import Literal
 from irtiming.archive.layout import SUFFIX
 from irtiming.errors import ArchiveError
 
-Kind = Literal["JSON", "HTML", "SVG", "CSV", "Parquet", "VCD", "YAML", "recording"]
+Kind = Literal["JSON", "HTML", "SVG", "CSV", "Parquet", "VCD", "YAML", "certificate", "recording"]
 
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "JSON": (".json",),
@@ -16,9 +16,16 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "Parquet": (".parquet",),
     "VCD": (".vcd",),
     "YAML": (".yaml", ".yml"),
+    "certificate": (".pdf", ".html", ".xml"),
     "recording": (SUFFIX, ".h5", ".hdf5"),
 }
 """What names of each kind of file end in, the usual one first."""
+
+NO_TEXT: frozenset[Kind] = frozenset({"Parquet", "recording"})
+"""What goes neither to the standard output nor to a pipe."""
+
+NEVER_REPLACED: frozenset[Kind] = frozenset({"VCD", "recording"})
+"""What takes the place of no file: it may be the only copy."""
 
 _FORMATS = {
     ".avi", ".bmp", ".csv", ".docx", ".eps", ".gif", ".h5", ".hcc", ".hdf5", ".htm", ".html", ".jpeg", ".jpg", ".json", ".md",
@@ -28,8 +35,8 @@ _FORMATS = {
 """Suffixes that people and programs take for a format; any other, or none, says nothing."""
 
 
-def require_suffix(path: Path | None, *kinds: Kind) -> None:
-    """Refuse a name whose suffix says another format than is written there; None is written nowhere.
+def require_suffix(path: Path, *kinds: Kind) -> None:
+    """Refuse a name whose suffix says another format than is written there.
 
     Parameters
     ----------
@@ -44,7 +51,7 @@ def require_suffix(path: Path | None, *kinds: Kind) -> None:
         If it has the suffix of another format.
     """
     fitting = [suffix for kind in kinds for suffix in SUFFIXES[kind]]
-    if path is None or path.suffix.lower() not in _FORMATS.difference(fitting):
+    if path.suffix.lower() not in _FORMATS.difference(fitting):
         return
     what = " or ".join("a recording" if kind == "recording" else kind for kind in kinds)
     usual = " or ".join(SUFFIXES[kind][0] for kind in kinds)

@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from irtiming.archive.json_file import require_places
-from irtiming.archive.suffixes import require_suffix
 from irtiming.cli.options import in_options
 from irtiming.errors import UnitError
 from irtiming.records.choices import Language
@@ -47,8 +46,7 @@ def certificate(
     if check is not None:
         if result or form or out or crate:
             raise UnitError("--check reads a certificate and writes none; leave results, --with, --out and --crate out")
-        require_suffix(json, "JSON")
-        require_places([json], inputs=[check])
+        require_places({"JSON": [json]}, inputs=[check])
         return show_checked(session.check(check), json=json)
     if not result or form is None:
         raise UnitError(

@@ -41,12 +41,9 @@ def demo(
     """
     given = locals()
     from irtiming.archive import json_file
-    from irtiming.archive.suffixes import require_suffix
     from irtiming.session.demo import USUAL
 
-    require_suffix(json, "JSON")
-    if json is not None:
-        json_file.require_place(json)
+    json_file.require_places({"JSON": [json]})
     said = {name: given[name] for name in ("rows", "columns", "runs", "seed", "keep") if given[name] is not None}
     results = {
         kind: _demonstrated(replace(usual, folder=out_dir, **said))

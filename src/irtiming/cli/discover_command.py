@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.cli.screen import say
 from irtiming.instruments.cameras import find
 from irtiming.instruments.serial_line import ports
@@ -26,8 +26,7 @@ def discover(
 ) -> None:
     """List cameras and serial ports, each with its address for plan.toml. No device is opened, and none is changed."""
     screen = Console()
-    if json is not None:
-        require_place(json, besides=[])
+    require_places({"JSON": [json]})
     cameras, complaints = find(hosts=hosts or [], timeout_s=timeout_s)
     lines = ports()
     _show_cameras(cameras, screen)

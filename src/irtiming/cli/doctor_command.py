@@ -29,11 +29,10 @@ def doctor(
 
     Exit status 0 whatever is found.
     """
-    from irtiming.archive.json_file import require_place, write_json
+    from irtiming.archive.json_file import require_places, write_json
     from irtiming.session.computer import checks
 
-    if json is not None:
-        require_place(json, besides=())
+    require_places({"JSON": [json]})
     devices = [_device(text) for text in device or ()]
     found = []
     for check in checks(folder, devices):

@@ -26,15 +26,13 @@ def export_vcd(
     Times are in ns, and rounded so that each tick comes back exactly when the file is read with import-capture.
     """
     from irtiming.archive import reader
-    from irtiming.archive.json_file import require_place
-    from irtiming.archive.suffixes import require_suffix
+    from irtiming.archive.json_file import require_places
     from irtiming.archive.timestamps_file import read_timestamps
     from irtiming.archive.vcd_export import write_vcd
     from irtiming.errors import ArchiveError
 
     target = recording.with_suffix(".vcd") if out is None else out
-    require_place(target, besides=[recording], is_new=True)
-    require_suffix(target, "VCD")
+    require_places({"VCD": [target]}, inputs=[recording])
     found: Recording | TimedRun
     try:
         found = reader.read(recording)

@@ -8,8 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from irtiming.archive.json_file import require_place, write_json
-from irtiming.archive.suffixes import require_suffix
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.gateware.boards import BOARDS, find_board
 from irtiming.gateware.build import BuildReport
 from irtiming.gateware.build import build as build_for
@@ -32,9 +31,7 @@ def build(
     Needs irtiming with its extra "gateware", nothing else. Exit status 2 if the circuit would be too slow for the board.
     """
     screen = Console()
-    require_suffix(json, "JSON")
-    if json is not None:
-        require_place(json, besides=())
+    require_places({"JSON": [json]})
     chosen = find_board(board)
     folder = Path("build") / chosen.name if into is None else into
     with screen.status(f"building for {chosen.title}"):

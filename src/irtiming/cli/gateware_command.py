@@ -37,12 +37,11 @@ def identify(
     from rich.console import Console
     from rich.table import Table
 
-    from irtiming.archive.json_file import require_place, write_json
+    from irtiming.archive.json_file import require_places, write_json
     from irtiming.gateware.register_map import REGISTERS
     from irtiming.session import timestamps as session
 
-    if json is not None:
-        require_place(json)
+    require_places({"JSON": [json]})
     found = asyncio.run(session.identify(port))
     screen = Console(highlight=False)
     major, minor = found.identity.version

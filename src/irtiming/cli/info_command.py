@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from irtiming.archive.json_file import require_place, write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.cli.screen import say
 from irtiming.units import readable_time
 
@@ -26,8 +26,7 @@ def info(
     from irtiming.archive.frames.opening import files_read
     from irtiming.session.frame_files import look_into, numbers_in_words
 
-    if json is not None:
-        require_place(json, besides=files_read(file))
+    require_places({"JSON": [json]}, inputs=files_read(file))
     found = look_into(file)
     for name in _PLAIN:
         if found[name] not in (None, ""):

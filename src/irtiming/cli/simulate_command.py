@@ -267,7 +267,8 @@ def simulate(
         roll_rad=math.radians(roll_deg),
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
     )
-    require_suffix(json, "JSON")
+    if json is not None:
+        require_suffix(json, "JSON")
     with shown("frames") as progress:
         made = make_recordings(order, progress=progress)
     say(f"{counted(len(made.recordings), 'recording')}, rig.toml and truth.json in {out_dir}")

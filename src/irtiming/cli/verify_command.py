@@ -12,7 +12,6 @@ from rich.table import Table
 
 from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.cli.progress import shown
 from irtiming.cli.screen import say
 from irtiming.errors import one_line
@@ -35,8 +34,7 @@ def verify(
     from irtiming.archive.verify import verify as verify_file
 
     screen = Console()
-    require_suffix(json, "JSON")
-    require_places([json], inputs=[*files, rig])
+    require_places({"JSON": [json]}, inputs=[*files, rig])
     stated = None if rig is None else read_rig(rig)
     results: dict[Path, list[Finding]] = {}
     for path in files:

@@ -10,7 +10,6 @@ from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.map_file import write_maps
 from irtiming.archive.result_file import write_result
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.errors import ArchiveError, EstimationError
 from irtiming.measurement import ALL_EXTRAS, Extra, Progress
@@ -35,10 +34,6 @@ class AnalysisOrder:
     report: Path | None = None
     maps: Path | None = None
     language: Language = "en"
-
-    def __post_init__(self) -> None:
-        require_suffix(self.result, "JSON")
-        require_suffix(self.report, "HTML")
 
     @property
     def picture(self) -> Path | None:
@@ -111,7 +106,7 @@ def _require_places(order: AnalysisOrder) -> None:
             f"{order.maps}: maps are written as HDF5 with a picture, NAME.png, beside them; give a name that ends in .h5"
         )
     require_places(
-        [order.result, order.report],
+        {"JSON": [order.result], "HTML": [order.report]},
         files=[order.maps, order.picture],
         inputs=[*order.recordings, order.rig, order.wheel_calibration],
     )

@@ -18,7 +18,6 @@ from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.result_model import Result
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError, about
 from irtiming.records.frame_events import NOUNS
 from irtiming.session import frame_stamps
@@ -38,9 +37,6 @@ class TimeOrder:
     out: Path
     rows: tuple[int, ...] | None = None
     series: tuple[Path, ...] = ()
-
-    def __post_init__(self) -> None:
-        require_suffix(self.out, "CSV", "Parquet", "recording")
 
 
 def generator_of(result: Result) -> Generator:
@@ -100,7 +96,9 @@ def apply_time(order: TimeOrder) -> FrameTimes:
     taken = [order.result, *files_read(order.stamps.source), *order.series]
     taken += [order.stamps.calibrated_by] if order.stamps.calibrated_by else []
     is_copy, is_parquet = (order.out.suffix.lower() == suffix for suffix in (layout.SUFFIX, ".parquet"))
-    require_place(order.out, besides=taken, is_text=not is_copy and not is_parquet, is_new=is_copy)
+    require_place(
+        order.out, "CSV", "Parquet", "recording", besides=taken, is_text=not is_copy and not is_parquet, is_new=is_copy
+    )
     if is_copy and order.stamps.source.suffix.lower() != layout.SUFFIX:
         raise ArchiveError(
             "holds frames with their times, so the stamps must be those of a recording; write a .csv",

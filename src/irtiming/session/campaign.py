@@ -13,7 +13,6 @@ from irtiming.archive.nexus import program_version
 from irtiming.archive.parquet import require_parquet
 from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry
-from irtiming.archive.suffixes import require_suffix
 from irtiming.distribute.campaign import CampaignOrder, Measured, Progress, measure
 from irtiming.errors import ArchiveError
 from irtiming.records.campaign import Campaign
@@ -45,9 +44,6 @@ class Order:
     register: str = tables.DEFAULT
     json: Path | None = None
     language: Language = "en"
-
-    def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
 
 
 @final
@@ -88,8 +84,8 @@ def _require_places(order: Order, asked: CampaignOrder) -> None:
         read.append(tables.file_of(order.register))
     own = [order.out / name for name in (TABLE, PARQUET, PAGE, SUMMARY)]
     if order.out.is_dir():  # where it is still to be made, nothing in it is read
-        require_places(own, inputs=read)
-    require_places([order.json], inputs=[*read, *own])
+        require_places({}, files=own, inputs=read)
+    require_places({"JSON": [order.json]}, inputs=[*read, *own])
 
 
 def _asked(order: Order) -> CampaignOrder:

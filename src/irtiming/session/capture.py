@@ -9,7 +9,6 @@ from irtiming.archive.captures.streams import CapturedTicks, captured_ticks, lin
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
 from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_places, write_json
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 
@@ -78,9 +77,7 @@ def import_capture(order: CaptureOrder) -> Imported:
         If a file cannot be read or written, data were lost in the capture, or it contradicts the frames.
     """
     read = [order.capture, *(files_read(order.frames) if order.frames else [])]
-    require_places([order.json], new=[order.out], inputs=read)
-    require_suffix(order.json, "JSON")
-    require_suffix(order.out, "recording")
+    require_places({"recording": [order.out], "JSON": [order.json]}, inputs=read)
     lines = line_map(order.lines)
     ticks = captured_ticks(order.capture, lines, clock_hz=order.clock_hz, shortest_s=order.shortest_s)
     if order.json is not None:

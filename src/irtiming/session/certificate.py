@@ -10,13 +10,12 @@ from irtiming.archive.certificate_check import CheckedCertificate, check_certifi
 from irtiming.archive.certificate_file import CertificateFile, read_certificate_file
 from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.result_file import read_result
+from irtiming.archive.suffixes import SUFFIXES
 from irtiming.errors import ArchiveError
 from irtiming.records.choices import Language
 from irtiming.report.calibration import dcc, page, pdf
 from irtiming.report.calibration.content import ResultFile, Sheet, collect
 from irtiming.session import crate
-
-SUFFIXES = (".pdf", ".html", ".xml")
 
 
 @final
@@ -35,7 +34,7 @@ class CertificateOrder:
 
     def __post_init__(self) -> None:
         for path in self.out:
-            if path.suffix.lower() not in SUFFIXES:
+            if path.suffix.lower() not in SUFFIXES["certificate"]:
                 raise ArchiveError(f"{path}: a certificate is written as .pdf, .html or .xml; name it so")
         if self.crate is not None and self.crate.suffix.lower() != ".zip":
             raise ArchiveError(f"{self.crate}: a crate is a .zip; name it so")
@@ -51,7 +50,7 @@ def certify(order: CertificateOrder) -> Sheet:
     IrTimingError
         If a file cannot be read or written, results and certificate.toml contradict each other, or WeasyPrint is missing.
     """
-    require_places(order.out, files=[order.crate], inputs=[*order.results, order.form])
+    require_places({"certificate": order.out}, files=[order.crate], inputs=[*order.results, order.form])
     form = _in_language(read_certificate_file(order.form), order.language)
     sheet = collect(read_results(order.results), form, called=str(order.form))
     made = {path: _made(sheet, path.suffix.lower(), beside=order.form.parent) for path in order.out}

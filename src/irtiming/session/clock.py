@@ -6,7 +6,6 @@ from typing import Any, final
 
 from irtiming.archive import layout, rig_update
 from irtiming.archive.json_file import require_places, write_atomically, write_json
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
 from irtiming.errors import EstimationError
 from irtiming.estimate import clock
@@ -32,10 +31,6 @@ class ClockOrder:
     json: Path | None = None
     picture: Path | None = None
 
-    def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
-        require_suffix(self.picture, "SVG")
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +55,7 @@ def evaluate(order: ClockOrder) -> ClockFound:
     IrTimingError
         If a file cannot be read or written, or no recording has pulses or timestamps of the camera.
     """
-    require_places([order.json, order.picture], inputs=[*order.recordings, order.rig])
+    require_places({"JSON": [order.json], "SVG": [order.picture]}, inputs=[*order.recordings, order.rig])
     runs = [read_timestamps(path) for path in order.recordings]
     cameras = tuple(one for run in runs if (one := _camera(run)) is not None)
     pulsed = [run for run in runs if layout.SPARE in run.streams and run.streams[layout.SPARE].size]

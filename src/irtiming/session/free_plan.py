@@ -6,7 +6,6 @@ from typing import Any, final
 
 from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import PlanError
 from irtiming.plan.assumptions import assumed
 from irtiming.plan.free_running import FreeSpeed, even_speed, predicted
@@ -39,7 +38,6 @@ class FreePlanOrder:
     json: Path | None = None
 
     def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
         if not _SHORTEST_S <= self.free_running_s <= _LONGEST_S:
             raise PlanError(
                 f"{{free_running_s}} is {self.free_running_s:g} s; it must be from {_SHORTEST_S:g} to {_LONGEST_S:g} s",
@@ -85,7 +83,7 @@ def plan(order: FreePlanOrder) -> FreePlanned:
     IrTimingError
         If a file cannot be read or written, or the camera cannot be.
     """
-    require_places([order.json], inputs=[order.rig])
+    require_places({"JSON": [order.json]}, inputs=[order.rig])
     described = camera(order.camera)
     rig = assumed(None if order.rig is None else read_rig(order.rig), described)
     setting = Setting(camera=described, rig=rig, clock_frequency_hz=_CLOCK_HZ)

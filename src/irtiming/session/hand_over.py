@@ -8,8 +8,7 @@ from typing import final
 from irtiming.apply import export, handover
 from irtiming.apply.camera_timing import CameraTiming
 from irtiming.apply.handover import HandOver
-from irtiming.archive.json_file import require_place, write_atomically
-from irtiming.archive.suffixes import require_suffix
+from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.records.application import Program
 from irtiming.records.frame_events import NOUNS
 from irtiming.report.rounding import significant, time_text
@@ -29,7 +28,6 @@ class ExportOrder:
     stamp_latency_u_s: float = 0.0
 
     def __post_init__(self) -> None:
-        require_suffix(self.out, export.format_for(self.program))
         require_uncertainty(
             self.stamp_latency_u_s, of=self.stamp_latency_s, fields=("stamp_latency_s", "stamp_latency_u_s")
         )
@@ -43,7 +41,7 @@ def hand_over(order: ExportOrder) -> HandOver:
     IrTimingError
         If the result cannot be read or applied, that program has no number for it, or the file cannot be written.
     """
-    require_place(order.out, besides=[order.result])
+    require_places({export.format_for(order.program): [order.out]}, inputs=[order.result])
     camera = camera_of(order.result)
     given = handover.of_camera(camera, stamp_latency_s=order.stamp_latency_s, stamp_latency_u_s=order.stamp_latency_u_s)
     write_atomically(export.text_for(order.program, given), order.out)

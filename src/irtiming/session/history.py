@@ -11,7 +11,6 @@ from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.register import entries, tables
 from irtiming.archive.register.entries import Entry, KnownCamera
 from irtiming.archive.result_file import read_result
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError, EstimationError
 from irtiming.estimate.series.drift import drifts
 from irtiming.estimate.series.points import point
@@ -28,9 +27,6 @@ class HistoryOrder:
     register: str
     since: date | None = None
     history: Path | None = None
-
-    def __post_init__(self) -> None:
-        require_suffix(self.history, "JSON")
 
 
 @final
@@ -84,7 +80,7 @@ def of_camera(order: HistoryOrder) -> History:
     IrTimingError
         If the register cannot be used or does not know the camera, or the history cannot be written.
     """
-    require_places([order.history], inputs=[tables.file_of(order.register)])
+    require_places({"JSON": [order.history]}, inputs=[tables.file_of(order.register)])
     points = entries.of_camera(order.register, order.serial_number)
     if not points:
         known = [one.serial_number for one in entries.cameras(order.register)]

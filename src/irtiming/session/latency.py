@@ -9,7 +9,6 @@ from irtiming.archive import layout, rig_update
 from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.layout import Field
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import TimedRun, read_timestamps
 from irtiming.errors import EstimationError, InstrumentError
 from irtiming.estimate import latency
@@ -49,7 +48,6 @@ class GatesOrder:
     json: Path | None = None
 
     def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
         for name in ("photodiode", "application_gate"):
             value, u = (f"{name}_s", f"{name}_u_s")
             require_uncertainty(getattr(self, u), of=getattr(self, value), fields=(value, u))
@@ -78,9 +76,6 @@ class LoopOrder:
     rig: Path | None = None
     json: Path | None = None
 
-    def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -91,9 +86,6 @@ class LoopTestOrder:
     line: LoopLine = "spare"
     rig: Path | None = None
     json: Path | None = None
-
-    def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
 
 
 @final
@@ -121,7 +113,7 @@ def of_gates(order: GatesOrder) -> LatencyFound:
     IrTimingError
         If a file cannot be read or written, or the recordings do not tell the difference.
     """
-    require_places([order.json], inputs=[*order.recordings, *order.exchanged, order.rig])
+    require_places({"JSON": [order.json]}, inputs=[*order.recordings, *order.exchanged, order.rig])
     rig = None if order.rig is None else read_rig(order.rig)
     slots = _USUAL_SLOTS if rig is None else rig.wheel.control_slots
     pitch = TURN / slots
@@ -155,7 +147,7 @@ def of_trigger(order: LoopOrder) -> LatencyFound:
     IrTimingError
         If a file cannot be read or written, or no trigger came back.
     """
-    require_places([order.json], inputs=[*order.recordings, order.rig])
+    require_places({"JSON": [order.json]}, inputs=[*order.recordings, order.rig])
     loops = tuple(_loop(read_timestamps(path), order.line) for path in order.recordings)
     longest = max(loops, key=lambda one: abs(one.mean_s))
     found = LatencyFound(loops=loops, latency=longest.latency)
@@ -171,7 +163,7 @@ async def measure_loop(order: LoopTestOrder) -> LatencyFound:
     IrTimingError
         If the device cannot be used, timestamps were lost, or no trigger came back.
     """
-    require_places([order.json], inputs=[order.rig])
+    require_places({"JSON": [order.json]}, inputs=[order.rig])
     channel = {"spare": Channel.SPARE, "camera_input": Channel.CAMERA_INPUT}[order.line]
     async with connected(order.port, wiring=Wiring(also_recorded=channel)) as generator:
         clock_hz = generator.clock_frequency_hz

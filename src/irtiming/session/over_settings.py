@@ -9,7 +9,6 @@ from irtiming.archive import layout, reader
 from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.result_file import checked_result, read_result
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import read_wheel_calibration
 from irtiming.distribute.campaign import together
 from irtiming.distribute.pieces import look
@@ -41,10 +40,6 @@ class SeriesOrder:
     report: Path | None = None
     language: Language = "en"
 
-    def __post_init__(self) -> None:
-        require_suffix(self.series, "JSON")
-        require_suffix(self.report, "HTML")
-
 
 def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[CameraSeries, ...]:
     """What each parameter does over each setting, camera by camera.
@@ -54,7 +49,9 @@ def compare(order: SeriesOrder, *, progress: Progress | None = None) -> tuple[Ca
     IrTimingError
         If a file cannot be read or written, a recording cannot be analysed, or results cannot be distinguished by camera.
     """
-    require_places([order.series, order.report], inputs=[*order.sources, order.rig, order.wheel_calibration])
+    require_places(
+        {"JSON": [order.series], "HTML": [order.report]}, inputs=[*order.sources, order.rig, order.wheel_calibration]
+    )
     files = [path for path in order.sources if path.suffix.lower() == layout.SUFFIX]
     results = [path for path in order.sources if path not in files]
     if files and order.rig is None:

@@ -6,7 +6,6 @@ from typing import Any, final
 
 from irtiming.archive.json_file import require_places, write_atomically, write_json
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import PlanError, listed
 from irtiming.plan.assumptions import assumed
 from irtiming.plan.drawing import sampling_svg
@@ -47,8 +46,6 @@ class PlanOrder:
     picture: Path | None = None
 
     def __post_init__(self) -> None:
-        require_suffix(self.json, "JSON")
-        require_suffix(self.picture, "SVG")
         missing = [name for name in ("clock_hz", "wheel_hz", "frame_hz", "samples") if not getattr(self.wishes, name)]
         if not self.wanted and missing:
             raise PlanError(
@@ -148,7 +145,7 @@ def plan(order: PlanOrder) -> Planned | Proposed:
     IrTimingError
         If a wish cannot be read, nothing meets all of them, or a file cannot be read or written.
     """
-    require_places([order.json, order.picture], inputs=[order.rig])
+    require_places({"JSON": [order.json], "SVG": [order.picture]}, inputs=[order.rig])
     wishes = exact(_completed(order), clock_frequency_hz=0)
     planned = _proposed(order, wishes) if order.wanted else _schemes(order, wishes)
     if order.json is not None:

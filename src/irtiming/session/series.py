@@ -19,7 +19,6 @@ from irtiming.archive.json_file import require_places, write_json
 from irtiming.archive.live.recording import COMPLETE
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import InstrumentError
 from irtiming.plan.schedule import run_length_ticks
 from irtiming.records.camera_frame import CameraIdentity
@@ -46,9 +45,6 @@ class SeriesOrder:
     runs: str | None = None
     rig: Path | None = None
     summary: Path | None = None
-
-    def __post_init__(self) -> None:
-        require_suffix(self.summary, "JSON")
 
 
 @final
@@ -202,7 +198,7 @@ def _plan(order: SeriesOrder) -> SeriesPlan:
     plan = read_series(order.plan)
     frames = None if plan.references is None else plan.references.file
     read = [order.plan, order.rig, plan.plan_file, frames, order.folder / JOURNAL]
-    require_places([order.summary], inputs=read)
+    require_places({"JSON": [order.summary]}, inputs=read)
     return replace(plan, camera=replace(plan.camera, features=(*plan.camera.features, *order.features)))
 
 

@@ -10,9 +10,8 @@ from irtiming.acquire.trigger_train import measure
 from irtiming.archive.captures.streams import CapturedTicks
 from irtiming.archive.captures.timed_recording import CameraFacts, write_timed
 from irtiming.archive.frames.opening import files_read
-from irtiming.archive.json_file import require_place
+from irtiming.archive.json_file import require_places
 from irtiming.archive.plan_file import read_plan
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.timestamps_file import read_timestamps, write_timestamps
 from irtiming.errors import ArchiveError, InstrumentError, PlanError
 from irtiming.gateware.register_map import REGISTERS
@@ -36,9 +35,6 @@ class TimestampOrder:
     run: int = 1
     wiring: WiringWishes = field(default_factory=WiringWishes)
 
-    def __post_init__(self) -> None:
-        require_suffix(self.out, "recording")
-
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +50,6 @@ class FramesOrder:
     bit_depth: int | None = None
 
     def __post_init__(self) -> None:
-        require_suffix(self.out, "recording")
         if self.camera is None and (self.readout, self.integration_time_s, self.bit_depth) != (None, None, None):
             raise ArchiveError(
                 "{readout}, {integration_time_s} and {bit_depth} go with {camera}; give it too, or leave them out",
@@ -95,7 +90,7 @@ async def record(order: TimestampOrder, *, progress: Callable[[int, int], None] 
     IrTimingError
         If the run cannot be made, or timestamps were lost: what arrived is in the file then, marked as not whole.
     """
-    require_place(order.out, besides=[order.plan], is_text=False, is_new=True)
+    require_places({"recording": [order.out]}, inputs=[order.plan])
     plan = read_plan(order.plan)
     if order.run > len(plan.runs):
         raise PlanError(
@@ -147,7 +142,7 @@ def combine(order: FramesOrder) -> list[Finding]:
     ArchiveError
         If a file cannot be read or written, or frames and timestamps contradict each other.
     """
-    require_place(order.out, besides=[order.timestamps, *files_read(order.frames)], is_text=False, is_new=True)
+    require_places({"recording": [order.out]}, inputs=[order.timestamps, *files_read(order.frames)])
     stamped = read_timestamps(order.timestamps)
     facts = None
     if order.camera is not None:

@@ -7,7 +7,6 @@ from typing import final
 from irtiming.archive import reader
 from irtiming.archive.json_file import require_places, write_atomically
 from irtiming.archive.rig_file import read_rig
-from irtiming.archive.suffixes import require_suffix
 from irtiming.archive.wheel_calibration_file import write_wheel_calibration
 from irtiming.records.choices import ReferenceEdge
 from irtiming.records.wheel_calibration import WheelCalibration
@@ -27,9 +26,6 @@ class CalibrationOrder:
     picture: Path | None = None
     reference_edge: ReferenceEdge = "automatic"
 
-    def __post_init__(self) -> None:
-        require_suffix(self.picture, "SVG")
-
 
 def calibrate(order: CalibrationOrder) -> WheelCalibration:
     """Angles of the control slots and application edges from the timestamps alone; frames are not looked at.
@@ -39,8 +35,7 @@ def calibrate(order: CalibrationOrder) -> WheelCalibration:
     IrTimingError
         If a file cannot be read or written, or the timestamps do not determine the wheel.
     """
-    require_places([order.calibration, order.picture], inputs=[*order.recordings, order.rig])
-    require_suffix(order.calibration, "JSON")
+    require_places({"JSON": [order.calibration], "SVG": [order.picture]}, inputs=[*order.recordings, order.rig])
     rig, recordings = read_rig(order.rig), (reader.read(path) for path in order.recordings)
     wheel = wheel_calibration.from_recordings(recordings, rig, reference_edge=order.reference_edge)
     write_wheel_calibration(wheel, order.calibration)

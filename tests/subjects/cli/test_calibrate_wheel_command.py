@@ -113,7 +113,7 @@ def test_the_calibration_of_another_wheel_is_told(place) -> None:
     [
         (("--out", "slow.nxs"), "is another file of this command"),
         (("--out", "new.json", "--picture", "new.png"), "give a name that ends in .svg"),
-        (("--out", "new.json", "--picture", "new.json"), "give a name that ends in .svg"),
+        (("--out", "new.json", "--picture", "new.json"), "is another file of this command"),
         (("--out", "nowhere/new.json"), "there is no folder"),
         (("--out", "new.json", "--rig", "slow.nxs"), "is not UTF-8 text"),
     ],

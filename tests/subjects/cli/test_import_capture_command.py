@@ -166,7 +166,7 @@ def test_what_is_odd_is_told(place, tmp_path):
         (("--out", "new.nxs"), "--frames and --out belong together"),
         ((), "nothing to write"),
         (("--frames", "twin.nxs", "--out", "twin.nxs"), "is another file of this command"),
-        (("--frames", "twin.nxs", "--out", "rig.toml"), "exists already"),
+        (("--frames", "twin.nxs", "--out", "rig.toml"), "ends in .toml, but a recording is to be written there"),
         (("--json", "twin.vcd"), "is another file of this command"),
         (("--json", "ticks.json", "--clock", "fast"), "--clock 'fast' is no clock"),
         (("--json", "ticks.json", "--clock", "2000 GHz"), "is no clock; write whole hertz from 1 kHz to 1 THz"),

@@ -5,20 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from irtiming.archive.json_file import write_json
+from irtiming.archive.json_file import require_places, write_json
 from irtiming.errors import ArchiveError, PlanError
 from irtiming.records.series_plan import TriggerWishes
-from irtiming.session.analysis import AnalysisOrder
-from irtiming.session.apply_time import TimeOrder
+from irtiming.session.analysis import AnalysisOrder, analyse
+from irtiming.session.apply_time import TimeOrder, apply_time
 from irtiming.session.camera import Described, camera
 from irtiming.session.capture import CaptureOrder
-from irtiming.session.clock import ClockOrder
+from irtiming.session.clock import ClockOrder, evaluate
 from irtiming.session.frame_stamps import StampsWanted
-from irtiming.session.hand_over import ExportOrder
-from irtiming.session.plan import PlanOrder
+from irtiming.session.hand_over import ExportOrder, hand_over
+from irtiming.session.plan import PlanOrder, plan
 from irtiming.session.simulation import CameraOrder, SimulationOrder
-from irtiming.session.timestamps import FramesOrder, TimestampOrder
-from irtiming.session.wheel import CalibrationOrder
+from irtiming.session.timestamps import FramesOrder, combine
+from irtiming.session.wheel import CalibrationOrder, calibrate
 
 HERE = Path("here")
 WISHES = TriggerWishes(wheel_hz=("3",), frame_hz="30", samples="1000", clock_hz="48000000")
@@ -75,26 +75,6 @@ def test_contradictions_are_refused_by_the_fields_names(order, wrong, says):
         (CaptureOrder, {"capture": HERE, "lines": "", "frames": HERE}, "frames and out belong together"),
         (CaptureOrder, {"capture": HERE, "lines": ""}, "nothing to write"),
         (FramesOrder, {"timestamps": HERE, "frames": HERE, "out": HERE, "readout": "rolling"}, "go with camera"),
-        (
-            CalibrationOrder,
-            {"recordings": (HERE,), "rig": HERE, "calibration": HERE, "picture": HERE.with_suffix(".png")},
-            "here.png: ends in .png, but SVG is to be written there; give a name that ends in .svg",
-        ),
-        (ClockOrder, {"recordings": (HERE,), "picture": Path("x.PDF")}, "ends in .PDF, but SVG is to be written there"),
-        (
-            PlanOrder,
-            {"wishes": WISHES, "picture": Path("x.png")},
-            "x.png: ends in .png, but SVG is to be written there",
-        ),
-        (PlanOrder, {"wishes": WISHES, "json": Path("x.toml")}, "ends in .toml, but JSON is to be written there"),
-        (AnalysisOrder, {"recordings": (HERE,), "rig": HERE, "report": Path("x.pdf")}, "HTML is to be written there"),
-        (AnalysisOrder, {"recordings": (HERE,), "rig": HERE, "result": Path("x.html")}, "name that ends in .json"),
-        (TimestampOrder, {"port": "p", "plan": HERE, "out": Path("x.json")}, "but a recording is to be written there"),
-        (
-            TimeOrder,
-            {"result": HERE, "stamps": StampsWanted(source=HERE), "out": Path("x.json")},
-            "but CSV or Parquet or a recording is to be written there; give a name that ends in .csv or .parquet or .nxs",
-        ),
     ],
 )
 def test_files_that_contradict_are_refused(order, wrong, says):
@@ -134,17 +114,34 @@ def test_the_camera_of_a_result_keeps_its_readout(tmp_path, kind, told):
             assert seen.row_delay_s == 30e-6
 
 
+OUTPUTS = [
+    (calibrate, CalibrationOrder(recordings=(HERE,), rig=HERE, calibration=Path("wheel.json"), picture=Path("here.png")),
+     "here.png: ends in .png, but SVG is to be written there; give a name that ends in .svg"),
+    (evaluate, ClockOrder(recordings=(HERE,), picture=Path("x.PDF")), "ends in .PDF, but SVG is to be written there"),
+    (plan, PlanOrder(wishes=WISHES, picture=Path("x.png")), "x.png: ends in .png, but SVG is to be written there"),
+    (plan, PlanOrder(wishes=WISHES, json=Path("x.toml")), "ends in .toml, but JSON is to be written there"),
+    (analyse, AnalysisOrder(recordings=(HERE,), rig=HERE, report=Path("x.pdf")), "HTML is to be written there"),
+    (analyse, AnalysisOrder(recordings=(HERE,), rig=HERE, result=Path("x.html")), "name that ends in .json"),
+    (combine, FramesOrder(timestamps=HERE, frames=HERE, out=Path("x.json")), "but a recording is to be written there"),
+    (apply_time, TimeOrder(result=HERE, stamps=StampsWanted(source=HERE), out=Path("x.json")),
+     "but CSV or Parquet or a recording is to be written there; give a name that ends in .csv or .parquet or .nxs"),
+    (hand_over, ExportOrder(result=HERE, program="basalt", out=Path("x.yaml")), "JSON is to be"),
+    (hand_over, ExportOrder(result=HERE, program="kalibr", out=Path("x.json")), "YAML is to be"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("verb", "order", "says"), OUTPUTS)
+def test_a_name_that_says_another_format_is_refused_before_any_work(verb, order, says):
+    """Oracle: by hand, and other programs' own pages; no file that would be read is there, and none is missed."""
+    with pytest.raises(ArchiveError) as refused:
+        verb(order)
+    assert says in str(refused.value)
+
+
 @pytest.mark.parametrize("name", ["x.svg", "x.SVG", "x", "-", "x.2026", "/dev/stdout"])
 def test_a_name_that_says_no_other_format_will_do(name):
     """Oracle: by hand; its own suffix, none, and one that is no format."""
-    assert PlanOrder(wishes=WISHES, picture=Path(name)).picture == Path(name)
-
-
-def test_a_file_for_another_program_has_its_format():
-    """Oracle: the programs' own pages; Basalt reads JSON, Kalibr YAML."""
-    for program, name, said in (("basalt", "x.yaml", "JSON is to be"), ("kalibr", "x.json", "YAML is to be")):
-        with pytest.raises(ArchiveError, match=said):
-            ExportOrder(result=HERE, program=program, out=Path(name))
+    require_places({"SVG": [name]})
 
 
 def test_json_is_written_under_no_other_formats_name(tmp_path):

@@ -15,7 +15,6 @@ from irtiming.archive.json_file import require_place
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
 from irtiming.archive.live.unfinished import NOT_FINISHED, ending_of, frames_there, is_claimed, summary, unfinished
 from irtiming.archive.nexus import bring_to_disk
-from irtiming.archive.suffixes import require_suffix
 from irtiming.errors import ArchiveError
 
 KILLED = "interrupted: the program that recorded it was stopped before its end"
@@ -66,8 +65,7 @@ def recover(
     if path is None and not str(source).endswith(layout.PART):
         raise ArchiveError(f"{source}: is not called NAME{layout.SUFFIX}{layout.PART}; say which file to make (--out)")
     target = source.with_suffix("") if path is None else Path(path)
-    require_suffix(target, "recording")
-    require_place(target, besides=[source], is_text=False)
+    require_place(target, "recording", besides=[source], is_text=False)
     require_free_name(target)
     made = target.with_name(f"{target.name}.recovering")
     if is_claimed(source):
