@@ -49,10 +49,13 @@ class Readout:
     row_delay_s: float = 0.0
     instant_row: float | None = None
 
+    def instant(self, n_rows: int) -> float:
+        """The row to whose reading all others are brought."""
+        return (n_rows - 1) / 2 if self.instant_row is None else self.instant_row
+
     def lateness_s(self, n_rows: int) -> Array:
         """By how much later than the instant each row is read, s, shape (row,)."""
-        instant = (n_rows - 1) / 2 if self.instant_row is None else self.instant_row
-        return (np.arange(n_rows, dtype=np.float64) - instant) * self.row_delay_s
+        return (np.arange(n_rows, dtype=np.float64) - self.instant(n_rows)) * self.row_delay_s
 
 
 @final

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irtiming.apply import conditions, kernels
-from irtiming.apply.camera_timing import CameraTiming
+from irtiming.apply.camera_timing import CameraTiming, MomentName
+from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
@@ -156,15 +157,11 @@ def _lag_of_value(order: FramesOrder, camera: CameraTiming, unit: str) -> LagOfV
 
 def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Array, float]:
     """The instant of each frame, shape (n_frame,), and the standard uncertainty of them all; s."""
-    period_s, row = given.events.frame_period_s, np.array([_instant_row(readout, given.stack.shape[1])])
-    name = "reading" if camera.has_lag else "middle"
-    moment = next(one for one in camera.moments(period_s) if one.name == name)
-    late_s = float(camera.offset_s(moment, row)[0]) * (1 + given.events.relative_rate)
-    events = given.events
-    power = camera.u_s(moment, row)[0] ** 2 + camera.frame_scatter_s**2
-    power += events.u_own_s**2 + events.u_common_s**2 - events.u_cancelled_s**2
-    u_s = np.sqrt(max(power, 0.0))
-    return given.events.time_s + late_s, float(u_s)
+    row = np.array([readout.instant(given.stack.shape[1])])
+    name: MomentName = "reading" if camera.has_lag else "middle"
+    moments = camera.moments(given.events.frame_period_s)
+    times = FrameTimes(camera=camera, events=given.events, moments=moments, rows_px=row)
+    return times.time_s(name)[:, 0], float(times.u_s(name)[0])
 
 
 def _write(
@@ -214,10 +211,6 @@ def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _G
     return _Given(stack=source, events=times, kept=np.arange(n_frames), unit=source.facts.unit)
 
 
-def _instant_row(readout: Readout, n_rows: int) -> float:
-    return (n_rows - 1) / 2 if readout.instant_row is None else readout.instant_row
-
-
 def _scenes(
     given: _Given, stream: SceneStream, *, times_s: NDArray[np.float64], progress: Callable[[int, int], None] | None
 ) -> Iterator[Scene]:
@@ -243,7 +236,7 @@ def _described(
         "when the instant row was read" if camera.has_lag else "middle of the integration of the instant row"
     )
     if readout.row_delay_s:
-        row = _instant_row(readout, given.stack.shape[1])
+        row = readout.instant(given.stack.shape[1])
         yield (
             f"rows: brought to row {row:g} by cubics in time over four readings; row delay {readable_time(readout.row_delay_s)}"
         )

@@ -1,5 +1,6 @@
 """`irtiming apply frames` from file to file: films of a moving scene in recordings, and what is refused."""
 
+import csv
 import json
 import os
 
@@ -62,8 +63,8 @@ def recording(hand_made, filmed):
     return hand_made(fill)
 
 
-def _result(tmp_path):
-    content = made_up_result("microbolometer", "rolling", NUMBERS, rows=ROWS).model_dump(mode="json")
+def _result(tmp_path, numbers=NUMBERS):
+    content = made_up_result("microbolometer", "rolling", numbers, rows=ROWS).model_dump(mode="json")
     content["inputs"][0]["image"]["columns"] = COLUMNS
     write_result(
         {key: value for key, value in content.items() if key not in ("format", "version")}, tmp_path / "result.json"
@@ -96,6 +97,17 @@ def test_a_recording_becomes_the_scene_at_one_instant(tmp_path, told, filmed, re
     after = _edge_errors(filmed, frames, instants)[settled]
     assert np.sqrt(np.mean(after**2)) < np.sqrt(np.mean(before**2)) / 10
     assert np.mean(after) < np.mean(before)
+
+
+def test_an_instant_is_as_uncertain_as_the_time_of_its_row(tmp_path, told, recording):
+    """Oracle: irtiming apply time of the same moment of the same row, to 10 ns; the clock, which nothing states, tells most."""
+    result = _result(tmp_path, {**NUMBERS, "trigger_delay": (4e-3, 1e-8), "row_delay": (7e-4, 1e-9)})
+    told("apply", "frames", result, recording, tmp_path / "scene.nxs", "--instant-row", "9")
+    told("apply", "time", result, recording, "--out", tmp_path / "times.csv", "--rows", "9")
+    lines = [line for line in (tmp_path / "times.csv").read_text().splitlines() if not line.startswith("#")]
+    row = next(csv.DictReader(lines))
+    with h5py.File(tmp_path / "scene.nxs") as file:
+        assert file["entry/scene/time_errors"][()] == pytest.approx(float(row["u_reading_s"]), abs=6e-9)
 
 
 def test_frames_without_times_take_their_period(tmp_path, told, filmed):
