@@ -16,8 +16,8 @@ from irtiming.estimate.shared_numbers import DELAY, MEMORIES
 from irtiming.inference.information import prior
 from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import inverse
-from irtiming.physics.latency import WINDOW_SOURCE
 from irtiming.physics.response.integration_window import TAILS
+from irtiming.records import sources
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, Contribution
@@ -175,7 +175,7 @@ def _of_statement(rows: Iterable[str], start: _Start) -> tuple[Contribution, ...
     if u_s == 0:
         return ()
     sizes = {name: abs(start.u_beside_s(name)) for name in rows}
-    return (Contribution(source=WINDOW_SOURCE, kind="B", standard_uncertainty=sizes, measured=(u_s, "s")),)
+    return (Contribution(source=sources.WINDOW, kind="B", standard_uncertainty=sizes, measured=(u_s, "s")),)
 
 
 def _of_frames(joint: Joint, window: Window) -> Estimate:
@@ -183,7 +183,7 @@ def _of_frames(joint: Joint, window: Window) -> Estimate:
     priors = [one for one in joint.priors if window.u_stated_s is None or WINDOW not in one.names]
     if len(priors) < len(joint.priors):
         gap = -joint.found.values[WINDOW]
-        priors.append(prior(WINDOW, UNKNOWN_S, source=WINDOW_SOURCE, gap=gap))
+        priors.append(prior(WINDOW, UNKNOWN_S, source=sources.WINDOW, gap=gap))
     return replace(joint, priors=tuple(priors)).estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
 
 

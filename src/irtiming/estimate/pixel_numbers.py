@@ -10,6 +10,7 @@ from irtiming.estimate import opening_in_image, pixel_sums, shared_numbers
 from irtiming.estimate.measurands import UNKNOWN_S, WINDOW
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics.wheel import TURN
+from irtiming.records import sources
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelGeometry
@@ -47,7 +48,7 @@ def opening_and_window(
             replace(
                 shared_numbers.same(name, fits, unit="rad", start=float(angle), u=u_misalignment),
                 start=math.copysign(max(abs(float(angle)), _OFF_ZERO * u_misalignment), angle),
-                source=shared_numbers.IMAGE,
+                source=sources.IMAGE,
             )
             for name, angle in zip(("lean_low", "lean_high"), misalignments, strict=True)
         ),
@@ -65,4 +66,4 @@ def _glare(recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit])
         return []
     glare, u_glare = np.mean(shares, axis=0).tolist()
     number = shared_numbers.same(pixel_sums.GLARE, fits, unit="1", start=glare, u=u_glare)
-    return [replace(number, source=shared_numbers.IMAGE)]
+    return [replace(number, source=sources.IMAGE)]

@@ -13,8 +13,9 @@ import numpy as np
 
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.physics import latency
-from irtiming.physics.latency import BOTH_GATES_SOURCE, CLOCK_SOURCE, GATE_SOURCES, USUAL_CLOCK, USUAL_TAIL
+from irtiming.physics.latency import USUAL_CLOCK, USUAL_TAIL
 from irtiming.physics.wheel import TURN
+from irtiming.records import sources
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -88,7 +89,7 @@ def of(
     missing = [words for name, words in _LATENCIES.items() if getattr(rig.latency or Latency(), f"{name}_s") is None]
     not_held = [f"latency of {_listed(missing)}"] if missing else []
     if rig.light_gates.lateral_offset_m is None and not several:
-        not_held.append("lateral offset of the beams")
+        not_held.append(sources.BEAM_OFFSET)
     return RigErrors(
         shared=tuple(shared),
         clock=clock,
@@ -148,7 +149,7 @@ def _latencies(
     late = given or Latency()
     in_common_s = late.gates_common_u_s or 0.0
     found = []
-    for name, source in GATE_SOURCES.items():
+    for name, source in sources.LATENCIES.items():
         number: Measured | None = getattr(late, f"{name}_s")
         common_s = in_common_s if name in _GATES else 0.0
         if number is not None and number.standard_uncertainty > common_s:
@@ -156,7 +157,7 @@ def _latencies(
             found.append(_latency(name, [effect[name] for effect in effects], u=u, source=source))
     if in_common_s > 0:
         both = [sum(effect[name] for name in _GATES) for effect in effects]
-        found.append(_latency("gates", both, u=in_common_s, source=BOTH_GATES_SOURCE))
+        found.append(_latency("gates", both, u=in_common_s, source=sources.BOTH_GATES))
     return found
 
 
@@ -185,7 +186,7 @@ def _clock(recordings: Sequence[ReducedRecording], fits: Sequence[RecordingFit],
     for one, fit in zip(recordings, fits, strict=True):
         sizes = {name: fit.estimate.value(name) for name in _TIMES if name in fit.estimate}
         effects.append({"integration_time": one.integration_time_s or 0.0} | sizes)
-    return [SharedNumber(name=CLOCK, unit="1", effects=effects, u=u, source=CLOCK_SOURCE, kind="B", measured=(u, "1"))]
+    return [SharedNumber(name=CLOCK, unit="1", effects=effects, u=u, source=sources.CLOCK, kind="B", measured=(u, "1"))]
 
 
 _GATES = ("application_gate", "control_gate")

@@ -14,9 +14,10 @@ from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
 from irtiming.physics.covariance import generalised_inverse, root
-from irtiming.physics.latency import EXACT_S, TAIL_SOURCE, WINDOW_SOURCE
+from irtiming.physics.latency import EXACT_S
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
 from irtiming.physics.warp import WARP_NUMBERS
+from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.rig import Measured, WindowTail
@@ -28,12 +29,7 @@ _OF_CAMERA = (*SLIGHT, *WARP_NUMBERS)
 DELAY = "delay"
 """Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
 
-EDGES, RESIDUALS, IMAGE, CAMERA = (
-    "cutout edges",
-    "structure of the residuals common to all recordings",
-    "axle, mask and blur in the image",
-    "tilt of the camera, and its lens",
-)
+RESIDUALS, CAMERA = "structure of the residuals common to all recordings", "tilt of the camera, and its lens"
 """Sources of a budget beside those that rig.toml names."""
 
 MEMORIES = (in_camera_filter.PARAMETER, pixel_memory.PARAMETER)
@@ -148,7 +144,7 @@ def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: flo
     if u_s is None:
         return list(own)
     name, stated = integration_window.PARAMETER, Measured(stated_s, u_s)
-    return _stated_numbers(own, (name,), stated=stated, least_u=EXACT_S, source=WINDOW_SOURCE)
+    return _stated_numbers(own, (name,), stated=stated, least_u=EXACT_S, source=sources.WINDOW)
 
 
 def _stated_numbers(
@@ -188,7 +184,7 @@ def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_
         found.append(
             SharedNumber(
                 name=name, unit="1", effects=effects, start=part.share.value, known=part.share.value,
-                u=max(part.share.standard_uncertainty, EXACT_SHARE), source=TAIL_SOURCE, kind="B",
+                u=max(part.share.standard_uncertainty, EXACT_SHARE), source=sources.TAIL, kind="B",
                 measured=(tail.share.standard_uncertainty, "1"),
             )
         )  # fmt: skip
@@ -209,7 +205,7 @@ def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_
     """
     kind: EvaluationType = "A" if geometry.u_edge_rad is None else "B"
     errors = [
-        _turned(f"cutout edge {k}", fits, column, source=EDGES, kind=kind)
+        _turned(f"cutout edge {k}", fits, column, source=sources.EDGES, kind=kind)
         for k, column in enumerate(u_edge_rad * np.eye(4))
     ]
     errors += [
@@ -298,5 +294,5 @@ def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:
     by_camera = whole[:, at] @ generalised_inverse(own, flat=1e-10) @ whole[at]
     rest = whole - by_camera
     rest[at, :] = rest[:, at] = 0.0
-    parts = ((IMAGE, root(rest)), (CAMERA, root(by_camera)))
+    parts = ((sources.IMAGE, root(rest)), (CAMERA, root(by_camera)))
     return [(source, error) for source, errors in parts for error in errors.T if error.any()]

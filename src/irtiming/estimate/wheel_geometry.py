@@ -8,18 +8,12 @@ import numpy as np
 
 from irtiming.physics.light_gates import gate_angles, refuse_other_slots
 from irtiming.physics.wheel import TURN, wheel_model
+from irtiming.records import sources
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import LightGates, Measured, Rig
 from irtiming.records.wheel_geometry import EdgeAngles, GateAngles, WheelGeometry
 from irtiming.records.wheel_track import WheelTrack
-
-DISTANCE, HEIGHT, BESIDE = (
-    "gate distance d (caliper)",
-    "gate height difference dh (caliper)",
-    "lateral offset of the beams",
-)
-"""Sources of a budget that were measured as lengths."""
 
 _LARGEST_ROLL_RAD = np.radians(
     5.0
@@ -74,7 +68,7 @@ def geometry(
         rig.mask_opening.centre_angle_rad, beams, gates, u_register=max(t.u_gate_separation_rad for t in tracks)
     )
     if u_shift is not None:
-        budget.append(("mask beside the axle (image)", "A", u_shift))
+        budget.append((sources.MASK_BESIDE, "A", u_shift))
     roll = _camera_roll(recordings, opening.centre_angle_rad.value)
     findings += (*_doubts(rig, roll if slots == "learned" else None), *_of_height(beams, gates))
     return WheelGeometry(
@@ -92,8 +86,8 @@ def geometry(
 
 def _by_caliper(beams: LightGates) -> dict[str, Measured]:
     """Lengths on the rig, by the source that a budget names."""
-    offset = {} if beams.lateral_offset_m is None else {BESIDE: beams.lateral_offset_m}
-    return {DISTANCE: beams.half_separation_m, HEIGHT: beams.height_difference_m} | offset
+    offset = {} if beams.lateral_offset_m is None else {sources.BEAM_OFFSET: beams.lateral_offset_m}
+    return {sources.GATE_DISTANCE: beams.half_separation_m, sources.GATE_HEIGHT: beams.height_difference_m} | offset
 
 
 def _budget(
@@ -101,12 +95,16 @@ def _budget(
 ) -> list[tuple[str, str, float]]:
     """What shifts all edges alike, with its type and standard uncertainty, rad."""
     per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
-    per_length = {DISTANCE: per_d, HEIGHT: per_dh, BESIDE: abs(gates.per_lateral_offset)}
+    per_length = {
+        sources.GATE_DISTANCE: per_d,
+        sources.GATE_HEIGHT: per_dh,
+        sources.BEAM_OFFSET: abs(gates.per_lateral_offset),
+    }
     lengths = _by_caliper(beams).items()
     return [
-        ("mask centre angle phi_M", "B", centre.standard_uncertainty),
+        (sources.MASK_CENTRE, "B", centre.standard_uncertainty),
         *((source, "B", per_length[source] * number.standard_uncertainty) for source, number in lengths),
-        ("register of slots and cutouts", "A", per_separation * u_register),
+        (sources.REGISTER, "A", per_separation * u_register),
     ]
 
 

@@ -26,19 +26,8 @@ USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
 USUAL_TAIL = WindowTail(share=Measured(0.0, 0.04 / sqrt(3)))
 """Tail of an unmeasured window: a share within +-4 %, all alike, over 0.2 ms."""
 
-CLOCK_SOURCE = "clock of the trigger generator"
-WINDOW_SOURCE = "integration time as stated"
 EXACT_S = 1e-9
 """Standard uncertainty of an integration time that is stated as exact."""
-TAIL_SOURCE = "tail of the integration window"
-GATE_SOURCES = {
-    "application_gate": "latency of the application gate",
-    "control_gate": "latency of the control gate",
-    "trigger": "latency of the trigger path",
-}
-"""Sources of a budget; of the latencies by their names."""
-BOTH_GATES_SOURCE = "latency of both light gates"
-"""Source of what both gates' latencies have in common."""
 
 
 @final

@@ -10,6 +10,7 @@ from irtiming.physics.latency import window_tail
 from irtiming.physics.light_gates import gate_angles
 from irtiming.physics.wheel import TURN, wheel_model
 from irtiming.plan.beside_angles import Beside, clock_u, of_rig
+from irtiming.records import sources
 from irtiming.records.camera_description import Camera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.rig import CameraOptics, LightGates, MaskOpening, Measured, Rig
@@ -81,17 +82,17 @@ def assumed(rig: Rig | None, camera: Camera) -> AssumedRig:
         remarks.append("rig.toml states no centre_angle_u_deg: phi_M counts as exact, every prediction is too good.")
     per_separation, per_d, per_dh = (abs(s) for s in gates.sensitivity)
     common = [
-        ("mask centre angle phi_M", owner.mask_opening.centre_angle_rad.standard_uncertainty),
-        ("gate distance d (caliper)", per_d * owner.light_gates.half_separation_m.standard_uncertainty),
-        ("gate height difference dh (caliper)", per_dh * owner.light_gates.height_difference_m.standard_uncertainty),
-        ("register of slots and cutouts", per_separation * _USUAL_SEPARATION_RAD),
+        (sources.MASK_CENTRE, owner.mask_opening.centre_angle_rad.standard_uncertainty),
+        (sources.GATE_DISTANCE, per_d * owner.light_gates.half_separation_m.standard_uncertainty),
+        (sources.GATE_HEIGHT, per_dh * owner.light_gates.height_difference_m.standard_uncertainty),
+        (sources.REGISTER, per_separation * _USUAL_SEPARATION_RAD),
     ]
     if owner.light_gates.lateral_offset_m is not None:
         u_offset = owner.light_gates.lateral_offset_m.standard_uncertainty
-        common.append(("lateral offset of the beams", abs(gates.per_lateral_offset) * u_offset))
+        common.append((sources.BEAM_OFFSET, abs(gates.per_lateral_offset) * u_offset))
     if (camera.camera_type, camera.readout_mode) == ("photon", "snapshot"):
         bisector = _USUAL_BISECTOR_RAD * float(np.sqrt(_USUAL_PIXELS / camera.opening_pixels))
-        common.append(("mask beside the axle (image)", bisector))
+        common.append((sources.MASK_BESIDE, bisector))
     model = wheel_model(
         edges,
         gates.application_rad,

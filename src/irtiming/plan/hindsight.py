@@ -14,13 +14,14 @@ from irtiming.errors import PlanError
 from irtiming.inference.information import Information
 from irtiming.inference.lens_knowledge import knowledge
 from irtiming.physics.camera import camera
-from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE, window_tail
+from irtiming.physics.latency import window_tail
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import Beside, clock_u, of_budget
 from irtiming.plan.information import RunInformation
 from irtiming.plan.photon_information import KNOWN_WINDOW, SHARED_SHAPE, FrameNoise, Sampling, Structure
 from irtiming.plan.rolling_information import RollingRun
+from irtiming.records import sources
 from irtiming.records.analysis import Analysis
 from irtiming.records.camera_description import Microbolometer, PhotonCamera
 from irtiming.records.estimate import EdgeDelayFit
@@ -87,7 +88,7 @@ def _beside(found: Prediction, analysis: Analysis) -> Beside:
         one.name == "integration_time" for one in found.uncertainties
     )
     has_tail = has_own and any(isinstance(fit, EdgeDelayFit) for fit in analysis.fits)
-    told = {WINDOW_SOURCE: has_own, TAIL_SOURCE: has_tail}
+    told = {sources.WINDOW: has_own, sources.TAIL: has_tail}
     return of_budget(analysis.best.budget, told=[source for source, is_told in told.items() if is_told])
 
 

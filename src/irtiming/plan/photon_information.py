@@ -25,12 +25,12 @@ from typing import final
 import numpy as np
 
 from irtiming.inference.information import without_own
-from irtiming.physics.latency import TAIL_SOURCE
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
 from irtiming.physics.response import pixel_memory
 from irtiming.physics.response.integration_window import tail_delay_s, tails
-from irtiming.plan.information import EDGES, RunInformation, run_information
+from irtiming.plan.information import RunInformation, run_information
+from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import AngleErrors
@@ -141,12 +141,12 @@ def one_run(
     slopes = derivatives(sampling, noise, model=model, fades_s=[part.time_constant_s for part in parts])
     by_edge = np.array([slopes[f"edge_{k}"] for k in range(4)])
     errors = [(source, u * by_edge.sum(axis=0)) for source, u in angles.common]
-    errors += [(EDGES, angles.edge_rad * edge) for edge in by_edge]
+    errors += [(sources.EDGES, angles.edge_rad * edge) for edge in by_edge]
     late_s = [
         part.share.standard_uncertainty * tail_delay_s(noise.integration_time_s, part.time_constant_s) for part in parts
     ]
     errors += [
-        (TAIL_SOURCE, late * slopes["trigger_delay"] + part.share.standard_uncertainty * slopes[f"tail_{k}"])
+        (sources.TAIL, late * slopes["trigger_delay"] + part.share.standard_uncertainty * slopes[f"tail_{k}"])
         for k, (late, part) in enumerate(zip(late_s, parts, strict=True))
     ]
     sigma = np.hypot(noise.share, noise.jitter_s * slopes["trigger_delay"])

@@ -15,7 +15,6 @@ import numpy as np
 
 from irtiming.errors import PlanError
 from irtiming.inference.information import NOISE
-from irtiming.physics.latency import CLOCK_SOURCE
 from irtiming.plan.information import RunInformation
 from irtiming.plan.prediction import RELATIVE, Setting, sizes_s, uncertainties
 from irtiming.plan.sampling import run_period_ticks
@@ -23,6 +22,7 @@ from irtiming.plan.schedule import plan_duration_s, schedule
 from irtiming.plan.search import search
 from irtiming.plan.targets import Target
 from irtiming.plan.wishes import wish_around
+from irtiming.records import sources
 from irtiming.records.camera_description import PhotonCamera
 from irtiming.records.prediction import PredictedUncertainty
 from irtiming.records.trigger_plan import TriggerPlan, TriggerScheme, Wishes
@@ -224,7 +224,7 @@ def _speeds(setting: Setting, wishes: Wishes) -> tuple[_Speed, ...]:
     """Wheel speeds that have a scheme and, for a photon camera, plateaus that last longer than the integration."""
     found, refused = list[_Speed](), list[PlanError]()
     clock, delays = wishes.clock_frequency_hz, wishes.trigger_delays_s
-    of_clock = {CLOCK_SOURCE: setting.rig.u_clock * float(max(delays) - min(delays))}
+    of_clock = {sources.CLOCK: setting.rig.u_clock * float(max(delays) - min(delays))}
     for rate in wishes.wheel_rates_hz:
         try:
             _check_plateau(setting, float(rate.wanted))

@@ -28,14 +28,13 @@ from irtiming.physics.light import pixel_waves, row_sum, sector_rows
 from irtiming.physics.light.row_sum import RowSum, Timing
 from irtiming.physics.warp import WARP_NUMBERS
 from irtiming.physics.wheel import TURN
-from irtiming.plan.information import EDGES, RunInformation, run_information
+from irtiming.plan.information import RunInformation, run_information
 from irtiming.records.arrays import Array, ComplexArray
 from irtiming.records.camera_description import Camera, Microbolometer, PhotonCamera
 from irtiming.records.prediction import AngleErrors
 from irtiming.records.row_timing import SectorShape
+from irtiming.records.sources import EDGES, IMAGE
 from irtiming.records.wheel_geometry import WheelModel
-
-IMAGE = "axle, mask and blur in the image"
 
 _HARMONICS = 64
 _LEAST_LIGHT_PX2 = 3.0

@@ -7,9 +7,9 @@ import pytest
 
 from irtiming.estimate import joint, measurands, shared_numbers
 from irtiming.estimate.measurands import Window
-from irtiming.physics.latency import TAIL_SOURCE, WINDOW_SOURCE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.rig import Measured, WindowTail
+from irtiming.records.sources import TAIL, WINDOW
 
 TURN = 2 * np.pi
 
@@ -122,7 +122,7 @@ def test_a_stated_length_and_the_corners_share_by_their_uncertainties():
     assert found.value("trigger_delay") == pytest.approx(middle - 122e-6)
     assert found.u("trigger_delay") == pytest.approx(np.hypot(np.sqrt(2) * 1e-6, u_length / 2), rel=1e-3)
     _squares_add_up(one)
-    (line,) = [part for part in one.budget if part.source == WINDOW_SOURCE]
+    (line,) = [part for part in one.budget if part.source == WINDOW]
     assert line.standard_uncertainty["integration_time"] == pytest.approx(20e-6 * (10**2 / (10**2 + 20**2)), rel=1e-3)
     assert (line.kind, line.measured) == ("B", (20e-6, "s"))
     assert (one.findings, one.not_held, one.midpoint_leads) == ((), (), False)
@@ -156,7 +156,7 @@ def test_a_tail_makes_the_start_earlier_and_less_certain():
     u_tail = 0.02 / np.sqrt(2) * np.hypot(*late_s.values())
     assert estimate.u("trigger_delay") == pytest.approx(np.hypot(np.sqrt(2) * 1e-6, u_tail), rel=1e-3)
     assert estimate.u("exposure_midpoint_delay") == pytest.approx(np.sqrt(2) * 1e-6)
-    (line,) = [part for part in found.budget if part.source == TAIL_SOURCE]
+    (line,) = [part for part in found.budget if part.source == TAIL]
     assert line.standard_uncertainty["trigger_delay"] == pytest.approx(u_tail, rel=1e-3)
     _squares_add_up(found)
 

@@ -9,7 +9,6 @@ from math import inf, isfinite
 from irtiming.archive.result_model import Contribution, Result
 from irtiming.errors import EstimationError
 from irtiming.records.recording import USUAL_READOUT
-from irtiming.records.rig_inputs import CLOCK, OF_THE_RIG, RIG_KEYS
 from irtiming.records.setting_point import (
     CameraKey,
     PointParameter,
@@ -18,6 +17,7 @@ from irtiming.records.setting_point import (
     in_time,
     is_same_setting,
 )
+from irtiming.records.sources import CLOCK, OF_THE_RIG, RIG_KEYS
 
 _NORMAL_K = 2.0
 

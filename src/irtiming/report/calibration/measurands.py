@@ -8,7 +8,7 @@ from typing import final
 from irtiming.archive.certificate_file import CertificateFile, Limit, Rule, limit_of
 from irtiming.archive.result_model import CombinedDelay, Contribution, Result, RigValue
 from irtiming.errors import ArchiveError
-from irtiming.records.rig_inputs import CLOCK, RIG_KEYS
+from irtiming.records.sources import CLOCK, RIG_KEYS
 from irtiming.report import budget
 from irtiming.report.calibration.decision import Conformity, judged
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from irtiming.physics.latency import BOTH_GATES_SOURCE, GATE_SOURCES
+from irtiming.records import sources
 from irtiming.records.analysis import Analysis
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EdgeDelayFit
@@ -27,7 +27,7 @@ EDGE_ANGLES = tuple(f"edge_angle_{edge}" for edge in range(4))
 _WIDEST = 2.6  # standard uncertainties shown to either side
 _LEAST_SHOWN = 1e-8  # probability
 _TITLE_WIDTH = 16
-_LATENCIES = GATE_SOURCES | {"gates": BOTH_GATES_SOURCE}
+_LATENCIES = {**sources.LATENCIES, "gates": sources.BOTH_GATES}
 _MEANINGS = {
     **{f"latency_{name}": f"{source} beyond what rig.toml states" for name, source in _LATENCIES.items()},
     "clock_error": "relative error of the clock beyond what rig.toml states",
