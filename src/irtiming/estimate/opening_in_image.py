@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.physics.light.summed_region import SummedRegion
+from irtiming.physics.light.summed_region import SummedRegion, radii_px
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import ReducedRecording
 
@@ -26,7 +26,7 @@ def edge_misalignments(reduced: ReducedRecording, *, turns_clockwise: bool) -> t
     -------
     Shape (2,), and the standard uncertainty of either.
     """
-    radii, axle = radii_px(reduced), reduced.axle
+    radii, axle = radii_px(reduced.opening, reduced.axle), reduced.axle
     if radii is None or axle is None or axle.edge_miss_px is None:
         return np.zeros(2), _U_UNKNOWN_RAD
     inner, outer = extent_px(reduced, radii)
@@ -49,14 +49,6 @@ def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]
         return reduced.axle.radii_px
     inner, outer = np.quantile(distance, _EXTENT)
     return float(inner), float(outer)
-
-
-def radii_px(reduced: ReducedRecording) -> Array | None:
-    """Distance of the opening's pixels from the axle, shape (n,); None where the axle was not found."""
-    if reduced.axle is None:
-        return None
-    rows, columns = np.nonzero(reduced.opening.mask)
-    return np.hypot(rows - reduced.axle.row_px, columns - reduced.axle.column_px)
 
 
 def lost(reduced: ReducedRecording) -> SummedRegion | None:

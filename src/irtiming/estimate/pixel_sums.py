@@ -30,7 +30,7 @@ from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
-from irtiming.physics.light import pixel_sum
+from irtiming.physics.light import pixel_sum, summed_region
 from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
 from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.response import pixel_memory
@@ -60,7 +60,6 @@ CORNERS = "corner_variance"
 
 _SMALL = slice(2, 2 + len(pixel_sum.SMALL))  # of the recording's own numbers
 _BLADES = pixel_sum.SMALL.index("blades")
-_BORDER_RAD = 0.1  # where the axle was not found in the image
 _SCAN = 240  # trial delays over a quarter turn to either side
 _OUTLIER = 6.0  # times the robust standard deviation
 _LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
@@ -213,19 +212,16 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
     """
     low, high = (float(v) for v in np.quantile(reduced.pixel_sums.pixel_sum, [0.03, 0.97]))
     unit_dn = low - high if reduced.opening.blackbody_is_colder else high - low
-    ticks, border = reduced.trigger_ticks, _BORDER_RAD
-    distance, radii = opening_in_image.radii_px(reduced), Radii()
-    if distance is not None:
-        border = float(np.clip(reduced.opening.border_px / distance.mean(), 1e-2, 0.3))
-        radii = pixel_sum.radii(*opening_in_image.extent_px(reduced, distance))
+    ticks, distance = reduced.trigger_ticks, summed_region.radii_px(reduced.opening, reduced.axle)
+    extent = None if distance is None else opening_in_image.extent_px(reduced, distance)
     return PixelSums(
         reduced=reduced,
         wheel=wheel,
         kept=np.ones(ticks.size, bool),
         levels=_straight(ticks, step_dn=unit_dn),
         unit_dn=unit_dn,
-        border_rad=border,
-        radii=radii,
+        border_rad=summed_region.border_rad(reduced.opening.border_px, radii_px=distance),
+        radii=Radii() if extent is None else pixel_sum.radii(*extent),
         region=opening_in_image.region(reduced),
         lost=opening_in_image.lost(reduced),
     )

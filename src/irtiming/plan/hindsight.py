@@ -15,6 +15,7 @@ from irtiming.inference.information import Information
 from irtiming.inference.lens_knowledge import knowledge
 from irtiming.physics.camera import camera
 from irtiming.physics.latency import window_tail
+from irtiming.physics.light.summed_region import border_rad, radii_px
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.plan import information, photon_information, rolling_information
 from irtiming.plan.beside_angles import Beside, clock_u, of_budget
@@ -30,7 +31,6 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelModel
 
-_UNKNOWN_BORDER_RAD = 0.1
 _LEAST_NOISE = 1e-9
 _SHORTEST_S = 1e-6
 
@@ -248,16 +248,12 @@ def _sampling(recording: ReducedRecording, fit: EdgeDelayFit) -> Sampling:
 
 def _noise(recording: ReducedRecording, fit: EdgeDelayFit) -> FrameNoise:
     """The residuals of the fit hold pixels and jitter alike."""
-    border = _UNKNOWN_BORDER_RAD
-    if recording.axle is not None and recording.opening.mask.any():
-        rows, columns = np.nonzero(recording.opening.mask)
-        radius = np.hypot(rows - recording.axle.row_px, columns - recording.axle.column_px).mean()
-        border = float(np.clip(recording.opening.border_px / radius, 1e-2, 0.3))
+    distance = radii_px(recording.opening, recording.axle)
     return FrameNoise(
         share=max(fit.noise, _LEAST_NOISE),
         jitter_s=0.0,
         integration_time_s=recording.integration_time_s or 0.0,
-        border_rad=border,
+        border_rad=border_rad(recording.opening.border_px, radii_px=distance),
     )
 
 

@@ -27,6 +27,7 @@ import numpy as np
 from irtiming.inference.information import without_own
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, shapes
+from irtiming.physics.light.summed_region import border_rad
 from irtiming.physics.response import pixel_memory
 from irtiming.physics.response.integration_window import tail_delay_s, tails
 from irtiming.plan.information import RunInformation, run_information
@@ -104,7 +105,7 @@ def frame_noise(camera: PhotonCamera) -> FrameNoise:
         share=camera.noise_to_contrast / contrast_per_noise(camera.opening_pixels, border),
         jitter_s=float(np.sqrt(_TIMESTAMPS * camera.gate_jitter_s**2 + camera.camera_jitter_s**2)),
         integration_time_s=camera.integration_time_s,
-        border_rad=float(np.clip(border / (_MEAN_RADIUS * side), 1e-2, 0.3)),
+        border_rad=border_rad(border, radii_px=_MEAN_RADIUS * side),
     )
 
 

@@ -116,7 +116,7 @@ class Passing:
     swept_rad: float
     lean_low_rad: float = 0.0
     lean_high_rad: float = 0.0
-    border_rad: float = 0.1
+    border_rad: float = summed_region.USUAL_BORDER_RAD
     radii: Radii = field(default_factory=Radii)
     region: SummedRegion | None = None
     glare: float = 0.0

@@ -14,6 +14,10 @@ import numpy as np
 
 from irtiming.physics.wheel import EDGE_SIGNS, PointAverage
 from irtiming.records.arrays import Array
+from irtiming.records.reduced import AxleView, Opening
+
+USUAL_BORDER_RAD = 0.1
+"""By how much summed pixels exceed an opening at either end, where the image does not tell."""
 
 
 @final
@@ -33,6 +37,27 @@ class SummedRegion:
     def weight(self) -> Array:
         """What each end's open arc counts for in the mean, 1/rad, shape (k + 1,): density before it less that behind it."""
         return np.asarray(-np.diff(self.share / np.diff(self.ends_rad), prepend=0.0, append=0.0))
+
+
+def radii_px(opening: Opening, axle: AxleView | None) -> Array | None:
+    """Distance of the opening's pixels from the axle, shape (n,); None where either was not found."""
+    if axle is None or not opening.mask.any():
+        return None
+    rows, columns = np.nonzero(opening.mask)
+    return np.hypot(rows - axle.row_px, columns - axle.column_px)
+
+
+def border_rad(border_px: float, *, radii_px: Array | float | None) -> float:
+    """Angle by which the summed pixels exceed the opening at either end.
+
+    Parameters
+    ----------
+    border_px
+        By how much they exceed it on all sides.
+    radii_px
+        Shape (n,): distances of the opening's pixels from the axle, or their mean; None where they are not known.
+    """
+    return USUAL_BORDER_RAD if radii_px is None else float(np.clip(border_px / np.mean(radii_px), 1e-2, 0.3))
 
 
 def sector(opening_angle_rad: float, border_rad: float) -> SummedRegion:
