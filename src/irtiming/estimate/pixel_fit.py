@@ -36,11 +36,12 @@ _UNLIKE, _NOISY, _MISFIT = (
 class Reference:
     """What the fit of a recording says of all pixels: where it begins, and what they share.
 
-    ``edge_delay_s`` (4,) are the delays of row 0 by the wheel's edges, ``response_s`` time constant or window, ``memory`` the
-    share of the frame before in each frame, ``blade`` by how much the second blade is warmer, of the contrast.
+    ``read_s`` (4,) is when row 0 is read, or the middle of its window, by each of the wheel's edges, ``response_s`` time constant
+    or window, ``memory`` the share of the frame before in each frame, ``blade`` by how much the second blade is warmer, of the
+    contrast.
     """
 
-    edge_delay_s: Array
+    read_s: Array
     row_delay_s: float
     response_s: float
     memory: float
@@ -154,11 +155,11 @@ def _shared(recording: ReducedRecording, wheel: WheelModel, reference: Reference
     """Harmonics of a point at the bisector before the response, its delay counted from the mean of the edges', (M + 1,)."""
     kind, omega = camera(recording.camera_type, recording.readout_mode), recording.track.angular_frequency_rad_per_s
     edges = wheel_harmonics.open_harmonics(wheel, _HIGHEST) * wheel_harmonics.later(
-        omega * (reference.edge_delay_s - reference.edge_delay_s.mean()), n_harmonics=_HIGHEST
+        omega * (reference.read_s - reference.read_s.mean()), n_harmonics=_HIGHEST
     )
     modelled = edges.sum(axis=0) - reference.blade * edges[2:].sum(axis=0)
     step = frame_steps.step_rad(recording)
-    mean = wheel_harmonics.later(np.array(omega * reference.edge_delay_s.mean()), n_harmonics=_HIGHEST)
+    mean = wheel_harmonics.later(np.array(omega * reference.read_s.mean()), n_harmonics=_HIGHEST)
     return np.asarray(modelled * mean * kind.memory.transfer(step, reference.memory, n_harmonics=_HIGHEST))
 
 

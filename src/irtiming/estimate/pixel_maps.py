@@ -69,7 +69,7 @@ def _reference(recording: ReducedRecording, fit: EdgeDelayFit | RowTimingFit, jo
     kind = camera(recording.camera_type, recording.readout_mode)
     if isinstance(fit, RowTimingFit):
         return Reference(
-            edge_delay_s=fit.edge_delay_s,
+            read_s=fit.edge_delay_s,
             row_delay_s=fit.row_delay_s,
             response_s=fit.timing[kind.response.PARAMETER],
             memory=fit.timing.get(kind.memory.PARAMETER, 0.0),
@@ -80,7 +80,7 @@ def _reference(recording: ReducedRecording, fit: EdgeDelayFit | RowTimingFit, jo
         window_s = joint.value(kind.response.PARAMETER) if kind.response.PARAMETER in joint else 0.0
     own, memory = fit.estimate, kind.memory.PARAMETER
     return Reference(
-        edge_delay_s=np.array([own.value(name) for name in EDGE_DELAYS]),
+        read_s=np.array([own.value(name) for name in EDGE_DELAYS]),
         row_delay_s=0.0,
         response_s=window_s,
         memory=own.value(memory) if memory in own else 0.0,
@@ -183,7 +183,7 @@ def _level(fitted: Estimate, references: Sequence[Reference], *, middle: float) 
     delay = next((name for name in (_MIDDLE, "trigger_delay") if name in fitted), None)
     row_delay = fitted.value(_ROW_DELAY) if _ROW_DELAY in fitted else references[0].row_delay_s
     if delay is None:  # the result holds bounds alone
-        return float(references[0].edge_delay_s.mean()) + middle * row_delay, np.inf, row_delay
+        return float(references[0].read_s.mean()) + middle * row_delay, np.inf, row_delay
     if _ROW_DELAY not in fitted:
         return fitted.value(delay) + middle * row_delay, fitted.u(delay), row_delay
     both, weights = fitted.pick(delay, _ROW_DELAY), np.array([1.0, middle])

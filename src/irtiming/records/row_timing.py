@@ -354,7 +354,7 @@ class RowTimingFit:
 
     @property
     def edge_delay_s(self) -> Array:
-        """Delays of row 0 by each wheel edge, shape (4,), s."""
+        """Delays by each wheel edge, to the reading of row 0 or the middle of its window, shape (4,), s."""
         return np.array([self.timing[f"edge_delay_{edge}"] for edge in range(4)])
 
     @property
