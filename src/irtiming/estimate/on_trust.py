@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
+from irtiming.estimate.rig_errors import several_speeds
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Latency, Rig
 
-_SAME_SPEED = 1.02
 _OF_EVENT = {
     "trigger": "that the trigger is stamped at the edge that the camera takes, and by the counter that stamps the gates",
     "strobe": "which edge of the strobe is stamped",
@@ -27,8 +27,7 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ..
     rig
         As measured by its owner.
     """
-    speeds = [one.track.angular_frequency_rad_per_s for one in recordings]
-    several = max(speeds) > _SAME_SPEED * min(speeds)
+    several = several_speeds([one.track.angular_frequency_rad_per_s for one in recordings])
     late = rig.latency or Latency()
     stated = [one for one in (late.application_gate_s, late.control_gate_s, late.trigger_s) if one is not None]
     has_window = recordings[0].camera_type == "photon" and recordings[0].integration_time_s is not None
