@@ -178,12 +178,12 @@ def of_pixel_fits(
     plain = joint.fit(models, [shared_numbers.delay(fits, start=middle_s), *own, *errors])
     parts = shared_residual.split(joint.traces(plain)) or shared_residual.all_own(len(fits))
     found = own_noise.weighed(plain, fits, groups=groups, parts=parts)
-    freedom = float(sum(fit.residual.size - len(EDGE_DELAYS) - 1 - fit.n_own for fit in fits))
+    freedom = float(sum(fit.degrees_of_freedom for fit in fits))
     window = _window(found, fits, stated_s=stated_s, rig=rig)
     reported = measurands.of_window(found, window, degrees_of_freedom=min(freedom, parts.degrees_of_freedom))
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
-        n_residuals=sum(fit.residual.size - 1 - fit.n_own for fit in fits),
+        n_residuals=sum(fit.degrees_of_freedom + len(EDGE_DELAYS) for fit in fits),
     )  # fmt: skip
     findings = (
         *geometry.findings, *frame_memory.of_result(reported.estimate), *frame_memory.of_stated(fits, rig.frame_memory),

@@ -231,9 +231,10 @@ class EdgeDelayFit:
     u_blades: float = 0.0
 
     @property
-    def n_own(self) -> int:
-        """Numbers that the recording has for itself: covered level, step, `pixel_sum.SMALL`, and what levels drift by."""
-        return 6 + (1 if self.levels is None else self.levels.n_numbers)
+    def degrees_of_freedom(self) -> int:
+        """Frames less delays, opening angle and the recording's own: covered level, step, `pixel_sum.SMALL`, and drifts."""
+        own = 6 + (1 if self.levels is None else self.levels.n_numbers)
+        return self.residual.size - len(EDGE_DELAYS) - 1 - own
 
     @property
     def covariance_s2(self) -> Array:
