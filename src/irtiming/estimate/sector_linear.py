@@ -18,6 +18,8 @@ import numpy as np
 from irtiming.physics.smooth_field import SmoothField
 from irtiming.records.arrays import Array, ComplexArray, Mask
 
+_FREE = 2  # terms, light and plate, of which nothing is known beforehand
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,13 +106,13 @@ class Solved:
     @property
     def misfit(self) -> Array:
         """Deviations of the good pixels along and across their phase, and of amounts from the prior, over their uncertainties."""
-        return np.concatenate([self.linear.in_units(self.off), (self.prior * self.found)[2:]])
+        return np.concatenate([self.linear.in_units(self.off), (self.prior * self.found)[_FREE:]])
 
     def change(self, beside: Linear, image: ComplexArray) -> Array:
         """By how much the misfit differs, to first order, with other terms and another image, shape of the misfit."""
         change = beside.image(self.found) - image - self.off
         taken = self._inverse @ self.linear.sums(change)
-        return np.concatenate([self.linear.in_units(change - self.linear.image(taken)), (-self.prior * taken)[2:]])
+        return np.concatenate([self.linear.in_units(change - self.linear.image(taken)), (-self.prior * taken)[_FREE:]])
 
     @cached_property
     def _inverse(self) -> Array:
@@ -125,7 +127,7 @@ def solved(linear: Linear, image: ComplexArray, *, field_prior: float) -> Solved
     normal, sums, n = linear.normal(), linear.sums(image), len(linear.levels)
     contrast = abs(sums[0] / normal[0, 0])
     prior = np.concatenate(
-        [[0.0, 0.0], np.full(n - 2, 1 / contrast), np.full(sums.size - n, 1 / (field_prior * contrast))]
+        [np.zeros(_FREE), np.full(n - _FREE, 1 / contrast), np.full(sums.size - n, 1 / (field_prior * contrast))]
     )
     normal += np.diag(prior**2)
     found = np.asarray(np.linalg.solve(normal, sums), dtype=float)
