@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_TO_SIGMA = 1.4826  # of a median of absolute deviations of normal noise
+from irtiming.physics import robust
 
 
 def noise_of(frames: NDArray[Any]) -> float:
@@ -31,8 +31,6 @@ def noise_of(frames: NDArray[Any]) -> float:
     second = values[:-2] - 2 * values[1:-1] + values[2:]
     change = np.diff(values, axis=0)
     mixed = np.diff(np.diff(change, axis=1), axis=2)
-    both = [
-        _TO_SIGMA * float(np.median(np.abs(one))) / count**0.5 for one, count in ((second, 6), (mixed, 8)) if one.size
-    ]
+    both = [robust.spread(one) / count**0.5 for one, count in ((second, 6), (mixed, 8)) if one.size]
     rounding = 12**-0.5 if np.issubdtype(frames.dtype, np.integer) else 0.0
     return max(min(both), rounding)

@@ -5,6 +5,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, ComplexArray, Ticks
@@ -109,7 +110,7 @@ def with_residual(frames: FrameResiduals, residual: Array) -> FrameResiduals:
 def _noise(angle: Array, residual: Array) -> Array:
     """Standard deviation of a residual from its neighbours along the wheel angle, shape (n_band,)."""
     beside = np.diff(residual[np.argsort(angle)], axis=0)
-    return np.asarray(np.maximum(1.4826 * np.median(np.abs(beside), axis=0) / np.sqrt(2), 1e-12))
+    return np.asarray(np.maximum(robust.OF_NORMAL * np.median(np.abs(beside), axis=0) / np.sqrt(2), 1e-12))
 
 
 def _made(

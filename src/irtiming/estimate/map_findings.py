@@ -6,6 +6,7 @@ import numpy as np
 
 from irtiming.estimate import map_patterns
 from irtiming.estimate.map_patterns import MappedDelays, RowClock
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.finding import Finding
 from irtiming.records.pixel_maps import PixelMaps, ReadoutPattern
@@ -42,7 +43,7 @@ def deviating(delays: MappedDelays, clock: RowClock, *, lag_pulls: Array | None,
     stray = np.abs(clock.left_s) > _STRAYS * clock.scatter * delays.u_s
     stray |= np.nan_to_num(noise_dn) > _NOISY * np.nanmedian(noise_dn)
     if lag_pulls is not None:
-        scatter = max(1.0, 1.4826 * float(np.median(np.abs(lag_pulls))))
+        scatter = max(1.0, robust.spread(lag_pulls))
         stray |= np.abs(lag_pulls) > _STRAYS * scatter
     return np.asarray(stray)
 

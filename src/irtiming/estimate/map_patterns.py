@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from irtiming.estimate.row_light import slopes
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, robust
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.pixel_maps import ReadoutPattern
 from irtiming.records.row_timing import SectorFit, SectorShape
@@ -111,7 +111,7 @@ def row_clock(delays: MappedDelays) -> RowClock:
     """
     _, _, left = _beside(delays, [delays.row_px.astype(float)], freedom=_FREE)
     pulls = left / delays.u_s
-    scatter = float(max(1.0, 1.4826 * np.median(np.abs(pulls - np.median(pulls)))))
+    scatter = max(1.0, robust.spread(pulls - np.median(pulls)))
     noisy = replace(delays, u_s=delays.u_s * scatter)
     found, covariance, _ = _beside(noisy, [delays.row_px.astype(float)], freedom=1.0)
     return RowClock(

@@ -30,6 +30,7 @@ from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
+from irtiming.physics import robust
 from irtiming.physics.light import pixel_sum, summed_region
 from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
 from irtiming.physics.light.summed_region import SummedRegion
@@ -320,14 +321,14 @@ def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:
     """Frames that differ from what their neighbours along the wheel angle foretell, shape (n_kept,)."""
     residual = given.at(numbers).residual
     residual = residual - np.median(residual)  # where many are wild, the rest is shifted
-    spread = 1.4826 * float(np.median(np.abs(residual)))
+    spread = robust.spread(residual)
     if spread > _LARGEST_SPREAD:
         raise EstimationError(
             f"{given.reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the "
             f"step, at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
         )
     alone = _beside_neighbours(residual, given.angle(0.0))  # a common delay leaves neighbours as they are
-    spread = 1.4826 * float(np.median(np.abs(alone)))
+    spread = robust.spread(alone)
     outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
     if outlier.mean() > _DROPPED_SHARE:
         raise EstimationError(

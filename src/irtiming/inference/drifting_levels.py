@@ -17,7 +17,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics import smooth_curve
+from irtiming.physics import robust, smooth_curve
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.records.arrays import Array
 
@@ -177,9 +177,9 @@ class _Fixed:
             root = np.sqrt(weight)
             amounts = np.asarray(np.linalg.lstsq(design * root[:, None], self.values * root, rcond=1e-12)[0])
             size = np.abs(self.values - design @ amounts)
-            limit = max(_HUBER * 1.4826 * float(np.median(size)), least)
-            deviance = float(np.sum(np.where(size <= limit, size**2, 2 * limit * size - limit**2)))
-            weight = np.minimum(1.0, limit / np.maximum(size, 1e-300))
+            limit = max(_HUBER * robust.OF_NORMAL * float(np.median(size)), least)
+            deviance = float(np.sum(robust.huber_loss(size, limit)))
+            weight = robust.huber_weight(size, limit)
         size_of_model = design.shape[1] + len(jumps)
         criterion = n * np.log(max(deviance / n, least**2)) + size_of_model * np.log(n)
         if size_of_model > n // _MOST_SHARE:

@@ -17,13 +17,13 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Ticks
 from irtiming.units import readable_time
 
 FEWEST = 8
 """Stamps of a line."""
 
-_OF_NORMAL = 1.4826  # standard deviation over the median deviation
 _LATE = 5.0  # standard deviations
 _PARTS, _OF_PART = 16, 5
 _ROUNDS = 200
@@ -104,7 +104,7 @@ def median_line(x: Array, stamp_s: Array) -> StampLine:
     if not rate > 0:
         raise EstimationError("stamps do not rise with the frames; check that both belong together")
     beside = of_s - level - rate * away
-    jitter_s = max(_OF_NORMAL * float(np.median(np.abs(beside))), 1e-12)
+    jitter_s = max(robust.spread(beside), 1e-12)
     u_alone = 0.5 / (_density(beside) * np.sqrt(n))
     parts = np.array([np.median(part) for part in np.array_split(beside, max(1, min(_PARTS, n // _OF_PART)))])
     scatter = float(parts.var(ddof=1)) if parts.size >= _STRETCHES else 0.0

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.clock_check import CameraClock
 from irtiming.records.rig import Measured
@@ -99,7 +100,7 @@ def _in_line(times: Array, number: Ticks) -> Ticks:
         beside -= np.median(beside)
         order = np.lexsort((np.abs(beside), number))
         nearest = np.sort(order[np.unique(number[order], return_index=True)[1]])
-        scatter = 1.4826 * float(np.median(np.abs(beside[nearest])))
+        scatter = robust.spread(beside[nearest])
         kept = nearest[np.abs(beside[nearest]) <= max(_STRAY * scatter, 2.0)]
         if kept.size < _FEWEST:
             break

@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics import smooth_curve
+from irtiming.physics import robust, smooth_curve
 from irtiming.records.arrays import Array, Ticks
 
 _ORDERS = 30
@@ -114,9 +114,9 @@ def _robust(fixed: _Fixed, trend: Array) -> tuple[Array, float]:
             ]
         )
         size = np.abs(beside)
-        limit = max(_HUBER * 1.4826 * float(np.median(size)), 1e-12)
-        deviance = float(np.mean(np.where(size <= limit, size**2, 2 * limit * size - limit**2)))
-        before, weight = weight, np.minimum(1.0, limit / np.maximum(size, 1e-300))
+        limit = max(_HUBER * robust.OF_NORMAL * float(np.median(size)), 1e-12)
+        deviance = float(np.mean(robust.huber_loss(size, limit)))
+        before, weight = weight, robust.huber_weight(size, limit)
         if np.abs(weight - before).max() < _SETTLED:
             break
     return coefficients, deviance

@@ -16,6 +16,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
@@ -126,9 +127,9 @@ def _inner(frames: Pixels) -> tuple[Ticks, Ticks]:
 def _at_level(own: Array, beside: Array, *, near: Mask) -> _AtLevel:
     """Where pixels are at the level that their neighbours, ``beside``, are ``near``; all of shape (n_frame, n_pixel)."""
     off = np.abs(beside - _median(beside, near))
-    settled = near & (off <= _SETTLED * 1.4826 * _median(off, near))
+    settled = near & (off <= _SETTLED * robust.OF_NORMAL * _median(off, near))
     noise = own - np.sum(own, axis=0, where=settled) / settled.sum(axis=0)
-    usual = 1.4826 * float(np.median(np.abs(noise[settled]))) if settled.any() else 0.0
+    usual = robust.spread(noise[settled]) if settled.any() else 0.0
     usual = usual or 1.0
     tame = np.abs(noise) < _WILD * usual
     return _AtLevel(near=near & tame, settled=settled & tame, noise=noise / usual)

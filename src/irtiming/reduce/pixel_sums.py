@@ -8,6 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
+from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.choices import Choices
@@ -152,7 +153,7 @@ def _far(sighting: Sighting, angle: Array, total: Array) -> Mask:
     if sighting.steady is None:
         return np.zeros(angle.size, bool)
     strays = np.abs(np.nan_to_num(sighting.steady.strays(total, angle)))
-    usual = 1.4826 * float(np.median(strays))
+    usual = robust.spread(strays)
     return np.asarray(strays > max(steady_levels.ODD, _SCATTERS * usual))
 
 

@@ -11,6 +11,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
@@ -85,7 +86,7 @@ def _phase(light: Array, angle: Array) -> tuple[complex, float]:
     for _ in range(3):
         found = np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
         left = light - columns @ found
-        usual = 1.4826 * float(np.median(np.abs(left[kept])))
+        usual = robust.spread(left[kept])
         kept = np.abs(left) <= _OUTLIER * usual
     variance = float(np.sum(left[kept] ** 2)) / max(1, int(kept.sum()) - columns.shape[1])
     covariance = np.linalg.pinv(columns[kept].T @ columns[kept])[at, at] * variance

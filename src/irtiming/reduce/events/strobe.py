@@ -13,6 +13,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.frame_events import FrameEvents
@@ -25,8 +26,6 @@ from irtiming.units import counted, readable_time
 _FEWEST = 8
 _SURE = 10.0
 """By so much the logarithm of the likelihood of the best pairing must be above that of the second best."""
-
-_OF_NORMAL = 1.4826  # standard deviation over the median deviation
 
 
 @final
@@ -165,7 +164,7 @@ def _by_pattern(stamp_s: Array, edge_s: Array, number: Ticks, *, spare: int) -> 
         beside = stamp_s - edge_s[number + first]
         beside = beside - beside.mean()
         beside = beside - x * float(x @ beside) / float(x @ x)
-        scatter[first] = _OF_NORMAL * float(np.median(np.abs(beside - np.median(beside))))
+        scatter[first] = robust.spread(beside - np.median(beside))
     order = np.argsort(scatter)
     best, second = (max(float(scatter[k]), 1e-12) for k in order[:2])
     return _Pattern(

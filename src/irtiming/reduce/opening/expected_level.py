@@ -5,6 +5,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Mask
 
@@ -83,7 +84,7 @@ def learn(wheel_angle_rad: Array, place: Array, *, level_dn: Array) -> ExpectedL
             coefficients = np.zeros(design.shape[1])
             coefficients[:n_columns] = np.linalg.solve(normal, used.T @ (weight * level_dn))
             beside = np.abs(level_dn - design @ coefficients)
-            scatter = 1.4826 * float(np.median(beside[beside < limit])) if np.any(beside < limit) else limit
+            scatter = robust.spread(beside[beside < limit]) if np.any(beside < limit) else limit
         limit = min(limit, max(_ALL_ALIKE * scatter, _LEAST_LIMIT * swing))
     good = beside < limit
     freedom = max(1.0 - design.shape[1] / max(int(good.sum()), 1), 0.3)

@@ -6,6 +6,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import ReductionError
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, Mask, Pixels
 from irtiming.records.recording import Recording
 from irtiming.reduce import kernels, row_bands
@@ -53,7 +54,7 @@ class SampleFrames:
         starts = row_bands.starts(n_rows)
         level = np.add.reduceat(beside, starts, axis=1) / np.diff([*starts, n_rows]) - self.common_dn[:, None]
         off = np.abs(level - np.median(level, axis=0))
-        usual = 1.4826 * np.median(off, axis=0)
+        usual = robust.OF_NORMAL * np.median(off, axis=0)
         least = _LEAST_ODD * float(np.median([frame.std() for frame in self.values]))  # one by one: it takes floats
         return np.asarray(np.all(off <= np.maximum(_ODD * usual, least), axis=1))
 

@@ -13,6 +13,7 @@ import numpy as np
 from irtiming.inference import drifting_levels, optimiser, variable_projection
 from irtiming.inference.drifting_levels import Levels
 from irtiming.inference.optimiser import Linearised
+from irtiming.physics import robust
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Shapes
 from irtiming.physics.wheel import TURN, wheel_model
@@ -229,7 +230,7 @@ class _Given:
         amounts = np.linalg.lstsq(columns * root, self.values * root[:, 0], rcond=1e-12)[0]
         step = float(amounts[1])
         strays = np.abs(self.values - columns @ amounts) / abs(step)
-        scatter = 1.4826 * float(np.median(strays))
+        scatter = robust.spread(strays)
         is_odd = np.zeros(known.size, bool)
         is_odd[known] = strays > max(ODD, _SCATTERS * scatter)
         if not scatter < _FOLLOWS:

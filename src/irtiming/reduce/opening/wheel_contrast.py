@@ -13,6 +13,7 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.errors import ReductionError
+from irtiming.physics import robust
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.reduce import kernels
 from irtiming.reduce.opening import dead_pixels, mask_shape
@@ -107,7 +108,7 @@ def noise_between_neighbours(image: ComplexArray, area: Mask) -> float:
         if beside.size < _FEWEST_THREES:
             return float("nan")
         parts = np.concatenate([beside.real, beside.imag])
-        found.append(1.4826 * float(np.median(np.abs(parts))) / np.sqrt(1.5))
+        found.append(robust.spread(parts) / np.sqrt(1.5))
     return float(max(found))
 
 

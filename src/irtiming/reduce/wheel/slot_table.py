@@ -5,7 +5,7 @@ from typing import Any, final
 
 import numpy as np
 
-from irtiming.physics import slot_orders
+from irtiming.physics import robust, slot_orders
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Mask
 from irtiming.reduce.wheel.edge_train import EdgeTrain
@@ -115,7 +115,7 @@ def _faded(is_recorded: Mask, rise: Array) -> Array:
 def _robust_mean(by_turn: Array, weight: Array, *, least_scale: float) -> tuple[Array, Array]:
     """Huber's mean of each slot over the turns, and by how much each value moves it: times the number of turns, (turn, slot)."""
     mean = np.median(by_turn, axis=0)
-    scale = float(np.median(1.4826 * np.median(np.abs(by_turn - mean), axis=0)))
+    scale = float(np.median(robust.OF_NORMAL * np.median(np.abs(by_turn - mean), axis=0)))
     limit = _FAR * max(scale, least_scale)
     for _ in range(_ROUNDS):
         off = by_turn - mean
