@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from irtiming.estimate.rig_errors import several_speeds
+from irtiming.estimate.rig_errors import speeds_differ
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Latency, Rig
@@ -27,7 +27,7 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ..
     rig
         As measured by its owner.
     """
-    several = several_speeds([one.track.angular_frequency_rad_per_s for one in recordings])
+    several = speeds_differ([one.track.angular_frequency_rad_per_s for one in recordings])
     late = rig.latency or Latency()
     stated = [one for one in (late.application_gate_s, late.control_gate_s, late.trigger_s) if one is not None]
     has_window = recordings[0].camera_type == "photon" and recordings[0].integration_time_s is not None

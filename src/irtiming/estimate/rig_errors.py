@@ -85,7 +85,7 @@ def of(
         *_clock(recordings, fits, clock),
     ]
     speeds = [fit.angular_frequency_rad_per_s for fit in fits]
-    several = several_speeds(speeds)
+    several = speeds_differ(speeds)
     missing = [words for name, words in _LATENCIES.items() if getattr(rig.latency or Latency(), f"{name}_s") is None]
     not_held = [f"latency of {_listed(missing)}"] if missing else []
     if rig.light_gates.lateral_offset_m is None and not several:
@@ -193,7 +193,7 @@ _GATES = ("application_gate", "control_gate")
 _LATENCIES = {"application_gate": "application gate", "control_gate": "control gate", "trigger": "trigger path"}
 
 
-def several_speeds(speeds: Sequence[float]) -> bool:
+def speeds_differ(speeds: Sequence[float]) -> bool:
     """Whether wheel speeds differ by enough to tell an angle from a delay."""
     return max(speeds) > _SAME_SPEED * min(speeds)
 
@@ -233,7 +233,7 @@ def _of_registers(tracks: Sequence[WheelTrack], given: Latency | None) -> list[F
     speeds = [track.angular_frequency_rad_per_s for track in tracks]
     slots = [track.slot_deviation_rad for track in tracks]
     is_apart = all(track.register_rad_per_s is None for track in tracks)
-    if not several_speeds(speeds) or not is_apart or any(np.any(one != slots[0]) for one in slots):
+    if not speeds_differ(speeds) or not is_apart or any(np.any(one != slots[0]) for one in slots):
         return []
     late_s = float(np.polyfit(speeds, [track.gate_separation_rad for track in tracks], 1)[0])
     known = given or Latency()
