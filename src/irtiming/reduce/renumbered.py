@@ -16,10 +16,10 @@ import numpy as np
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
+from irtiming.reduce.passing_wave import PASSING
 from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _BLOCK = 15  # frames, of which half overlap
-_PASSING = 2
 _MOST = 3  # frames that are looked for: half a turn has five, and more would be as good as fewer the other way
 _FAR = 6.0  # standard uncertainties: by chance never
 _CERTAIN = 0.2  # of a frame: the standard uncertainty from which a block tells a whole number by three of them
@@ -70,7 +70,7 @@ def _folded(phase: float) -> float:
 def _phase(light: Array, angle: Array) -> tuple[float, float]:
     """Of the wave with which cutouts pass, beside a straight line, and its standard uncertainty, rad."""
     line = np.linspace(-1.0, 1.0, light.size)
-    columns = np.stack([np.ones(light.size), line, np.cos(_PASSING * angle), np.sin(_PASSING * angle)], axis=1)
+    columns = np.stack([np.ones(light.size), line, np.cos(PASSING * angle), np.sin(PASSING * angle)], axis=1)
     found, *_ = np.linalg.lstsq(columns, light, rcond=None)
     variance = float(np.sum((light - columns @ found) ** 2)) / (light.size - columns.shape[1])
     covariance = np.linalg.pinv(columns.T @ columns)[2:, 2:] * variance
@@ -80,9 +80,9 @@ def _phase(light: Array, angle: Array) -> tuple[float, float]:
 
 def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:
     """Whole frames by which a block is off; None where its noise does not tell, or where it is off by no whole number."""
-    if not u_rad < _CERTAIN * abs(_folded(_PASSING * step_rad)):
+    if not u_rad < _CERTAIN * abs(_folded(PASSING * step_rad)):
         return None
-    fits = [k for k in range(-_MOST, _MOST + 1) if abs(_folded(off_rad + _PASSING * k * step_rad)) < 3 * u_rad]
+    fits = [k for k in range(-_MOST, _MOST + 1) if abs(_folded(off_rad + PASSING * k * step_rad)) < 3 * u_rad]
     if 0 in fits or not fits or abs(off_rad) < _FAR * u_rad:
         return 0
     return min(fits, key=abs)

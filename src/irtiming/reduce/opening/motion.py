@@ -27,6 +27,7 @@ from irtiming.records.finding import Finding
 from irtiming.records.reduced import Opening
 from irtiming.records.rig import Rig
 from irtiming.reduce import kernels, passing_wave
+from irtiming.reduce.opening import wheel_contrast
 from irtiming.reduce.passing_wave import PASSING
 
 _PARTS = 4
@@ -37,7 +38,6 @@ _CLUSTERS = 24
 _ROUNDS = 4
 _FEWEST_PIXELS = 60
 _MARGIN_PX = 3  # beyond the blurred border
-_SMOOTHED_PX = 1.5
 _SWAY = 0.1  # of the contrast: by as much levels may sway within a part
 _FAR = 6.0
 """Standard uncertainties: of a few ten clusters, with Student's t, less than once in 10 000 runs by chance."""
@@ -108,7 +108,7 @@ def places(sample: SampledFrames, opening: Opening, *, gain: Array | float = 1.0
     inner = mask[box] & ~bad[box]
     if inner.sum() < _FEWEST_PIXELS:
         return None
-    direction = _direction(whole, inner)
+    direction = wheel_contrast.direction(whole, inner)
     contrast = [(wave * direction.conj()).real for wave in waves]
     clusters, middle = _clusters(direction, pixels), np.mean(contrast, axis=0)
     found = [_moved(one, middle, pixels=pixels, direction=direction, clusters=clusters) for one in contrast]
@@ -147,17 +147,6 @@ def _harmonics(values: Pixels, angle: Array, *, parts: Sequence[Ticks]) -> list[
         kernels.add_projection(values, every[0], every[1], sums)
         found.append(sums[0] - 1j * sums[1])
     return found
-
-
-def _direction(whole: ComplexArray, inner: Mask) -> ComplexArray:
-    """Phase of the nearest pixels of the opening, as a number of size 1, shape (row, column)."""
-    within = np.where(inner, whole, 0.0)
-    smooth = ndimage.gaussian_filter(within.real, _SMOOTHED_PX) + 1j * ndimage.gaussian_filter(
-        within.imag, _SMOOTHED_PX
-    )
-    nearest = ndimage.distance_transform_edt(~inner, return_distances=False, return_indices=True)
-    smooth = smooth[tuple(nearest)]
-    return np.asarray(smooth / np.maximum(np.abs(smooth), 1e-300))
 
 
 def _clusters(direction: ComplexArray, pixels: Mask) -> Ticks:

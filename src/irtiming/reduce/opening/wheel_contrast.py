@@ -135,6 +135,17 @@ def _second_harmonic(sample: SampleFrames, good: Mask) -> ComplexArray:
     return np.asarray(sums[0] - common[0] + 1j * (sums[1] - common[1]))
 
 
+def direction(harmonic: ComplexArray, inner: Mask) -> ComplexArray:
+    """Phase of the nearest ``inner`` pixels of the opening, as a number of size 1; all of shape (row, column)."""
+    within = np.where(inner, harmonic, 0.0)
+    smooth = ndimage.gaussian_filter(within.real, _SMOOTHED_PX) + 1j * ndimage.gaussian_filter(
+        within.imag, _SMOOTHED_PX
+    )
+    nearest = ndimage.distance_transform_edt(~inner, return_distances=False, return_indices=True)
+    smooth = smooth[tuple(nearest)]
+    return np.asarray(smooth / np.maximum(np.abs(smooth), 1e-300))
+
+
 def _contrast(harmonic: ComplexArray, seeds: Mask) -> tuple[Array, float]:
     """The part of each harmonic in phase with the nearest pixels of the opening, over that of the opening; and the latter.
 
@@ -142,12 +153,6 @@ def _contrast(harmonic: ComplexArray, seeds: Mask) -> tuple[Array, float]:
     """
     inner = ndimage.binary_erosion(seeds)
     inner = np.asarray(inner if inner.sum() >= _FEWEST_SEEDS else seeds)
-    within = np.where(inner, harmonic, 0.0)
-    smooth = ndimage.gaussian_filter(within.real, _SMOOTHED_PX) + 1j * ndimage.gaussian_filter(
-        within.imag, _SMOOTHED_PX
-    )
-    nearest = ndimage.distance_transform_edt(~inner, return_distances=False, return_indices=True)
-    direction = (smooth / np.maximum(np.abs(smooth), 1e-300))[tuple(nearest)]
-    in_phase = (harmonic * direction.conj()).real
+    in_phase = (harmonic * direction(harmonic, inner).conj()).real
     interior = float(np.median(in_phase[inner]))
     return np.asarray(in_phase / interior), interior
