@@ -3,8 +3,17 @@
 from collections.abc import Sequence
 
 from irtiming.estimate.chains import chains
+from irtiming.records.reduced import ReducedRecording
 
 _SAME_K = 1.0  # blackbodies that differ by less count as one
+
+
+def of_recordings(recordings: Sequence[ReducedRecording]) -> list[list[int]]:
+    """`groups` of recordings, by what they state and show."""
+    return groups(
+        [one.blackbody_temperature_k for one in recordings],
+        is_colder=[one.opening.blackbody_is_colder for one in recordings],
+    )
 
 
 def groups(temperature_k: Sequence[float | None], *, is_colder: Sequence[bool]) -> list[list[int]]:

@@ -131,10 +131,7 @@ def _in_turns(
 ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:
     """Contrast image and rows by turns, until the rows' numbers stay."""
     kind = camera(recordings[0].camera_type, recordings[0].readout_mode)
-    groups = by_blackbody.groups(
-        [one.blackbody_temperature_k for one in recordings],
-        is_colder=[one.opening.blackbody_is_colder for one in recordings],
-    )
+    groups = by_blackbody.of_recordings(recordings)
     turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups)
     timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
     views, fits = turns.next(timings)

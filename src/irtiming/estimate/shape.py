@@ -55,10 +55,7 @@ def seen(
     recordings, wheel, rig
         As of `estimate`.
     """
-    groups = by_blackbody.groups(
-        [one.blackbody_temperature_k for one in recordings],
-        is_colder=[one.opening.blackbody_is_colder for one in recordings],
-    )
+    groups = by_blackbody.of_recordings(recordings)
     found, sectors = list(recordings), list[SectorFit | None]([None] * len(recordings))
     for members in groups:
         group = [_steady(recordings[k], wheel) for k in members]

@@ -31,10 +31,7 @@ def groups(recordings: Sequence[ReducedRecording]) -> list[list[ReducedRecording
     recordings
         Of one camera.
     """
-    blackbodies = by_blackbody.groups(
-        [one.blackbody_temperature_k for one in recordings],
-        is_colder=[one.opening.blackbody_is_colder for one in recordings],
-    )
+    blackbodies = by_blackbody.of_recordings(recordings)
     found: dict[tuple[float, float, int], list[ReducedRecording]] = {}
     for k, one in enumerate(recordings):
         shown = 0 if one.rows is None else next(g for g, members in enumerate(blackbodies) if k in members)
