@@ -25,7 +25,6 @@ from irtiming.records.recording import USUAL_READOUT, CameraType, ReadoutMode
 from irtiming.records.two_constants import NAMES as TWO_CONSTANTS
 
 MomentName = Literal["start", "middle", "end", "reading", "effective"]
-MOMENTS: tuple[MomentName, ...] = ("start", "middle", "end", "reading", "effective")
 MEANINGS: Mapping[MomentName, str] = {
     "start": "start of integration",
     "middle": "middle of integration",

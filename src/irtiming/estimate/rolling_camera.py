@@ -88,9 +88,7 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
     view_of = [next(view for view in views if k in view.members) for k in range(len(recordings))]
     changes = {id(view): _changes(view, recordings, fits=fits, model=bare, rig=rig) for view in views}
     fits = tuple(
-        row_fit.with_shape_effect(
-            fit, one, wheel=bare, light=view.light, changes=changes[id(view)], names=view.sector.names
-        )
+        row_fit.with_shape_effect(fit, one, wheel=bare, light=view.light, changes=changes[id(view)])
         for one, view, fit in zip(recordings, view_of, fits, strict=True)
     )
     seen = tuple(

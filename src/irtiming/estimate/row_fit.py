@@ -89,8 +89,7 @@ def fit(
 
 
 def with_shape_effect(
-    found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray,
-    names: tuple[str, ...] = SHAPE_NUMBERS,
+    found: RowTimingFit, rows: ReducedRecording, *, wheel: WheelModel, light: RowLight, changes: ComplexArray
 ) -> RowTimingFit:  # fmt: skip
     """A fit that knows what its numbers owe to each number of the sector: one linear step.
 
@@ -100,17 +99,11 @@ def with_shape_effect(
         The fit and what it was made of.
     changes
         Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
-    names
-        Those numbers.
     """
     with one_thread():
         task = _task(rows, wheel, light, before=found)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
-        return replace(
-            found,
-            shape_names=names,
-            shape_effect=_shape_effect(task, at, changes),
-        )
+        return replace(found, shape_effect=_shape_effect(task, at, changes))
 
 
 def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
@@ -146,7 +139,6 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         kept=task.kept,
         start=found.began,
         n_steps=found.n_steps,
-        shape_names=SHAPE_NUMBERS,
         shape_effect=np.zeros((len(names), len(SHAPE_NUMBERS))),
         row_px=light.row_px,
         wheel_angle_rad=np.mod(task.angle, TURN),

@@ -38,12 +38,10 @@ class Response(Protocol):
 class Memory(Protocol):
     """What frames keep of those before: a factor on each harmonic of the wheel angle, with one share as parameter.
 
-    ``LOOKED_AT`` are shares from which a search begins. One that ``IS_RECURSIVE`` can be undone between two frames that followed
-    each other (`in_camera_filter.undone`).
+    ``LOOKED_AT`` are shares from which a search begins.
     """
 
     PARAMETER: str
-    IS_RECURSIVE: bool
     LOOKED_AT: tuple[float, ...]
 
     def transfer(self, step_rad: float, share: float, /, *, n_harmonics: int) -> ComplexArray:

@@ -282,9 +282,9 @@ class RowTimingFit:
         Where the search began, by name.
     n_steps
         Steps from there.
-    shape_names, shape_effect
-        Numbers of the sector's shape; change of each fitted number per unit of each of them, shape (k, n_shape), in the order
-        of ``estimate.names``.
+    shape_effect
+        Change of each fitted number, in the order of ``estimate.names``, per unit of each number of the sector, in the order of
+        its ``names``; shape (k, n_shape).
     row_px
         Shape (n_row,); rows that were fitted.
     wheel_angle_rad
@@ -318,7 +318,6 @@ class RowTimingFit:
     kept: Mask
     start: Mapping[str, float]
     n_steps: int
-    shape_names: tuple[str, ...]
     shape_effect: Array
     row_px: Ticks
     wheel_angle_rad: Array

@@ -67,7 +67,7 @@ def row_fit(camera):
             ),
             "held": {},
             "step_rad": 0.6, "undone": 0.0, "blades_apart": False, "kept": np.ones(N, bool), "start": {}, "n_steps": 1,
-            "shape_names": (), "shape_effect": np.zeros((0, 0)), "row_px": np.arange(3), "wheel_angle_rad": np.zeros(N),
+            "shape_effect": np.zeros((0, 0)), "row_px": np.arange(3), "wheel_angle_rad": np.zeros(N),
             "fraction": nothing, "model": nothing, "residual": nothing, "noise": np.ones(3),
             "harmonics": np.full((3, 2), 0.5 + 0j), "gain_dn": np.ones(3), "contrast_dn": CONTRAST_DN * steps,
             "variance_inflation": 1.0, "sway": sway,

@@ -57,7 +57,6 @@ def fits():
                     blades_apart=False,
                     kept=np.ones(4, bool),
                     start={},
-                    shape_names=SHAPE_NUMBERS,
                     shape_effect=effect * drawn * np.array([2e-4] * 4 + [1e-4, 1e-6])[:, None],
                     n_steps=5,
                     row_px=np.arange(3),

@@ -351,7 +351,7 @@ def _row_fit(name: str, delay_s: float, rng: np.random.Generator) -> RowTimingFi
         ),
         held={}, step_rad=0.622, undone=0.0, blades_apart=False, kept=np.ones(angle.size, bool),
         start=dict(zip(ROLLING_NAMES, (0.0, 0.0, 0.0, 0.0, 3e-3, 60e-6), strict=True)), n_steps=9,
-        shape_names=(), shape_effect=np.zeros((6, 0)), row_px=ROW_PX,
+        shape_effect=np.zeros((6, 0)), row_px=ROW_PX,
         wheel_angle_rad=angle, fraction=model + residual, model=model, residual=residual, noise=residual.std(axis=0),
         harmonics=harmonics, gain_dn=-1e4 * np.linspace(1, 2, ROW_PX.size), contrast_dn=np.full(1, -300.0),
         variance_inflation=2.25,

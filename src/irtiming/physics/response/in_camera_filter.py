@@ -21,9 +21,6 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 
 PARAMETER = "recursive_filter"
 
-IS_RECURSIVE = True
-"""Whether two frames that followed each other are enough to undo it."""
-
 LOOKED_AT: tuple[float, ...] = (0.0, 0.25, 0.5)
 """Shares k from which a search begins; cameras offer up to about one half."""
 

@@ -14,9 +14,6 @@ from irtiming.records.arrays import ComplexArray
 
 PARAMETER = "pixel_memory"
 
-IS_RECURSIVE = False
-"""Whether two frames that followed each other are enough to undo it."""
-
 LOOKED_AT: tuple[float, ...] = (0.0,)
 """Shares s from which a search begins."""
 
