@@ -100,19 +100,22 @@ class FrameNoise:
 def frame_noise(camera: PhotonCamera) -> FrameNoise:
     """Noise of the sum over an opening of the paper's shape with the border that the reduction draws around it."""
     side = camera.opening_pixels**0.5
-    border = _BORDER_PX * (camera.opening_pixels / _BORDER_OF) ** _BORDER_GROWTH
     return FrameNoise(
-        share=camera.noise_to_contrast / contrast_per_noise(camera.opening_pixels, border),
+        share=camera.noise_to_contrast / contrast_per_noise(camera.opening_pixels),
         jitter_s=float(np.sqrt(_TIMESTAMPS * camera.gate_jitter_s**2 + camera.camera_jitter_s**2)),
         integration_time_s=camera.integration_time_s,
-        border_rad=border_rad(border, radii_px=_MEAN_RADIUS * side),
+        border_rad=border_rad(_border_px(camera.opening_pixels), radii_px=_MEAN_RADIUS * side),
     )
 
 
-def contrast_per_noise(opening_pixels: float, border_px: float | None = None) -> float:
+def _border_px(opening_pixels: float) -> float:
+    return float(_BORDER_PX * (opening_pixels / _BORDER_OF) ** _BORDER_GROWTH)
+
+
+def contrast_per_noise(opening_pixels: float) -> float:
     """By how much better the sum over the opening with its border is than one pixel: opening over the root of what is summed."""
-    border = _BORDER_PX * (opening_pixels / _BORDER_OF) ** _BORDER_GROWTH if border_px is None else border_px
-    return float(opening_pixels / (opening_pixels + _PERIMETER * opening_pixels**0.5 * border) ** 0.5)
+    of_border = _PERIMETER * opening_pixels**0.5 * _border_px(opening_pixels)
+    return float(opening_pixels / (opening_pixels + of_border) ** 0.5)
 
 
 def one_run(
