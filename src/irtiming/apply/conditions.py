@@ -12,7 +12,9 @@ from irtiming.records.recording import CameraType, ReadoutMode, Recording
 from irtiming.units import readable_time
 
 _FEWEST = 8
-_SAME_WINDOW = 1e-3  # relative, within which two integration times are one setting
+SAME = 1e-3
+"""Relative, within which two settings are one."""
+
 _OTHER_UNIT = 10.0
 """Factor between two times between frames from which a unit is doubted. Units of stamps are 1000 apart, cameras' counters tick in
 1 µs or 0.1 µs, 10 apart; a camera that makes frames so much faster or slower than when it was measured is noted, not refused."""
@@ -91,7 +93,7 @@ def require(measured: Conditions, found: Conditions, *, where: str) -> tuple[str
     )
     is_photon = measured.camera_type == "photon"
     for what, ours, theirs in (*kinds, *stated):
-        if what == "integration time" and (not is_photon or _same_window(measured, found)):
+        if what == "integration time" and (not is_photon or same_window(measured, found)):
             continue
         if ours and theirs and ours != theirs:
             raise ConditionError(
@@ -137,7 +139,8 @@ def _window(one: Conditions) -> str:
     return "" if one.integration_time_s is None else f"{1e6 * one.integration_time_s:.3f} µs"
 
 
-def _same_window(one: Conditions, other: Conditions) -> bool:
+def same_window(one: Conditions, other: Conditions) -> bool:
+    """Whether both state the integration time, and it is the same."""
     if one.integration_time_s is None or other.integration_time_s is None:
         return False
-    return abs(one.integration_time_s - other.integration_time_s) <= _SAME_WINDOW * one.integration_time_s
+    return abs(one.integration_time_s - other.integration_time_s) <= SAME * one.integration_time_s

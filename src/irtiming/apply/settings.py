@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from irtiming.apply.camera_timing import CameraTiming, Conditions
-from irtiming.apply.conditions import require
+from irtiming.apply.conditions import SAME, require, same_window
 from irtiming.errors import ConditionError
 from irtiming.inference.weighted_line import line_weights
 from irtiming.records.arrays import Array
@@ -27,7 +27,6 @@ from irtiming.units import readable_time
 
 Axis = Literal["integration time", "time between frames"]
 
-_SAME = 1e-3  # relative, within which two settings are one
 _DOUBTFUL, _REFUSED = 0.05, 1e-4
 """Probability of a chi-squared as large: below the first what u has of each result's own grows by the ratio of Birge.
 
@@ -68,7 +67,7 @@ def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) 
             "interpolated over it; give the one result of this setting alone",
             where=where,
         )
-    here = np.flatnonzero(np.abs(x - at) <= _SAME * x)
+    here = np.flatnonzero(np.abs(x - at) <= SAME * x)
     if here.size:
         return cameras[int(here[0])], ()
     if not x.min() < at < x.max():
@@ -90,11 +89,9 @@ def between(cameras: Sequence[CameraTiming], wanted: Conditions, *, where: str) 
 
 def _axis(cameras: Sequence[CameraTiming]) -> Axis:
     """What the results differ in."""
-    windows = [one.conditions.integration_time_s for one in cameras]
-    is_photon = cameras[0].conditions.camera_type == "photon"
-    first = windows[0]
-    same = all(one is not None and first is not None and abs(one - first) <= _SAME * first for one in windows)
-    return "integration time" if is_photon and not same else "time between frames"
+    first = cameras[0].conditions
+    same = all(same_window(first, one.conditions) for one in cameras)
+    return "integration time" if first.camera_type == "photon" and not same else "time between frames"
 
 
 def _setting(one: Conditions, axis: Axis) -> float:
