@@ -1,4 +1,4 @@
-"""Hostile inputs, five seconds of them over all parts of the program that take any; an hour of them by ``make fuzz``."""
+"""Hostile inputs, eight seconds of them over all parts of the program that take any; an hour of them by ``make fuzz``."""
 
 import pytest
 from fuzzer import fuzz, input_of
@@ -7,7 +7,7 @@ from targets import TARGETS
 
 def test_only_our_own_errors_come_out() -> None:
     """Oracle: the class of whatever is raised; the system's word on time, memory and crashes of another process."""
-    report = fuzz(seconds=5, seed=20261123, most_each=1000)
+    report = fuzz(seconds=8, seed=20261123, most_each=1000)
     assert report.finds == []
     assert set(report.n_inputs) == set(TARGETS)
     assert report.n_inputs.total() > 5 * len(TARGETS)

@@ -19,7 +19,7 @@ Offsets: TypeAlias = npt.NDArray[np.float32]
 VARIANTS = 16
 """Shifted copies of the places, among pixels as if by chance, lest an edge runs along places of many pixels."""
 
-_GRADES = 32
+_GRADES, _GRADE_VARIANTS = 12, 4
 _REACH = 4.0  # standard deviations of the blur
 _HALF_DIAGONAL_PX = 0.71
 _EDGE_RAY_BUDGET = 3e6
@@ -43,15 +43,17 @@ def edge_rays(rows: int, columns: int) -> int:
 def graded_spread(n: int, optics: Optics, *, variants: int) -> Offsets:
     """`pixel_spread` of pixels in the middle of the image and of others in steps to its corners, one step where all are alike.
 
+    Pixels of several steps need fewer variants each.
+
     Returns
     -------
     Shape (steps, variants, n, 2): steps of equal size in the square of the distance, from 0 to half a diagonal.
     """
-    steps = _GRADES if optics.blur_growth != 0 else 1
+    steps, copies = (_GRADES, min(variants, _GRADE_VARIANTS)) if optics.blur_growth != 0 else (1, variants)
     wider = np.sqrt(1 + optics.blur_growth * (np.arange(steps) + 0.5) / steps)
     rows_px, columns_px = optics.blur_rows_columns_px
     return np.stack([
-        pixel_spread(n, (rows_px * one, columns_px * one), turn_rad=optics.blur_turn_rad, variants=variants)
+        pixel_spread(n, (rows_px * one, columns_px * one), turn_rad=optics.blur_turn_rad, variants=copies)
         for one in wider.tolist()
     ])  # fmt: skip
 
