@@ -83,3 +83,12 @@ def test_times_of_frames_bridge_what_was_left_out(rolling):
     """Oracle: frame k at k / 30.303 Hz, also within the shutter event and beyond the last kept frame."""
     times = level.frame_time_s(rolling.recordings[0], np.array([0.0, 110, 399, 450]))
     np.testing.assert_allclose(times, np.array([0, 110, 399, 450]) * 0.033, rtol=1e-9)
+
+
+def test_numbers_of_the_sector_end_where_their_uncertainty_does(rolling):
+    """Oracle: by hand; 38 px with u = 0.001 px, 75 degrees with u = 0.001 rad, 40.00 us with u = 0.1 us."""
+    rows = {row[0]: row[1:] for row in image.sector(rolling.sectors[0]).rows}
+    assert rows["outer radius (px)"] == ("38.0000", "0.0010")
+    assert rows["opening angle (degrees)"] == ("75.000", "0.057")
+    name = next(one for one in rows if one.startswith("row delay"))
+    assert (rows[name][0].partition(".")[2], rows[name][1]) == ("00", "0.10")

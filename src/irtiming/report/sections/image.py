@@ -11,8 +11,8 @@ from irtiming.records.reduced import Histogram, Opening, ReducedRecording
 from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.report import sheet
 from irtiming.report.blocks import Panel, Section, Table, of_tables
-from irtiming.report.language import decimal, heads, t
-from irtiming.report.rounding import significant
+from irtiming.report.language import heads, t
+from irtiming.report.rounding import in_unit, significant
 from irtiming.report.sections import level
 
 if TYPE_CHECKING:
@@ -286,13 +286,13 @@ def sector(found: SectorFit) -> Table:
     rows = [
         (
             t(words),
-            decimal(f"{found.value(name) * factor:.4f}").replace("-", "−"),
+            in_unit(found.value(name), found.u(name), unit_s=1 / factor),
             significant(found.u(name) * factor),
         )
         for words, name, factor in _SHAPE
     ]
     if found.u_row_delay_s > 0:
-        phases = decimal(f"{1e6 * found.row_delay_s:.3f}").replace("-", "−")
+        phases = in_unit(found.row_delay_s, found.u_row_delay_s, unit_s=1e-6)
         rows.append((t("row delay by the pixels’ phases (µs)"), phases, significant(1e6 * found.u_row_delay_s)))
     return Table(
         title=t("The fitted sector"),
