@@ -50,6 +50,23 @@ def signals_as_before() -> Iterator[None]:
 
 
 @pytest.fixture
+def told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], signals_as_before: None
+) -> Callable[..., tuple[object, str, str]]:
+    """The command line in this process: told("apply", ...) gives exit status, output and error."""
+    from irtiming.cli.main import run
+
+    def words(*arguments: object) -> tuple[object, str, str]:
+        monkeypatch.setattr("sys.argv", ["irtiming", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ending:
+            run()
+        shown = capsys.readouterr()
+        return ending.value.code or 0, shown.out, shown.err
+
+    return words
+
+
+@pytest.fixture
 def hand_made(tmp_path: Path) -> Callable[..., Path]:
     """Writer of a small sound recording in plain h5py, sharing nothing with the package.
 

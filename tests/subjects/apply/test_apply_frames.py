@@ -11,27 +11,12 @@ from made_up_result import made_up_result
 from moving_scene import COLUMNS, EDGE_COLUMNS, HIGH, LOW, ROWS, FilmedBy, film
 
 from irtiming.archive.result_file import write_result
-from irtiming.cli.main import run
 from irtiming.web.orders import ApplyOrder
 from irtiming.web.tasks import applying
 
 CAMERA = FilmedBy(row_delay_s=7e-4, tau_s=5e-3)
 NUMBERS = {"trigger_delay": (4e-3, 2e-5), "time_constant": (5e-3, 5e-6), "row_delay": (7e-4, 1e-7)}
 CLOCK_HZ = 50_000_000
-
-
-@pytest.fixture
-def told(monkeypatch, capsys, signals_as_before):
-    """The command line: told("apply", ...) gives exit status, output and error."""
-
-    def words(*arguments):
-        monkeypatch.setattr("sys.argv", ["irtiming", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ending:
-            run()
-        shown = capsys.readouterr()
-        return ending.value.code or 0, shown.out, shown.err
-
-    return words
 
 
 @pytest.fixture(scope="module")

@@ -15,25 +15,10 @@ from pyarrow import parquet
 from irtiming.apply.stamps import Generator, Latency
 from irtiming.archive import layout, reader
 from irtiming.archive.result_file import write_result
-from irtiming.cli.main import run
 from irtiming.session.apply_time import camera_of
 from irtiming.session.frame_stamps import StampsWanted, read
 
 CLOCK_HZ = 49_152_000
-
-
-@pytest.fixture
-def told(tmp_path, monkeypatch, capsys, signals_as_before):
-    """The command line with words: told("apply", ...) gives exit status, output and the error."""
-
-    def words(*arguments):
-        monkeypatch.setattr("sys.argv", ["irtiming", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ending:
-            run()
-        shown = capsys.readouterr()
-        return ending.value.code or 0, shown.out, shown.err
-
-    return words
 
 
 def _result(tmp_path, *camera, **fields):
