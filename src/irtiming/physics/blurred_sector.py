@@ -12,7 +12,8 @@ bisector               direction of the mask's bisector, polar angle in the imag
 opening angle          gamma, between the two radial edges
 distortion             of the lens (`physics.lens`), tilt and lens centre (`physics.projection`); offset, radii and angles
                        are those of the wheel's plane
-blur                   of the Gaussian that smears light: standard deviations over rows and columns, px, and their correlation
+blur                   of the Gaussian that smears light: standard deviations over rows and columns, px, and their correlation,
+                       in the middle of the image; its variance may grow to the corners
 glare                  share of the blurred light that a further, round Gaussian spreads
 =====================  =======================================================================================
 
@@ -29,7 +30,7 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
-from irtiming.physics import gaussian_spread, sector_points
+from irtiming.physics import gaussian_spread
 from irtiming.physics.gaussian_spread import REACH
 from irtiming.physics.projection import Projection, projection_of
 from irtiming.physics.sector_points import (
@@ -37,7 +38,9 @@ from irtiming.physics.sector_points import (
     Sector,
     glare_points,
     half_turn,
+    radial,
     sector_of,
+    widening,
     widths_with_glare,
 )
 from irtiming.physics.wheel_harmonics import later
@@ -88,14 +91,14 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
 def blur_across_px(shape: SectorShape, *, roi: tuple[int, int, int, int], along: bool = False) -> Array:
     """Standard deviation of the blur across each pixel's radius, or ``along`` it, px, shape (roi rows, roi columns)."""
     down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    variances = sector_points.radial(shape.blur, down=down, right=right)
+    variances = radial(shape.blur, down=down, right=right)
     return np.asarray(np.sqrt(variances[0 if along else 1]) * _widening(shape, roi))
 
 
 def _widening(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
-    """See `sector_points.widening`, shape (roi rows, roi columns)."""
+    """By how much wider the blur is at each pixel than in the middle of the image, shape (roi rows, roi columns)."""
     row, column = _pixels(roi)
-    return sector_points.widening(shape, row_px=row, column_px=column)
+    return widening(shape, row_px=row, column_px=column)
 
 
 def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
@@ -105,7 +108,7 @@ def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arr
     \cos\phi + b_{xy} (\cos^2\phi - \sin^2\phi)`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
     """
     down, right, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    _, _, both = sector_points.radial(shape.blur, down=down, right=right)
+    _, _, both = radial(shape.blur, down=down, right=right)
     return np.asarray(-shape.sense * both * _widening(shape, roi) ** 2 / np.maximum(away, 1.0) ** 2)
 
 
@@ -125,12 +128,17 @@ def reach_px(blur_px: float) -> float:
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border does not reach, shape (roi rows, roi columns)."""
-    return np.asarray(_depth_px(shape, roi) > REACH * shape.blur.widest_px * _widening(shape, roi) + 1)
+    return np.asarray(_depth_px(shape, roi) > _reach_of_border_px(shape, roi))
 
 
 def near_border(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:
     """Pixels that the blur of the border reaches, from either side, shape (roi rows, roi columns)."""
-    return np.asarray(np.abs(_depth_px(shape, roi)) <= REACH * shape.blur.widest_px * _widening(shape, roi) + 1)
+    return np.asarray(np.abs(_depth_px(shape, roi)) <= _reach_of_border_px(shape, roi))
+
+
+def _reach_of_border_px(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
+    """How far from the border, at each pixel, its blur shows, shape (roi rows, roi columns)."""
+    return REACH * shape.blur.widest_px * _widening(shape, roi) + 1
 
 
 def _pixels(roi: tuple[int, int, int, int]) -> tuple[Array, Array]:

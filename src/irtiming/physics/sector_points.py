@@ -46,12 +46,12 @@ class LightPoints:
 
 def light_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
     """Gauss-Legendre nodes in radius and angle, close enough for the blur and for the highest order that is asked for."""
-    return _points(shape, n_harmonics=n_harmonics, within_px=math.inf)
+    return _points(shape, n_harmonics=n_harmonics)
 
 
 def border_points(shape: SectorShape) -> LightPoints:
     """Those of the light points that reach a pixel which is not `well_inside`: a fraction of all where the opening is large."""
-    return _points(shape, n_harmonics=0, within_px=2 * (REACH * shape.blur.widest_px * _widenings(shape)[1] + 1))
+    return _points(shape, n_harmonics=0, of_border=True)
 
 
 def glare_points(shape: SectorShape, *, n_harmonics: int = 0) -> LightPoints:
@@ -113,12 +113,14 @@ def half_turn(angle: float) -> float:
     return angle - 2 * math.pi * math.floor((angle + math.pi) / (2 * math.pi))
 
 
-def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightPoints:
-    """Nodes that lie less than so deep below the border, in the image."""
+def _points(shape: SectorShape, *, n_harmonics: int, of_border: bool = False) -> LightPoints:
+    """All nodes, or those alone that lie less than two reaches of the blur below the border, in the image."""
+    least, most = _widenings(shape)
+    within_px = 2 * (REACH * shape.blur.widest_px * most + 1) if of_border else math.inf
     eye = projection_of(shape).eye
     sector = sector_of(shape)
     wide = max(1.0, _widest(sector, eye))
-    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape))
+    along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape, least))
     for_waves = math.ceil(sector.half_angle_rad * n_harmonics) + _MORE_NODES
     width, around_px = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad * shape.outer_radius_px
     n_around = max(for_waves, math.ceil(around_px / across))
@@ -134,8 +136,10 @@ def _points(shape: SectorShape, *, n_harmonics: int, within_px: float) -> LightP
     )
 
 
-def _sharpest(shape: SectorShape) -> tuple[float, float]:
+def _sharpest(shape: SectorShape, least: float) -> tuple[float, float]:
     """Least blur along the radius, and across it, of all directions in the sector: there the gaps of a quadrature show.
+
+    ``least`` is by how much wider it is, where it is narrowest, than in the middle of the image.
 
     A wave across both kinds of gaps meets less blur, by twice the correlation of radius and what is across it, than two waves
     across one kind each.
@@ -144,7 +148,6 @@ def _sharpest(shape: SectorShape) -> tuple[float, float]:
     down, right = np.sin(polar), shape.sense * np.cos(polar)
     along, across, both = radial(shape.blur, down=down, right=right)
     diagonal = np.sqrt(np.minimum(1.0, 2 * (1 - np.abs(both) / np.sqrt(along * across)))).min()
-    least, _ = _widenings(shape)
     return least * diagonal * math.sqrt(along.min()), least * diagonal * math.sqrt(across.min())
 
 

@@ -19,15 +19,13 @@ Offsets: TypeAlias = npt.NDArray[np.float32]
 VARIANTS = 16
 """Shifted copies of the places, among pixels as if by chance, lest an edge runs along places of many pixels."""
 
-_GRADES, _GRADE_VARIANTS = 12, 4
+_GRADES, _GRADE_VARIANTS = 12, 4  # steps from the middle of the image to its corners, and variants of each
 _REACH = 4.0  # standard deviations of the blur
 _HALF_DIAGONAL_PX = 0.71
 _EDGE_RAY_BUDGET = 3e6
 _MOST_EDGE_RAYS = 10_000
 _GOLDEN = (math.sqrt(5) - 1) / 2
-_PLASTIC = (
-    1.32471795724474602596  # the root of x^3 = x + 1: its powers fill a plane as those of the golden ratio a line
-)
+_PLASTIC = 1.324717957244746  # root of x^3 = x + 1: its powers fill a plane as those of the golden ratio a line
 
 
 def reach_px(optics: Optics) -> float:
