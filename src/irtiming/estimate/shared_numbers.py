@@ -12,7 +12,7 @@ import numpy as np
 
 from irtiming.inference.information import NOISE, EvaluationType
 from irtiming.inference.weighed_lens import SLIGHT
-from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE
+from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import generalised_inverse, root
 from irtiming.physics.latency import EXACT_S
 from irtiming.physics.response import in_camera_filter, integration_window, pixel_memory
@@ -128,7 +128,7 @@ def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> 
     """
     if stated is None:
         return list(own)
-    return _stated_numbers(own, MEMORIES, stated=stated, least_u=EXACT_SHARE, source=MEMORY_SOURCE)
+    return _stated_numbers(own, MEMORIES, stated=stated, least_u=EXACT_SHARE, source=sources.MEMORY)
 
 
 def with_stated_window(own: Sequence[SharedNumber], *, stated_s: float, u_s: float | None) -> list[SharedNumber]:

@@ -83,11 +83,8 @@ class Camera:
         return self.response.HARMONICS * (1 if self.readout.PARAMETERS else 2)
 
 
-MEMORY_SOURCE = "share of the frame before, as stated"
-"""Who knows what each frame holds of the one before, where rig.toml states it."""
-
 EXACT_SHARE = 1e-7
-"""Standard uncertainty of such a share that is stated without one: thousands of times less than frames tell."""
+"""Standard uncertainty of a share of the frame before that is stated without one: thousands of times less than frames tell."""
 
 _RESPONSES: dict[CameraType, Response] = {"photon": integration_window, "microbolometer": first_order_lag}
 _MEMORIES: dict[CameraType, Memory] = {"photon": pixel_memory, "microbolometer": in_camera_filter}

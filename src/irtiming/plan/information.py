@@ -13,12 +13,12 @@ import numpy as np
 
 from irtiming.errors import EstimationError, PlanError
 from irtiming.inference.information import NOISE, Combined, Information, Weights, combine, prior
-from irtiming.physics.camera import EXACT_SHARE, MEMORY_SOURCE, Camera
+from irtiming.physics.camera import EXACT_SHARE, Camera
 from irtiming.physics.latency import EXACT_S
 from irtiming.plan.beside_angles import Beside
+from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.prediction import PredictedPart, PredictedUncertainty
-from irtiming.records.sources import WINDOW
 
 Asked: TypeAlias = Mapping[str, Weights]
 """What is asked for, by name: each a sum of parameters."""
@@ -89,12 +89,12 @@ def stated_memory(camera: Camera, u: float | None) -> tuple[Information, ...]:
     """
     if u is None:
         return ()
-    return (prior(camera.memory.PARAMETER, max(u, EXACT_SHARE), source=MEMORY_SOURCE),)
+    return (prior(camera.memory.PARAMETER, max(u, EXACT_SHARE), source=sources.MEMORY),)
 
 
 def stated_window(u_s: float | None) -> tuple[Information, ...]:
     """What is known of the integration time where its standard uncertainty, s, is stated."""
-    return () if u_s is None else (prior("integration_time", max(u_s, EXACT_S), source=WINDOW),)
+    return () if u_s is None else (prior("integration_time", max(u_s, EXACT_S), source=sources.WINDOW),)
 
 
 def total(parts: Sequence[RunInformation]) -> RunInformation:

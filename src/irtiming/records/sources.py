@@ -16,6 +16,7 @@ MASK_BESIDE = "mask beside the axle (image)"
 IMAGE = "axle, mask and blur in the image"
 CLOCK = "clock of the trigger generator"
 WINDOW, TAIL = "integration time as stated", "tail of the integration window"
+MEMORY = "share of the frame before, as stated"
 LATENCIES: Mapping[str, str] = {
     "application_gate": "latency of the application gate",
     "control_gate": "latency of the control gate",
