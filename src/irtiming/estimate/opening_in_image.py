@@ -35,12 +35,20 @@ def edge_misalignments(reduced: ReducedRecording, *, turns_clockwise: bool) -> t
     return 2 * misalignment_px / (inner + outer), 2 * axle.u_edge_miss_px / (inner + outer)
 
 
-def region(reduced: ReducedRecording) -> SummedRegion | None:
-    """What the summed pixels see beside the opening, as the image shows it; None where it shows nothing."""
+def plate(reduced: ReducedRecording) -> SummedRegion | None:
+    """Where the summed pixels see the mask plate, as the image shows it; None where the image was not looked at."""
     axle = reduced.axle
     if axle is None or not axle.plate_share:
         return None
-    return SummedRegion(ends_rad=np.array(axle.plate_ends_rad), share=np.array(axle.plate_share))
+    return SummedRegion(ends_rad=np.array(axle.beside_ends_rad), share=np.array(axle.plate_share))
+
+
+def uneven(reduced: ReducedRecording) -> SummedRegion | None:
+    """What an uneven wheel adds to the summed pixels, over the whole sum; None where the image was not looked at."""
+    axle = reduced.axle
+    if axle is None or not axle.uneven_share:
+        return None
+    return SummedRegion(ends_rad=np.array(axle.beside_ends_rad), share=np.array(axle.uneven_share))
 
 
 def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:

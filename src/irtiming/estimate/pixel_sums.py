@@ -90,7 +90,8 @@ class PixelSums:
     border_rad: float
     noise: float = 1.0
     radii: Radii = field(default_factory=Radii)
-    region: SummedRegion | None = None
+    plate: SummedRegion | None = None
+    uneven: SummedRegion | None = None
     lost: SummedRegion | None = None
     tails_s: Mapping[str, float] = field(default_factory=dict)
 
@@ -141,7 +142,8 @@ class PixelSums:
             lean_high_rad=numbers["lean_high"],
             border_rad=self.border_rad,
             radii=self.radii,
-            region=self.region,
+            plate=self.plate,
+            uneven=self.uneven,
             glare=numbers.get(GLARE, 0.0),
             bow=numbers.get(BOW, 0.0),
             lost=self.lost,
@@ -223,7 +225,8 @@ def pixel_sums(reduced: ReducedRecording, wheel: WheelModel) -> PixelSums:
         unit_dn=unit_dn,
         border_rad=summed_region.border_rad(reduced.opening.border_px, radii_px=distance),
         radii=Radii() if extent is None else pixel_sum.radii(*extent),
-        region=opening_in_image.region(reduced),
+        plate=opening_in_image.plate(reduced),
+        uneven=opening_in_image.uneven(reduced),
         lost=opening_in_image.lost(reduced),
     )
 

@@ -1,7 +1,11 @@
 """Over the wheel's angle, what summed pixels see beside the opening's light, and what of that goes astray.
 
-Beside it there are the mask plate and an uneven wheel; glare carries light from the opening's ends out of the summed pixels.
+Beside it there are the mask plate, all around, and what an uneven wheel reflects; glare carries light from the opening's ends out
+of the summed pixels.
 """
+
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 from scipy.special import ndtr
@@ -16,11 +20,23 @@ _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
 _N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
-_LEAST = 1e-4  # of the contrast: less is taken for none
 
 
-def spread(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, Array]:
-    """Ends (k + 1,), rad, and what each part adds, (k,): the sum of its magnitudes is 1; both empty where nothing is added.
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LightBeside:
+    """What comes from between two of ``ends_rad`` (k + 1,), as shares of the whole sum.
+
+    ``plate`` (k,) is that of a plate that shows as much as the opening does, ``uneven`` (k,) that of the uneven wheel as it is.
+    """
+
+    ends_rad: Array
+    plate: Array
+    uneven: Array
+
+
+def beside(sector: SectorFit, summed: Mask, *, shift_rad: float) -> LightBeside | None:
+    """Mask plate and uneven wheel as the summed pixels see them; None where the cutouts sweep over none of those.
 
     Parameters
     ----------
@@ -36,15 +52,18 @@ def spread(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array,
     Wheel coordinates grow against polar angles of a clockwise wheel.
     """
     row0, row1, column0, column1 = sector.roi
-    lit = summed[row0:row1, column0:column1] & (np.abs(sector.ring) > _LEAST)
+    lit = summed[row0:row1, column0:column1] & (sector.swept > 0)
     if not np.any(lit):
-        return np.zeros(0), np.zeros(0)
+        return None
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     place = shift_rad - sector.ring_angle_rad[lit]
     sigma = np.hypot(sector.shape.blur_px, _PIXEL_PX) / np.maximum(radius[lit], 1.0)
     ends = _ends(sector.shape.opening_angle_rad, float(np.max(np.abs(place) + _REACH * sigma)))
-    share = np.diff([sector.ring[lit] @ ndtr((end - place) / sigma) for end in ends])
-    return ends, share / np.sum(np.abs(share))
+    before = np.array([ndtr((end - place) / sigma) for end in ends])
+    seen = sector.swept, sector.ring - sector.plate * sector.swept
+    whole = np.sum(sector.contrast[summed[row0:row1, column0:column1]])
+    plate, uneven = (np.diff(before @ one[lit]) / whole for one in seen)
+    return LightBeside(ends_rad=ends, plate=plate, uneven=uneven)
 
 
 def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, Array]:
@@ -55,7 +74,7 @@ def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, A
     sector
         Fitted to the contrast image; its glare's width counts.
     summed, shift_rad
-        As for `spread`.
+        As for `beside`.
     """
     row0, row1, column0, column1 = sector.roi
     shape = sector.shape

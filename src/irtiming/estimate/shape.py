@@ -136,7 +136,7 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
 
     by_number = slopes(seen, sector)
     shift, low, high, uneven = seen(shape)
-    ends, share = plate_light.spread(sector, summed, shift_rad=float(shift))
+    beside = plate_light.beside(sector, summed, shift_rad=float(shift))
     lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", by_number, sector.covariance, by_number))
     return AxleView(
@@ -153,8 +153,9 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         u_distortion=sector.u("distortion"),
         blur_px=shape.blur_px,
         radii_px=(shape.inner_radius_px, shape.outer_radius_px),
-        plate_ends_rad=tuple(ends.tolist()),
-        plate_share=tuple(share.tolist()),
+        beside_ends_rad=() if beside is None else tuple(beside.ends_rad.tolist()),
+        plate_share=() if beside is None else tuple(beside.plate.tolist()),
+        uneven_share=() if beside is None else tuple(beside.uneven.tolist()),
         glare=shape.glare,
         u_glare=float(np.hypot(sector.u("glare"), _GLARE_SHAPE * shape.glare)),
         lost_ends_rad=tuple(lost_ends.tolist()),

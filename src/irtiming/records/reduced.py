@@ -108,9 +108,10 @@ class AxleView:
     ``edge_miss_px`` is by how much the mask's radial edges, that of the smaller polar angle first, miss the axle: at the radius r
     an edge stands ``edge_miss_px`` / r beyond its direction. None where it was not looked at. ``distortion`` is that of the
     lens (`physics.lens`); angles and ``edge_miss_px`` are those of the undistorted plane. ``blur_px`` is the blur's standard
-    deviation, ``radii_px`` the opening's inner and outer radius; None where they were not looked at. ``plate_share`` (k,) is how
-    much of what mask plate and uneven wheel add to the summed pixels comes from between two of ``plate_ends_rad`` (k + 1,),
-    angles from ``mean_angle_rad`` as wheel coordinates grow; empty where they add nothing. ``glare`` is the share of the light
+    deviation, ``radii_px`` the opening's inner and outer radius; None where they were not looked at. ``plate_share`` (k,) is
+    what a mask plate of the opening's contrast would add to the summed pixels from between two of ``beside_ends_rad`` (k + 1,),
+    angles from ``mean_angle_rad`` as wheel coordinates grow, ``uneven_share`` (k,) what the uneven wheel does add, both over the
+    whole sum; empty where the image was not looked at. ``glare`` is the share of the light
     that goes astray, with ``u_glare``, and ``lost_share`` (k,) the part of the opening's light that it takes out of the summed
     pixels from between two of ``lost_ends_rad`` (k + 1,), were all light astray; empty where it was not looked at.
     """
@@ -128,8 +129,9 @@ class AxleView:
     u_distortion: float = 0.0
     blur_px: float = 0.0
     radii_px: tuple[float, float] | None = None
-    plate_ends_rad: tuple[float, ...] = ()
+    beside_ends_rad: tuple[float, ...] = ()
     plate_share: tuple[float, ...] = ()
+    uneven_share: tuple[float, ...] = ()
     glare: float = 0.0
     u_glare: float = 0.0
     lost_ends_rad: tuple[float, ...] = ()

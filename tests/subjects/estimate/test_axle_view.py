@@ -23,8 +23,8 @@ BEYOND_RAD = (0.35, 0.70)
 """By how much the summed region reaches beyond the opening: as far as blur carries light at one end, twice that at the other."""
 
 
-def _seen(*, plate, mirrored):
-    """Sector that shows its light and a plate all around it, in a lopsided region of summed pixels."""
+def _seen(*, plate, mirrored, uneven=0.0):
+    """Sector that shows its light, a plate all around it and a wheel uneven at one end, in a lopsided region of summed pixels."""
     drawn = replace(SHAPE, mirrored=mirrored)
     points = sector_points.light_points(drawn)
     light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
@@ -33,11 +33,12 @@ def _seen(*, plate, mirrored):
     region = (angle > -half - BEYOND_RAD[0]) & (angle < half + BEYOND_RAD[1]) & (radius > 4) & (radius < 24)
     summed = np.zeros((60, 80), bool)
     summed[ROI[0] : ROI[1], ROI[2] : ROI[3]] = region
-    ring = np.where((radius > 7) & (radius < 21.5) & region, plate, 0.0)
+    swept = np.where((radius > 7) & (radius < 21.5) & region, 1.0, 0.0)
+    ring = swept * np.where(angle > half, plate + uneven, plate)
     n = len(SHAPE_NUMBERS)
     sector = SimpleNamespace(
         shape=drawn, names=SHAPE_NUMBERS, covariance=np.zeros((n, n)), contrast=(1 - plate) * light + ring,
-        model_contrast=light, ring=ring, ring_angle_rad=angle, roi=ROI, u=lambda name: 0.0,
+        model_contrast=light, plate=plate, swept=swept, ring=ring, ring_angle_rad=angle, roi=ROI, u=lambda name: 0.0,
         value=lambda name: getattr(drawn, name),
     )  # fmt: skip
     return sector, summed, angle
@@ -56,19 +57,34 @@ def test_plate_turns_no_light(plate, mirrored):
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_light_and_plate_make_up_the_sum(mirrored):
-    """Oracle: pixels added up one by one; the first moments of the opening's light and of the plate's are those of their sum."""
-    sector, summed, angle = _seen(plate=PLATE, mirrored=mirrored)
+def test_light_plate_and_uneven_wheel_make_up_the_sum(mirrored):
+    """Oracle: pixels added up one by one; the first moments of opening, plate and uneven wheel are those of their sum."""
+    sector, summed, angle = _seen(plate=PLATE, mirrored=mirrored, uneven=0.03)
     view, sense = shape.view(sector, summed), -1 if mirrored else 1
     beside = sector.ring.sum()
     opening = np.where(summed[ROI[0] : ROI[1], ROI[2] : ROI[3]], sector.contrast, 0.0)
-    middles = np.convolve(view.plate_ends_rad, [0.5, 0.5], "valid")
-    turn = sense * (view.mean_angle_rad - view.bisector_rad)
-    plate_turn = turn - float(np.array(view.plate_share) @ middles)  # wheel coordinates grow against polar angles
-    found = (opening.sum() - beside) * turn + beside * plate_turn
+    turns = sense * (view.mean_angle_rad - view.bisector_rad)
+    angles = turns - np.convolve(
+        view.beside_ends_rad, [0.5, 0.5], "valid"
+    )  # wheel coordinates grow against polar angles
+    shares = PLATE * np.array(view.plate_share) + np.array(view.uneven_share)
+    found = (opening.sum() - beside) * turns + opening.sum() * float(shares @ angles)
+    assert float(np.sum(shares)) == pytest.approx(beside / opening.sum(), rel=1e-3)
     assert beside / opening.sum() > 0.03
+    assert float(np.sum(view.uneven_share)) > 0.002
     assert found == pytest.approx(float(np.sum(opening * angle)), rel=0.02)
     assert found > 0.003 * opening.sum()
+
+
+def test_an_image_without_a_plate_knows_where_a_plate_would_show():
+    """Oracle: the same image without noise; a few noisy pixels are no plate, and what they add to the sum is as small as they."""
+    sector, summed, _ = _seen(plate=0.0, mirrored=False)
+    quiet = shape.view(sector, summed)
+    sector.ring = sector.swept * np.random.default_rng(5).normal(0, 1e-4, sector.swept.shape)
+    noisy = shape.view(sector, summed)
+    assert noisy.plate_share == pytest.approx(quiet.plate_share, abs=1e-4)
+    assert float(np.sum(quiet.plate_share)) > 1
+    assert 0 < float(np.max(np.abs(noisy.uneven_share))) < 1e-5
 
 
 def test_light_that_is_uneven_along_the_opening_makes_the_mask_less_certain():

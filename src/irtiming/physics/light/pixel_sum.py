@@ -4,12 +4,15 @@ r"""The sum over the mask opening as the wheel covers and uncovers it, averaged 
 
 F is the exposed fraction (`physics.wheel`), averaged over the window, of a wheel whose edge i comes ``edges_early_rad[i]``
 earlier than drawn. S is the trace of an opening that is brighter towards one end, P that of a mask plate as warm as neither wheel
-nor blackbody: an opening that is wider by the summed border. B is half the share that the second blade covers (edges 2 to 3) less
+nor blackbody: what the summed border sees, less the opening. B is half the share that the second blade covers (edges 2 to 3) less
 half of what the first does: the two are not equally warm. B' is the same for the summed border alone: the wheel turns before the
 mask plate too. Blur moves light but keeps its sum, so it has no place here.
 
 A lens with distortion, or a mask beside the axle, shows the opening brighter at both ends than in its middle: F grows by bow U,
 the same in all recordings of one camera in one place.
+
+A wheel that reflects the camera unevenly shows that wherever its cutouts pass. With R what of it the open part of the summed
+pixels adds, as the image shows it, and r what all of it does, F grows by R - r F.
 
 Glare reaches farther than the pixels that are summed: from the opening's ends it takes more light out of the sum than from its
 middle. With R what the open part loses, were all light astray, and r what the whole opening does, F is less by g (R - r F).
@@ -97,8 +100,10 @@ class Passing:
         Angle by which the summed region exceeds the opening at either end.
     radii
         Of the opening.
-    region
-        That is summed; None takes ``border_rad`` for its border.
+    plate
+        Where the summed pixels see the mask plate, whole; None takes all that is wider than the opening by ``border_rad``.
+    uneven
+        What an uneven wheel adds, over the whole sum; None: nothing.
     glare, lost
         Share of the light that goes astray, and where the opening loses it to pixels that are not summed; None: nowhere.
     tails
@@ -118,7 +123,8 @@ class Passing:
     lean_high_rad: float = 0.0
     border_rad: float = summed_region.USUAL_BORDER_RAD
     radii: Radii = field(default_factory=Radii)
-    region: SummedRegion | None = None
+    plate: SummedRegion | None = None
+    uneven: SummedRegion | None = None
     glare: float = 0.0
     lost: SummedRegion | None = None
     tails: tuple[tuple[float, float], ...] = ()
@@ -162,19 +168,26 @@ class Passing:
         return bowed_fraction(self.start_rad, self.actual, sweep_rad=self.sweep_rad)
 
     @cached_property
-    def ends_of_region(self) -> PointAverage:
-        """The wheel at the ends of the parts of the summed region, shapes (k + 1, n)."""
-        return self._at_ends(self.region)
+    def of_plate(self) -> "_Seen | None":
+        """What shows of the plate."""
+        return self._seen(self.plate)
 
     @cached_property
-    def ends_of_lost(self) -> PointAverage:
-        """The same of the lost light."""
-        return self._at_ends(self.lost)
+    def of_uneven(self) -> "_Seen | None":
+        """What shows of the uneven wheel."""
+        return self._seen(self.uneven)
 
-    def _at_ends(self, region: SummedRegion | None) -> PointAverage:
-        assert region is not None
+    @cached_property
+    def of_lost(self) -> "_Seen | None":
+        """What the open part loses, were all light astray."""
+        return self._seen(self.lost)
+
+    def _seen(self, region: SummedRegion | None) -> "_Seen | None":
+        if region is None:
+            return None
         places = self.centre_rad + region.ends_rad[:, None]
-        return at_point(places, self.actual.cutout_edges_rad, sweep_rad=self.sweep_rad)
+        ends = at_point(places, self.actual.cutout_edges_rad, sweep_rad=self.sweep_rad)
+        return _Seen(region=region, ends=ends, sweep_rad=self.sweep_rad)
 
     @cached_property
     def actual(self) -> WheelModel:
@@ -211,8 +224,8 @@ def shapes(passing: Passing) -> Shapes:
     passing
         Wheel, window and opening.
     """
-    fraction = passing.opening.fraction
-    fraction = fraction - passing.glare * _lost(passing, fraction)
+    opening = passing.opening.fraction
+    fraction = opening + _beyond(passing.of_uneven, opening) - passing.glare * _beyond(passing.of_lost, opening)
     for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
         fraction = fraction + share * late
     return Shapes(
@@ -264,8 +277,8 @@ def slopes(
     ``opening_angle`` (per rad), ``swept`` (per rad, the middle of the window kept), ``lean_low`` and ``lean_high`` (per rad),
     ``glare`` and ``bow`` (per unit), ``corner_variance`` (per rad^2), ``tail_0``, .. (per unit of each share).
     """
-    plain, astray = passing.opening.fraction_slopes, _lost(passing, passing.opening.fraction)
-    out = plain - passing.glare * _lost_slopes(passing, plain)
+    plain, astray = passing.opening.fraction_slopes, _beyond(passing.of_lost, passing.opening.fraction)
+    out = plain + _beyond_slopes(passing.of_uneven, plain) - passing.glare * _beyond_slopes(passing.of_lost, plain)
     out += blades * passing.opening.blades_slopes
     out[:6] += plate * _plate_slopes(passing) + skew * _skew_slopes(passing)
     out[:6] += passing.bow * _bow_slopes(passing)
@@ -290,6 +303,16 @@ def _tails(passing: Passing) -> list[Array]:
         fading_fraction(last, wheel, fades_rad=fades) - fraction - (window / 2 + fades) * turning
         for _, fades in passing.tails
     ]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Seen:
+    """A region, and the wheel at the ends of its parts, shapes (k + 1, n)."""
+
+    region: SummedRegion
+    ends: PointAverage
+    sweep_rad: float
 
 
 @final
@@ -363,35 +386,32 @@ def _rings(passing: Passing, *, border_rad: float = 0.0, is_even: bool = False) 
 
 
 def _plate(passing: Passing) -> Array:
-    """P: what the summed region sees, as the image shows it or of a border all around, less the opening."""
-    narrow, region = passing.sector.fraction, passing.region
-    if region is not None:
-        return summed_region.exposed(region, passing.ends_of_region) - region.total * narrow
-    return passing.wide_sector.fraction - narrow
+    """P: the plate as the image shows it, or a border all around, less the opening."""
+    narrow = passing.sector.fraction
+    return passing.wide_sector.fraction - narrow if passing.of_plate is None else _beyond(passing.of_plate, narrow)
 
 
 def _plate_slopes(passing: Passing) -> Array:
     """Derivatives of P, as the first six of F."""
-    region = passing.region
     narrow = passing.sector.fraction_slopes[:6]
-    if region is not None:
-        return summed_region.slopes(region, passing.ends_of_region, sweep_rad=passing.sweep_rad) - region.total * narrow
-    return passing.wide_sector.fraction_slopes[:6] - narrow
+    if passing.of_plate is None:
+        return passing.wide_sector.fraction_slopes[:6] - narrow
+    return _beyond_slopes(passing.of_plate, narrow)
 
 
-def _lost(passing: Passing, fraction: Array) -> Array:
-    """R - r F: what glare takes from the sum, beyond its part of what it takes from an open one."""
-    if passing.lost is None:
+def _beyond(seen: _Seen | None, fraction: Array) -> Array:
+    """R - r F, shape (n,): what a region adds beyond what an opening of the same sum would."""
+    if seen is None:
         return np.zeros_like(fraction)
-    return summed_region.exposed(passing.lost, passing.ends_of_lost) - passing.lost.total * fraction
+    return summed_region.exposed(seen.region, seen.ends) - seen.region.total * fraction
 
 
-def _lost_slopes(passing: Passing, of_fraction: Array) -> Array:
-    """Derivatives of it, as those of F, which are given; the lost light stays where it is when the opening's ends move."""
+def _beyond_slopes(seen: _Seen | None, of_fraction: Array) -> Array:
+    """Derivatives of it, as those of F, which are given; the region stays where it is when the opening's ends move."""
     out = np.zeros_like(of_fraction)
-    if passing.lost is not None:
-        out -= passing.lost.total * of_fraction
-        out[:6] += summed_region.slopes(passing.lost, passing.ends_of_lost, sweep_rad=passing.sweep_rad)
+    if seen is not None:
+        out -= seen.region.total * of_fraction
+        out[:6] += summed_region.slopes(seen.region, seen.ends, sweep_rad=seen.sweep_rad)
     return out
 
 

@@ -86,6 +86,17 @@ def test_plate_skew_and_bow_are_a_wider_and_an_uneven_opening():
     assert np.ptp(found.plate) > 0.05
 
 
+def _seen_by_rays(passing, region):
+    """What rays of the region see of the open wheel, each with its part of the region's share."""
+    edges = np.array(EDGES) - passing.edges_early_rad
+    place = np.linspace(*region.ends_rad[[0, -1]], 24001)
+    place = (place[1:] + place[:-1]) / 2
+    instants = passing.swept_rad * ((np.arange(10) + 0.5) / 10 - 0.5)
+    alpha = np.mod((WHEEL.opening_coordinate_rad + passing.middle_rad)[:, None, None] + instants[:, None] + place, TURN)
+    opened = ((alpha >= edges[1]) & (alpha < edges[2])) | ((alpha >= edges[3]) & (alpha < edges[0] + TURN))
+    return opened.mean(axis=1) @ np.repeat(region.share, 24000 // region.share.size) / (24000 // region.share.size)
+
+
 LOST = SummedRegion(
     ends_rad=np.linspace(-GAMMA / 2, GAMMA / 2, 7), share=np.array([0.06, 0.03, 0.02, 0.02, 0.04, 0.05])
 )
@@ -94,16 +105,27 @@ LOST = SummedRegion(
 def test_glare_takes_the_light_of_the_ends_out_of_the_sum():
     """Oracle: 24 000 rays along the opening at 10 instants, each with what its part of it keeps; an open sum counts as 1."""
     glare, passing = 0.03, _passing(lean_low_rad=0.0, lean_high_rad=0.0, middle_rad=ANGLES[:30])
-    edges = np.array(EDGES) - passing.edges_early_rad
-    place = GAMMA * ((np.arange(24000) + 0.5) / 24000 - 0.5)
-    kept = 1 - glare * np.repeat(LOST.share * 6, 4000)
-    instants = passing.swept_rad * ((np.arange(10) + 0.5) / 10 - 0.5)
-    alpha = np.mod((WHEEL.opening_coordinate_rad + passing.middle_rad)[:, None, None] + instants[:, None] + place, TURN)
-    opened = ((alpha >= edges[1]) & (alpha < edges[2])) | ((alpha >= edges[3]) & (alpha < edges[0] + TURN))
-    expected = opened.mean(axis=1) @ kept / kept.sum()
+    kept = replace(LOST, share=1 / 6 - glare * LOST.share)
+    expected = _seen_by_rays(passing, kept) / kept.total
     found = pixel_sum.shapes(replace(passing, glare=glare, lost=LOST)).fraction
     np.testing.assert_allclose(found, expected, atol=1e-4)
     assert np.max(np.abs(found - pixel_sum.shapes(passing).fraction)) > 5e-4
+
+
+BESIDE = np.linspace(-GAMMA / 2 - 0.1, GAMMA / 2 + 0.1, 5)
+UNEVEN = SummedRegion(ends_rad=BESIDE, share=np.array([0.02, -0.01, 0.005, 0.03]))
+PLATE = SummedRegion(ends_rad=BESIDE, share=np.array([0.3, 0.4, 0.35, 0.3]))
+
+
+def test_an_uneven_wheel_and_the_plate_show_where_the_image_has_them():
+    """Oracle: 24 000 rays at 10 instants; a sum that is open counts as 1 with the uneven wheel and without, as with the plate."""
+    passing = _passing(lean_low_rad=0.0, lean_high_rad=0.0, middle_rad=ANGLES[:30])
+    bare = pixel_sum.shapes(passing).fraction
+    found = pixel_sum.shapes(replace(passing, uneven=UNEVEN, plate=PLATE))
+    expected = bare + _seen_by_rays(passing, UNEVEN) - 0.045 * bare
+    np.testing.assert_allclose(found.fraction, expected, atol=1e-5)
+    np.testing.assert_allclose(found.plate, _seen_by_rays(passing, PLATE) - 1.35 * bare, atol=1e-4)
+    assert np.max(np.abs(found.fraction - bare)) > 5e-3
 
 
 TAILS = ((0.004, 2e-3), (0.006, 0.015))
@@ -169,7 +191,8 @@ def _sum_of(made, uneven, plate, blades):
 )
 def test_derivatives_are_those_of_differences(name, uneven, plate, blades):
     """Oracle: central differences; a skew of five thousandths and twice the bow move those to the edges by little more."""
-    passing, step = _passing(glare=0.03, lost=LOST, bow=-2 * uneven), 1e-6
+    passing, step = _passing(glare=0.03, lost=LOST, uneven=UNEVEN, bow=-2 * uneven), 1e-6
+    passing = replace(passing, plate=PLATE) if plate < 0 else passing
     if name.startswith("edge"):
         unit = np.eye(4)[int(name[-1])]
         moved = [replace(passing, edges_early_rad=passing.edges_early_rad + sign * step * unit) for sign in (1, -1)]

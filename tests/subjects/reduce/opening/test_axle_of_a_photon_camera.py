@@ -137,10 +137,10 @@ def test_uneven_light_does_not_turn_the_mask(reduced, paper_camera):
     assert uneven.bisector_rad == pytest.approx(even.bisector_rad, abs=2e-3)
     assert uneven.mean_angle_rad == pytest.approx(even.mean_angle_rad, abs=2e-3)
     beside, of_spot = (
-        float(np.array(one.plate_share) @ np.convolve(one.plate_ends_rad, [0.5, 0.5], "valid"))
+        float(np.array(one.uneven_share) @ np.convolve(one.beside_ends_rad, [0.5, 0.5], "valid"))
         for one in (even, uneven)
     )
-    assert of_spot < -0.2 < beside
+    assert of_spot < -2e-4 < beside
 
 
 def test_stated_uncertainties_of_bisector_and_mean_angle_are_those_of_the_errors(reduced, paper_camera):
