@@ -13,7 +13,6 @@ from irtiming.records.blur import Blur
 REACH = 5.0
 """Blurs beyond which no light comes."""
 
-_LEAST_SHARE = math.exp(-(REACH**2) / 2)  # of a point's light, in a row of a blur that is askew
 _TABLE_END, _TABLE_STEPS = 7, 128  # of the Gaussian's integral, in and per standard deviation
 
 
@@ -96,6 +95,15 @@ def _deposit(row: Array, column: Array, light: Array, blur: Blur, widening: Arra
 
 
 @njit(cache=True, nogil=True)
+def _density(at: float) -> float:
+    """Of the Gaussian at a place that is counted in the same way, per standard deviation: the slope of `_below`; to 1e-8."""
+    inside = min(max(at, 0.0), 2.0 * _TABLE_END * _TABLE_STEPS)
+    k = int(inside)
+    on = inside - k
+    return float(_TABLE_STEPS * (_GAUSSIAN[k, 1] + on * (2 * _GAUSSIAN[k, 2] + on * 3 * _GAUSSIAN[k, 3])))
+
+
+@njit(cache=True, nogil=True)
 def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
     """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there.
 
@@ -105,7 +113,7 @@ def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening
     n_row, n_column = size
     n = light.shape[1]
     out = np.zeros((n, n_row, n_column))
-    down, across = np.empty(n_row), np.empty(n_column)
+    across = np.empty(n_column)
     own = blur.columns_px**2 * (1 - blur.correlation**2)
     for k in range(row.size):
         rows_px, slant_px = blur.rows_px * widening[k], blur.correlation * blur.columns_px * widening[k]
@@ -113,17 +121,23 @@ def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening
         first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
         if first_row > last_row:
             continue
-        _along_axis(row[k], first_row, last_row, rows_px, down)
-        high, at_high = _density((first_row - 0.5 - row[k]) / rows_px)
+        straight, slanted = own * widening[k] ** 2, slant_px**2
+        high = (first_row - 0.5 - row[k]) / rows_px
+        at = (high + _TABLE_END) * _TABLE_STEPS
+        below_high, at_high = _below(at), _density(at)
         for i in range(first_row, last_row + 1):
-            low, at_low, share = high, at_high, down[i - first_row]
-            high, at_high = _density((i + 0.5 - row[k]) / rows_px)
-            if share < _LEAST_SHARE:
+            low, at_low, below_low = high, at_high, below_high
+            high = low + 1 / rows_px
+            at = (high + _TABLE_END) * _TABLE_STEPS
+            below_high, at_high = _below(at), _density(at)
+            share = below_high - below_low
+            nearest = max(low, -high, 0.0)
+            if nearest >= REACH or share <= 0:
                 continue
             mean = (at_low - at_high) / share
             variance = max(0.0, 1 + (low * at_low - high * at_high) / share - mean**2)
-            place, width = column[k] + slant_px * mean, math.sqrt(own * widening[k] ** 2 + slant_px**2 * variance)
-            beside = width * math.sqrt(REACH**2 + 2 * math.log(share)) + 0.5  # the ends of an ellipse
+            place, width = column[k] + slant_px * mean, math.sqrt(straight + slanted * variance)
+            beside = width * math.sqrt(REACH**2 - nearest**2) + 0.5  # the ends of an ellipse
             first, last = max(0, math.ceil(place - beside)), min(n_column - 1, math.floor(place + beside))
             if first > last:
                 continue
@@ -133,9 +147,3 @@ def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening
                 for j in range(last - first + 1):
                     out[part, i, first + j] += along * across[j]
     return out
-
-
-@njit(cache=True, nogil=True)
-def _density(place: float) -> tuple[float, float]:
-    """A place, in standard deviations, and the Gaussian's density there."""
-    return place, math.exp(-(place**2) / 2) / math.sqrt(2 * math.pi)

@@ -17,7 +17,7 @@ little aside (`physics.warp`).
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, TypeAlias, final
 
 import numpy as np
@@ -217,8 +217,9 @@ def _magnifications(eye: Eye, down_px: Array, right_px: Array) -> Any:
     return out
 
 
+@lru_cache(maxsize=64)
 def projection_of(shape: SectorShape) -> Projection:
-    """How the sector appears."""
+    """How the sector appears; a search asks for the same one several times in a row."""
     lens = Lens(
         distortion=shape.distortion,
         rows=shape.image_rows,
