@@ -33,6 +33,7 @@ from irtiming.records.row_timing import RowTimingFit, SectorFit
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 40  # and one that takes the slopes of the image anew
+_WHOLE_ROUNDS = 12  # after so many each goes but half of its way, lest it go to and fro
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.05  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them: an image that is told to less than that may go to and fro
@@ -186,6 +187,8 @@ class _Turns:
         seen = _seen(self.recordings, members, fits=fits)
         if is_last and start is not None:
             sector = sector_fit.settled(seen, self.model, rig=self.rig, timing=timing, start=start)
+        elif start is not None and start.n_rounds >= _WHOLE_ROUNDS:
+            sector = sector_fit.half_way(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         else:
             sector = sector_fit.fit(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         first = self.recordings[members[0]]

@@ -76,6 +76,17 @@ def fit(
     return _as_it_is(images, best, start=start)
 
 
+def half_way(
+    recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit,
+    slopes: Slopes | None = None,
+) -> SectorFit:  # fmt: skip
+    """The middle between an earlier fit and the one from there on: images and rows that go to and fro meet there; see `fit`."""
+    images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
+    best, before = _from(images, start, held=_held(recordings[0]), slopes=slopes), numbers_of(start)
+    middle = {name: (before[name] + value) / 2 for name, value in best.numbers.items()}
+    return _as_it_is(images, replace(best, numbers=middle), start=start)
+
+
 def settled(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, start: SectorFit,
     slopes: Slopes | None = None,

@@ -64,6 +64,20 @@ def test_the_sector_comes_back(plain, camera):
     assert plain.n_rounds == 3
 
 
+def test_half_of_the_way_is_the_middle_between_the_start_and_the_end(plain, camera, lag, brute_rows, rig_with):
+    """Oracle: the whole way from the same start, halved; an axle that is half a pixel off comes back to a quarter."""
+    rows, shape = brute_rows(camera, noise_dn=6.0, seed=3), plain.shape
+    start = replace(plain, shape=replace(shape, axle_row_px=shape.axle_row_px + 0.5))
+    whole, half = (
+        go([rows], camera.model, rig=rig_with(), timing=lag, start=start)
+        for go in (sector_fit.fit, sector_fit.half_way)
+    )
+    for name in ("axle_row_px", "blur_px", "bisector_rad"):
+        assert half.value(name) == pytest.approx((start.value(name) + whole.value(name)) / 2, abs=1e-9)
+    assert half.value("axle_row_px") - shape.axle_row_px == pytest.approx(0.25, abs=0.05)
+    assert half.n_rounds == whole.n_rounds == 4
+
+
 def test_a_row_delay_is_looked_for_where_there_should_be_none(plain, camera, lag, brute_rows, rig_with):
     """Oracle: the row delay of the light that was summed; the camera is said to read all rows at once."""
     at_once = replace(brute_rows(camera, noise_dn=6.0, seed=3), readout_mode="snapshot")
