@@ -12,17 +12,30 @@ from irtiming.records.rig import CameraOptics, Measured, Wheel
 from irtiming.reduce import recipes
 
 CLOCK_HZ = 49_152_000
-AXLES = ((48.0, 40.3), (47.37, 39.81))
-BESIDE = (((0.0, 0.6), 0.0), ((0.5, -0.4), 3.0), ((-0.7, 0.0), -5.0), ((0.0, 0.6), -5.0))
-"""Where the mask's own centre lies beside the axle, rows and columns, and by how much the camera is rolled."""
+DEG = float(np.radians(1))
 FINE = {"sub": 16, "n_angles": 2880}
+ABOUT = {
+    "a known lens that distorts": ({"axle": (48.0, 40.3), "clockwise": False, "blur_px": 0.5, "distortion": -0.05} | FINE,
+                                   Measured(-0.05 * 0.64, 1e-4 * 0.64)),  # 4 : 3, over half the width
+    "an unknown lens": ({"axle": (47.37, 39.81), "blur_px": 1.0} | FINE, None),
+}  # fmt: skip
+BESIDE = (
+    {"mask_centre": (0.0, 0.6)},
+    {"mask_centre": (0.5, -0.4), "bisector_rad": -87 * DEG},
+    {"mask_centre": (-0.7, 0.2), "bisector_rad": -95 * DEG, "clockwise": False},
+)
+"""Where the mask's own centre lies beside the axle, rows and columns, in a camera that may be rolled."""
+BENT = [
+    {"axle": (48.0, 34.6), "distortion": k, "bisector_rad": -87 * DEG, "clockwise": k < 0, "sub": 24, "n_angles": 5760}
+    for k in (-0.1, 0.1)
+]
 
 
 @pytest.fixture(scope="module")
 def reduced(paper_wheel, recorded, rig):
     """Reduce 500 frames of a camera and fit its contrast image: ``reduced(camera, spoil=..., **fields)``.
 
-    Frames go through the whole recipe; those of a camera are rendered once, and unspoilt ones reduced once.
+    Frames go through the whole recipe; those of a camera are rendered once, and unspoilt ones reduced once for a stated lens.
     """
     wheel = paper_wheel(duration_s=17.5)
     base = recorded(wheel, n_triggers=500)
@@ -42,8 +55,8 @@ def reduced(paper_wheel, recorded, rig):
 
     plain = cache(run)
 
-    def fitted(camera, **options):
-        return run(camera, **options) if options else plain(camera)
+    def fitted(camera, *, lens=None, **options):
+        return run(camera, lens=lens, **options) if options else plain(camera, lens=lens)
 
     return fitted
 
@@ -55,55 +68,43 @@ def _true_offset(camera):
     return np.mean(np.angle(np.exp(1j * (phi - camera.bisector_rad))))
 
 
-@pytest.mark.parametrize(
-    ("axle", "clockwise", "blur", "lens"),
-    [
-        (AXLES[0], True, 0.5, Measured(0.0, 1e-4)),
-        (AXLES[0], False, 1.0, None),
-        (AXLES[1], True, 1.0, None),
-        (AXLES[1], False, 0.5, Measured(0.0, 1e-4)),
-    ],
-)
-def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, axle, clockwise, blur, lens):
+@pytest.mark.parametrize("name", ABOUT)
+def test_axle_is_found_within_a_twentieth_of_a_pixel(reduced, paper_camera, name):
     """Oracle: the axle about which the wheel was rendered, turning either way.
 
     Behind a lens of which nobody knows how much it distorts, the axle is found within its uncertainty, which then is larger.
     """
-    camera = paper_camera(axle=axle, clockwise=clockwise, blur_px=blur, **FINE)
-    view = (reduced(camera) if lens is None else reduced(camera, lens=lens)).axle
+    about, lens = ABOUT[name]
+    view = reduced(paper_camera(**about), lens=lens).axle
     within = 0.05 if lens is not None else 3 * view.u_centre_px
-    assert view.row_px == pytest.approx(axle[0], abs=within)
-    assert view.column_px == pytest.approx(axle[1], abs=within)
+    assert view.row_px == pytest.approx(about["axle"][0], abs=within)
+    assert view.column_px == pytest.approx(about["axle"][1], abs=within)
     assert view.bisector_rad == pytest.approx(np.radians(-90), abs=2e-3)
     assert view.mean_angle_rad - view.bisector_rad == pytest.approx(0, abs=1.5e-3)
     assert 0 < view.u_centre_px < 0.05
 
 
-@pytest.mark.parametrize(("mask_centre", "roll_deg"), BESIDE)
-def test_mask_beside_the_axle(reduced, paper_camera, mask_centre, roll_deg):
+@pytest.mark.parametrize("beside", BESIDE)
+def test_mask_beside_the_axle(reduced, paper_camera, beside):
     """Oracle: sums over a million points of the mask; 0.6 px at 26 px are 20 mrad of mean angle, and 0 of bisector."""
-    bisector = np.radians(-90 + roll_deg)
-    camera = paper_camera(mask_centre=mask_centre, bisector_rad=float(bisector))
+    camera = paper_camera(**beside)
     view = reduced(camera).axle
     assert view.row_px == pytest.approx(camera.axle[0], abs=0.05)
     assert view.column_px == pytest.approx(camera.axle[1], abs=0.05)
-    assert view.bisector_rad == pytest.approx(bisector, abs=2.5e-3)
+    assert view.bisector_rad == pytest.approx(camera.bisector_rad, abs=2.5e-3)
     assert view.mean_angle_rad - view.bisector_rad == pytest.approx(_true_offset(camera), abs=2e-3)
 
 
-@pytest.mark.parametrize(("distortion", "clockwise"), [(-0.1, True), (0.1, False)])
-def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, distortion, clockwise):
+@pytest.mark.parametrize("bent", BENT)
+def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, bent):
     """Oracle: the lens, axle and mask that were rendered; the axle a quarter of the image beside its middle.
 
     Rendered finely: points an eighth of a pixel and a quarter of a degree apart look like a tilt by a degree, and move the axle.
     """
-    camera = paper_camera(
-        axle=(48.0, 34.6), distortion=distortion, bisector_rad=float(np.radians(-87)), clockwise=clockwise,
-        sub=24, n_angles=5760,
-    )  # fmt: skip
+    camera = paper_camera(**bent)
     view = reduced(camera).axle
-    assert view.distortion == pytest.approx(distortion, abs=0.01)
-    assert abs(view.distortion - distortion) < 4 * view.u_distortion < 0.1
+    assert view.distortion == pytest.approx(camera.distortion, abs=0.01)
+    assert abs(view.distortion - camera.distortion) < 4 * view.u_distortion < 0.1
     assert view.row_px == pytest.approx(48.0, abs=0.05)
     assert view.column_px == pytest.approx(34.6, abs=0.05)
     assert view.bisector_rad == pytest.approx(camera.bisector_rad, abs=2.5e-3)
@@ -112,9 +113,8 @@ def test_a_lens_that_distorts_is_told_and_taken_out(reduced, paper_camera, disto
 
 def test_a_lens_that_rig_toml_states_is_taken(reduced, paper_camera):
     """Oracle: the number stated, with an uncertainty far below what the frames tell."""
-    view = reduced(
-        paper_camera(distortion=-0.05), lens=Measured(-0.05 * 0.64, 1e-4 * 0.64)
-    ).axle  # 4 : 3, over half the width
+    about, lens = ABOUT["a known lens that distorts"]
+    view = reduced(paper_camera(**about), lens=lens).axle
     assert view.distortion == pytest.approx(-0.05, abs=2e-4)
     assert view.u_distortion == pytest.approx(1e-4, rel=0.1)
     assert view.row_px == pytest.approx(48.0, abs=0.05)
@@ -144,45 +144,59 @@ def test_uneven_light_does_not_turn_the_mask(reduced, paper_camera):
 
 
 def test_stated_uncertainties_of_bisector_and_mean_angle_are_those_of_the_errors(reduced, paper_camera):
-    """Oracle: six masks rendered at known places; errors over stated uncertainties are about one, neither more nor less."""
-    beside = [
-        paper_camera(mask_centre=centre, bisector_rad=float(np.radians(-90 + roll_deg))) for centre, roll_deg in BESIDE
-    ]
-    about = [paper_camera(axle=AXLES[k], clockwise=way, blur_px=1.0, **FINE) for k, way in enumerate((False, True))]
+    """Oracle: seven masks rendered at known places; errors over stated uncertainties are about one, neither more nor less."""
     pulls = []
-    for camera in beside + about:
-        view = reduced(camera).axle
+    for about, lens in [*ABOUT.values(), *((one, None) for one in (*BESIDE, *BENT))]:
+        camera = paper_camera(**about)
+        view = reduced(camera, lens=lens).axle
         off = view.mean_angle_rad - view.bisector_rad - _true_offset(camera)
         pulls.append([(view.bisector_rad - camera.bisector_rad) / view.u_bisector_rad, off / view.u_off_axle_rad])
     spread = np.sqrt(np.mean(np.square(pulls), axis=0))
     assert np.all((spread > 0.4) & (spread < 1.6)), spread
 
 
-@pytest.mark.parametrize("clockwise", [True, False])
-def test_edges_miss_the_axle_as_the_mask_lies_beside_it(reduced, paper_camera, clockwise):
+@pytest.mark.parametrize("beside", BESIDE[1:])
+def test_edges_miss_the_axle_as_the_mask_lies_beside_it(reduced, paper_camera, beside):
     """Oracle: the distance of the axle from each edge's straight line, which goes through the mask's own centre."""
-    camera = paper_camera(mask_centre=(0.5, -0.4), bisector_rad=float(np.radians(-87)), clockwise=clockwise)
+    camera = paper_camera(**beside)
     view = reduced(camera).axle
     ends = camera.bisector_rad + np.array([-0.5, 0.5]) * camera.opening_rad
-    miss = np.cos(ends) * 0.5 - np.sin(ends) * -0.4
+    miss = np.cos(ends) * camera.mask_centre[0] - np.sin(ends) * camera.mask_centre[1]
     assert view.edge_miss_px == pytest.approx(miss, abs=4 * view.u_edge_miss_px)
     assert 0 < view.u_edge_miss_px < 0.1
 
 
-def test_a_screw_beside_the_opening_and_a_bad_pixel_in_it_do_not_turn_the_mask(reduced, paper_camera):
-    """Oracle: the same mask without them; the screw swings by 30 % of the contrast, the pixel 20 % too little."""
-    camera = paper_camera()
+@pytest.fixture(scope="module")
+def spoilt(reduced, paper_camera):
+    """A screw that swings by 30 % of the contrast, a pixel 20 % too little; ten frames of five hundred are blank."""
 
     def spoil(frames):
         swing = (frames.astype(float) - 4950) / 1050
         screw = 300 * (swing[:, 20, 40] > 0.5)
         frames[:, 7:10, 39:42] += screw.astype(np.uint16)[:, None, None]
         frames[:, 25, 40] -= np.rint(200 * np.clip(swing[:, 25, 40], 0, 1)).astype(np.uint16)
+        frames[100:110] = 0
         return frames
 
-    clean, spoilt = reduced(camera).axle, reduced(camera, spoil=spoil).axle
-    assert spoilt.bisector_rad == pytest.approx(clean.bisector_rad, abs=5e-4)
-    assert spoilt.row_px == pytest.approx(clean.row_px, abs=0.02)
+    return reduced(paper_camera(), spoil=spoil)
+
+
+def test_a_screw_beside_the_opening_and_a_bad_pixel_in_it_do_not_turn_the_mask(reduced, paper_camera, spoilt):
+    """Oracle: the same mask without them."""
+    clean = reduced(paper_camera()).axle
+    assert spoilt.axle.bisector_rad == pytest.approx(clean.bisector_rad, abs=5e-4)
+    assert spoilt.axle.row_px == pytest.approx(clean.row_px, abs=0.02)
+
+
+def test_blank_frames_do_not_move_the_axle(reduced, paper_camera, spoilt):
+    """Oracle: the axle found without them; they are dropped and told."""
+    clean = reduced(paper_camera()).axle
+    assert spoilt.axle.row_px == pytest.approx(clean.row_px, abs=0.02)
+    assert spoilt.axle.column_px == pytest.approx(clean.column_px, abs=0.02)
+    assert spoilt.pixels.pixel_sum.size == 490
+    assert any(
+        "10 frames dropped: more than half of the pixels are at zero" in finding.what for finding in spoilt.findings
+    )
 
 
 def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference):
@@ -196,7 +210,7 @@ def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference)
             frames[(slice(None), *pixel)] = 200
         return frames
 
-    clean = reduced(camera, nonuniformity=flat_reference(gain.copy(), np.zeros((60, 80)))).axle
+    clean = reduced(camera).axle
     for pixel in dead:
         gain[pixel] = 0
     view = reduced(camera, spoil=spoil, nonuniformity=flat_reference(gain, np.zeros((60, 80)))).axle
@@ -204,22 +218,6 @@ def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference)
     assert view.column_px == pytest.approx(clean.column_px, abs=0.01)
     assert view.bisector_rad == pytest.approx(clean.bisector_rad, abs=4e-4)
     assert view.mean_angle_rad == pytest.approx(clean.mean_angle_rad, abs=4e-4)
-
-
-def test_blank_frames_do_not_move_the_axle(reduced, paper_camera):
-    """Oracle: the axle found without them; ten blank frames are 2 % of the recording, dropped and told."""
-
-    def spoil(frames):
-        frames[100:110] = 0
-        return frames
-
-    whole, spoilt = reduced(paper_camera()), reduced(paper_camera(), spoil=spoil)
-    assert spoilt.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.02)
-    assert spoilt.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.02)
-    assert spoilt.pixels.pixel_sum.size == 490
-    assert any(
-        "10 frames dropped: more than half of the pixels are at zero" in finding.what for finding in spoilt.findings
-    )
 
 
 def test_frames_outside_the_edges_do_not_move_the_axle(reduced, paper_camera, paper_wheel):
