@@ -41,14 +41,18 @@ def _counted(threshold, *, window_s=250e-6, delay_s=4e-4, rate_hz=3.0, n_pixels=
     """
     omega = TURN * rate_hz
     angle = TURN * (np.arange(1000) + 0.21) / 1000
-    offset = np.mod(np.arange(angle.size)[:, None] * (np.sqrt(5) - 1) / 2, 1)  # even over any stretch of frames
-    phi = CENTRE + GAMMA * ((np.arange(n_pixels) + offset) / n_pixels - 0.5)
-    start = np.mod(np.pi / 2 + GATE + angle[:, None] + omega * delay_s - phi, TURN)
+    offset = np.mod(np.arange(angle.size) * (np.sqrt(5) - 1) / 2, 1)  # even over any stretch of frames
     sweep = omega * window_s
-    seen = np.zeros_like(start)
-    for a, b in ((EDGES[1], EDGES[2]), (EDGES[3], TURN), (EDGES[1] + TURN, EDGES[2] + TURN)):
-        seen += np.clip(np.minimum(start + sweep, b) - np.maximum(start, a), 0, None)
-    return angle, np.mean(seen / sweep > threshold, axis=1)
+
+    def share(frame):
+        phi = CENTRE + GAMMA * ((np.arange(n_pixels) + offset[frame]) / n_pixels - 0.5)
+        start = np.mod(np.pi / 2 + GATE + angle[frame] + omega * delay_s - phi, TURN)
+        seen = np.zeros_like(start)
+        for a, b in ((EDGES[1], EDGES[2]), (EDGES[3], TURN), (EDGES[1] + TURN, EDGES[2] + TURN)):
+            seen += np.maximum(np.minimum(start + sweep, b) - np.maximum(start, a), 0)
+        return np.mean(seen / sweep > threshold)
+
+    return angle, np.array([share(frame) for frame in range(angle.size)])
 
 
 def _delays_us(threshold, *, window_s=250e-6, rate_hz=3.0):

@@ -11,8 +11,8 @@ from irtiming.reduce import recipes
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import BolometerTiming, CameraTiming, microbolometer_scene, paper_scene, with_wheel_speed
 
-WINDOW = with_wheel_speed(paper_scene(96, 128), 3.0, samples=500)
-LAG = with_wheel_speed(microbolometer_scene(96, 128), 3.0, samples=500)
+WINDOW = with_wheel_speed(paper_scene(60, 80), 3.0, samples=400)
+LAG = with_wheel_speed(microbolometer_scene(60, 80), 3.0, samples=400)
 SCENES = {
     "rolling, long window": replace(
         WINDOW, timing=CameraTiming(trigger_delay_s=400e-6, integration_time_s=8e-3, row_delay_s=90e-6)

@@ -123,11 +123,10 @@ def test_residuals_are_small_and_no_frame_is_lost(analysis):
         assert fit.noise < 2e-3
 
 
-def test_choice_of_the_method_is_obeyed(analysis, cooled):
+def test_choice_of_the_method_is_obeyed(analysis):
     """Oracle: by hand; both results are always there, the choice names the one that counts."""
     assert analysis.result is analysis.best
-    rig = rig_file.read_rig(cooled / "rig.toml")
-    path = cooled / "cooled-3Hz-0ms.nxs"
-    published = measurement.analyse([reader.read(path)], rig, choices=Choices(method="published"))
+    choices = Choices(method="published")
+    published = measurement.estimate(analysis.recordings[:1], analysis.rig, choices=choices)
     assert published.result is published.published.result
     assert published.result.method == "published"

@@ -13,7 +13,7 @@ from irtiming.twin.taps import Taps
 def test_columns_that_are_read_later_are_found_with_their_size():
     """Oracle: the twin, which shows odd columns at another moment; and every other column as it was."""
     later_s = 60e-6
-    scene = with_wheel_speed(microbolometer_scene(96, 128), 3.0, samples=500)
+    scene = with_wheel_speed(microbolometer_scene(72, 96), 3.0, samples=400)
     scene = replace(
         scene,
         optics=replace(scene.optics, wheel_centre_row_px=scene.optics.wheel_centre_row_px + 3),

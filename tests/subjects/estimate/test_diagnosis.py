@@ -1,6 +1,7 @@
 """The likeliest cause of structured residuals: defects put into the sums of small simulated recordings, one at a time."""
 
 from dataclasses import fields, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -36,6 +37,17 @@ def photon(tmp_path_factory):
 def microbolometer(tmp_path_factory):
     """The same of a microbolometer camera."""
     return _reduced(tmp_path_factory.mktemp("microbolometer"), "microbolometer")
+
+
+@pytest.fixture(scope="module")
+def sound(request):
+    """Timing of the recording of a camera as it was made, once for each camera."""
+
+    def estimate(camera):
+        recording, rig = request.getfixturevalue(camera)
+        return timing.estimate([recording], rig)
+
+    return cache(estimate)
 
 
 def _span(values):
@@ -78,21 +90,20 @@ def test_what_was_put_in_is_named_first(request, camera):
 
 
 @pytest.mark.parametrize("camera", ["photon", "microbolometer"])
-def test_levels_that_jump_are_followed(request, camera):
+def test_levels_that_jump_are_followed(request, sound, camera):
     """Oracle: the result without the jump; nothing is left of it to be named."""
     recording, rig = request.getfixturevalue(camera)
     spoilt = timing.estimate([_jumped(recording)], rig)
-    sound = timing.estimate([recording], rig).found.result.estimate
+    even = sound(camera).found.result.estimate
     assert diagnosis.diagnose(spoilt).findings == ()
-    moved = np.abs(spoilt.found.result.estimate.values - sound.values) / sound.standard_uncertainties
+    moved = np.abs(spoilt.found.result.estimate.values - even.values) / even.standard_uncertainties
     assert np.max(moved) < 0.5
 
 
 @pytest.mark.parametrize("camera", ["photon", "microbolometer"])
-def test_a_sound_rig_gives_no_finding(request, camera):
+def test_a_sound_rig_gives_no_finding(sound, camera):
     """Oracle: nothing was put in; no cause moves the result by a standard uncertainty, and none is named."""
-    recording, rig = request.getfixturevalue(camera)
-    found = diagnosis.diagnose(timing.estimate([recording], rig))
+    found = diagnosis.diagnose(sound(camera))
     assert found.findings == ()
     assert len({one.name for one in found.causes}) == len(found.causes)
     assert found.fitted
@@ -168,10 +179,9 @@ def test_a_cause_moves_the_result_as_a_fit_with_it_would():
     assert found.n_numbers == 1
 
 
-def test_later_rows_are_a_delay_and_a_row_delay(microbolometer):
+def test_later_rows_are_a_delay_and_a_row_delay(sound):
     """Oracle: by hand; all edges 1 s later are the delay 1 s later, and 1 s for each row leaves row 0 where it was."""
-    recording, rig = microbolometer
-    beside = diagnosis._of_rows(timing.estimate([recording], rig))
+    beside = diagnosis._of_rows(sound("microbolometer"))
     names = list(causes.fitted(beside.runs[0], lag_s=8e-3))
     edges = np.array([name.startswith("edge") for name in names], float)
     for_each_row = beside.runs[0].middle_px * edges + beside.runs[0].half_px * np.array(

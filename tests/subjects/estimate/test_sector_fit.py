@@ -38,9 +38,12 @@ def _pulls(found, camera):
     return np.array(numbers) / np.sqrt(np.diag(found.covariance))
 
 
-def _twice(rows, camera, lag, *, rig):
-    """First without knowing the lag, then with it and with what the fit before left over, as the camera's estimate does."""
-    found = sector_fit.fit([rows], camera.model, rig=rig, timing=AT_ONCE)
+def _twice(rows, camera, lag, *, rig, start=None):
+    """First without knowing the lag, then with it and with what the fit before left over, as the camera's estimate does.
+
+    A fit of much the same image may stand in for the first.
+    """
+    found = start or sector_fit.fit([rows], camera.model, rig=rig, timing=AT_ONCE)
     for _ in range(2):  # the first knows nothing of the lens
         found = sector_fit.fit([rows], camera.model, rig=rig, timing=lag, start=found)
     return found
@@ -98,17 +101,14 @@ def test_rows_in_a_guessed_sector_tell_the_lag(camera, lag, brute_rows, rig_with
     assert seen.timing["edge_delay_0"] == pytest.approx(lag["edge_delay_0"], abs=0.25 * lag["time_constant"])
 
 
-@pytest.mark.parametrize("mirror", [False, True])
-def test_a_blur_that_is_not_round_comes_back(brute_bolometer, lag, brute_rows, rig_with, mirror):
-    """Oracle: the light that was summed through 0.5 px over rows and 0.9 px over columns; read backwards too."""
+def test_a_blur_that_is_not_round_comes_back(brute_bolometer, lag, brute_rows, rig_with):
+    """Oracle: the light that was summed through 0.5 px over rows and 0.9 px over columns."""
     soft = brute_bolometer(offset=(0.35, -0.25), blur_px=0.7, blur_ellipticity=2 / 7)
-    rows = brute_rows(soft, noise_dn=6.0, seed=3, mirror=mirror)
-    found = _twice(rows, soft, lag, rig=rig_with(mirrored=mirror))
+    found = _twice(brute_rows(soft, noise_dn=6.0, seed=3), soft, lag, rig=rig_with())
     assert abs(found.shape.blur_ellipticity - 2 / 7) < 4 * found.u("blur_ellipticity") < 0.1
     assert abs(found.shape.blur_px - 0.7) < 4 * found.u("blur_px") < 0.06
     assert abs(found.row_delay_s - soft.row_delay_s) < 4 * found.u_row_delay_s
-    if not mirror:
-        assert np.all(np.abs(_pulls(found, soft)) < 4)
+    assert np.all(np.abs(_pulls(found, soft)) < 4)
 
 
 @pytest.mark.parametrize("mirror", [False, True])
@@ -120,6 +120,7 @@ def test_a_blur_along_a_diagonal_comes_back(brute_bolometer, lag, brute_rows, ri
     expected = 0.5 if mirror else -0.5
     assert abs(found.shape.blur_correlation - expected) < 4 * found.u("blur_correlation") < 0.2
     assert abs(found.shape.blur_ellipticity - 0.1) < 4 * found.u("blur_ellipticity") < 0.1
+    assert abs(found.shape.blur_px - 0.75) < 4 * found.u("blur_px") < 0.06
     assert abs(found.row_delay_s - soft.row_delay_s) < 4 * found.u_row_delay_s
     assert image_doubts.of_image(found) == ()
     if not mirror:
@@ -146,10 +147,10 @@ def test_even_pixels_leave_nothing_over(plain, camera):
     np.testing.assert_allclose(plain.contrast[light > 0.9], light[light > 0.9], atol=0.01)
 
 
-def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute_rows, rig_with):
+def test_pixels_that_differ_are_told_and_do_not_move_the_axle(plain, camera, lag, brute_rows, rig_with):
     """Oracle: gains that were drawn, 3 % apart; the excess is theirs, axle and bisector stay within their uncertainties."""
     gain = 1 + 0.03 * np.random.default_rng(4).standard_normal((36, 64))
-    found = _twice(brute_rows(camera, gain=gain, noise_dn=6.0, seed=5), camera, lag, rig=rig_with())
+    found = _twice(brute_rows(camera, gain=gain, noise_dn=6.0, seed=5), camera, lag, rig=rig_with(), start=plain)
     light = camera.light[1].sum(axis=0)
     inside = light > 0.99
     assert found.gain_scatter == pytest.approx(0.03, rel=0.2)
@@ -158,7 +159,7 @@ def test_pixels_that_differ_are_told_and_do_not_move_the_axle(camera, lag, brute
     assert np.all(np.abs(_pulls(found, camera)) < 4)
 
 
-def test_a_dead_pixel_on_the_border_shows_its_neighbours(camera, lag, brute_rows, rig_with):
+def test_a_dead_pixel_on_the_border_shows_its_neighbours(plain, camera, lag, brute_rows, rig_with):
     """Oracle: the light that was summed, with the mean of left and right in place of the dead pixel, as the row sums have it."""
     rows = brute_rows(camera, noise_dn=0.5)
     angles, light = camera.light
@@ -168,7 +169,7 @@ def test_a_dead_pixel_on_the_border_shows_its_neighbours(camera, lag, brute_rows
         good[row, column] = False
         shown[:, row, column] = (light[:, row, column - 1] + light[:, row, column + 1]) / 2
     dead = replace(rows, contrast=replace(rows.contrast, good=good))
-    seen = row_light(rows.rows.row_px, _twice(dead, camera, lag, rig=rig_with()), n_harmonics=HARMONICS)
+    seen = row_light(rows.rows.row_px, _twice(dead, camera, lag, rig=rig_with(), start=plain), n_harmonics=HARMONICS)
     waves = np.exp(-1j * np.multiply.outer(np.arange(7), angles))
     for row, _ in border:
         found = seen.harmonics[np.searchsorted(seen.row_px, row), :7]
@@ -256,8 +257,10 @@ def test_a_lens_that_the_image_does_not_tell_is_as_rig_toml_states(brute_bolomet
     assert abs(tied) > 0.9  # radii and lens are uncertain together, so that what is seen is certain
 
 
-@pytest.mark.parametrize(("reflection", "plate"), [(0.0, -0.03), (0.4, 0.02), (1.0, 0.02)])
-def test_the_plate_and_what_it_reflects_do_not_turn_the_mask(camera, lag, brute_rows, rig_with, reflection, plate):
+@pytest.mark.parametrize(("reflection", "plate"), [(0.0, -0.03), (1.0, 0.02)])
+def test_the_plate_and_what_it_reflects_do_not_turn_the_mask(
+    plain, camera, lag, brute_rows, rig_with, reflection, plate
+):
     """Oracle: contrast made pixel by pixel: 5 % of it reflected by the wheel at one end, the plate's part at its own phase."""
     rows = brute_rows(camera, noise_dn=2.0, seed=6)
     down, across = np.arange(36)[:, None] - camera.axle[0], np.arange(64)[None, :] - camera.axle[1]
@@ -271,7 +274,7 @@ def test_the_plate_and_what_it_reflects_do_not_turn_the_mask(camera, lag, brute_
         at = theta - angle[row, column] + camera.omega * row * camera.row_delay_s
         more[row, column] = -600 * beyond[row, column] * (rows.contrast.frame_weight @ camera.seen(at))
     image = replace(rows.contrast, projection_dn=rows.contrast.projection_dn + more)
-    found = _twice(replace(rows, contrast=image), camera, lag, rig=rig_with())
+    found = _twice(replace(rows, contrast=image), camera, lag, rig=rig_with(), start=plain)
     assert abs(found.shape.bisector_rad - camera.bisector_rad) < 4 * found.u("bisector_rad") < 4e-3
     mean = np.average(reflected, weights=light)
     assert found.plate == pytest.approx((plate + (1 - reflection) * mean) / (1 + plate + mean), abs=0.005)
@@ -292,7 +295,7 @@ def test_a_tilted_camera_with_its_lens_centre_aside(brute_bolometer, brute_rows,
     assert abs(found.row_delay_s - tilted.row_delay_s) < 4 * found.u_row_delay_s
 
 
-def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, rig_with):
+def test_pixels_that_exchange_light_leave_no_blur_over(plain, camera, lag, brute_rows, rig_with):
     """Oracle: the exchange that was put in, 10 % with the columns beside, of variance 0.1 px^2, which the blur takes."""
     rows = brute_rows(camera, noise_dn=0.5, seed=3)
     parts = [
@@ -301,7 +304,7 @@ def test_pixels_that_exchange_light_leave_no_blur_over(camera, lag, brute_rows, 
     ]
     image = replace(rows.contrast, projection_dn=parts[0] + 1j * parts[1])
     exchanging = replace(rows, contrast=image)
-    before = _twice(exchanging, camera, lag, rig=rig_with())
+    before = _twice(exchanging, camera, lag, rig=rig_with(), start=plain)
     found = sector_fit.settled([exchanging], camera.model, rig=rig_with(), timing=lag, start=before)
     assert found.n_rounds == before.n_rounds + 1
     assert np.abs(image_doubts.left_over(found).variance_px2).max() < 0.01
