@@ -1,6 +1,6 @@
 """`irtiming record` before a rig that is not as it must be: one line, exit status 2, and nothing has moved.
 
-The devices are simulated ones in this process; the program runs in another and knows only their addresses.
+The devices are simulated ones in this process; the program knows only their addresses.
 """
 
 import ctypes
@@ -53,8 +53,8 @@ def _loopback(offset=0):
 class _Laboratory:
     """A simulated rig, the plan for it, and what must stay as it is."""
 
-    def __init__(self, bench, folder, stack):
-        self.bench, self.folder = bench, folder
+    def __init__(self, bench, folder, stack, *, told):
+        self.bench, self.folder, self.told = bench, folder, told
         self.devices = dict(bench.addresses)
         self.n_triggers = 0
         self.at = stack.enter_context
@@ -85,44 +85,40 @@ class _Laboratory:
 
 
 @pytest.fixture
-def laboratory(tmp_path):
-    """A rig at rest, with an empty folder for what might be recorded."""
+def laboratory(tmp_path, monkeypatch, told):
+    """A rig at rest, with an empty folder, which is the current one, for what might be recorded."""
+    monkeypatch.chdir(tmp_path)
     place = Workplace(camera_address=_loopback(), blackbody_port="serial", speed=_SPEED, settling_s=1.0)
     bench = Bench(twin.draw(paper_scene(16, 20), seed=1), place=place)
     with ExitStack() as stack:
-        yield _Laboratory(stack.enter_context(bench), tmp_path, stack)
+        yield _Laboratory(stack.enter_context(bench), tmp_path, stack, told=told)
 
 
-def _record(laboratory, *words, **about):
-    """Run `irtiming record` on the devices of the laboratory."""
+def _record(laboratory, *words, without_privileges=False):
+    """Run `irtiming record` on the devices of the laboratory; exit status, output and error."""
     names = "".join(f'{name} = "{address}"\n' for name, address in laboratory.devices.items())
     plan = laboratory.folder / "plan.toml"
     plan.write_text(f"[devices]\n{names}speed = {_SPEED}\n{_PLAN}")
-    command = [
-        sys.executable,
-        "-c",
-        "from irtiming.cli.main import run; run()",
-        "record",
-        str(plan),
-        "--out",
-        "series",
-        *words,
-    ]
-    return subprocess.run(
-        command, cwd=laboratory.folder, capture_output=True, text=True, timeout=60, check=False, **about
-    )
+    words = ("record", str(plan), "--out", "series", *words)
+    if not without_privileges:
+        return laboratory.told(*words)
+    done = subprocess.run(
+        [sys.executable, "-c", "from irtiming.cli.main import run; run()", *words],
+        cwd=laboratory.folder, capture_output=True, text=True, timeout=60, check=False, preexec_fn=_without_privileges,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
 
 
 def _refused(laboratory, says, *words, **about):
     """Require exit status 2, one line with these words, and a rig as it was."""
     before = laboratory.still()
-    done = _record(laboratory, *words, **about)
-    assert done.returncode == 2, done.stderr
-    lines = done.stderr.splitlines()
-    assert len(lines) == 1, done.stderr
+    status, output, error = _record(laboratory, *words, **about)
+    assert status == 2, error
+    lines = error.splitlines()
+    assert len(lines) == 1, error
     assert lines[0].startswith("irtiming: ")
     assert says in lines[0]
-    assert done.stdout == ""
+    assert output == ""
     assert laboratory.still() == before
     assert laboratory.n_triggers == 0
     assert list(laboratory.folder.rglob("*.nxs*")) == []
@@ -130,9 +126,9 @@ def _refused(laboratory, says, *words, **about):
 
 def test_a_rig_that_is_as_it_must_be_is_not_refused(laboratory):
     """Oracle: the same rig without any fault passes the checklist; else the refusals below would prove nothing."""
-    done = _record(laboratory, "--dry-run")
-    assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith("ready: ")
+    status, _, error = _record(laboratory, "--dry-run")
+    assert status == 0, error
+    assert error.startswith("ready: ")
 
 
 def _blackbody_where_the_chopper_should_be(laboratory):
@@ -159,9 +155,9 @@ def test_devices_at_each_others_ports_are_both_told(laboratory, swap, says):
     """Oracle: two addresses exchanged: a line for each above the one that ends it, all settings as they were."""
     swap(laboratory)
     before = laboratory.still()
-    done = _record(laboratory)
-    assert done.returncode == 2
-    *complaints, last = done.stderr.splitlines()
+    status, _, error = _record(laboratory)
+    assert status == 2
+    *complaints, last = error.splitlines()
     assert [line.split(":")[0] for line in complaints] == ["not ready", "not ready"]
     assert all(word in line for word, line in zip(says, complaints, strict=True))
     assert last == "irtiming: 2 complaints, see above; nothing was moved"
@@ -258,7 +254,7 @@ def _without_privileges():
 def test_a_port_that_this_user_may_not_open(laboratory):
     """Oracle: the permissions of the port, which nobody has."""
     with _forbidden(laboratory.port_of("chopper"), 0o000):
-        _refused(laboratory, "may not be opened by this user", preexec_fn=_without_privileges)
+        _refused(laboratory, "may not be opened by this user", without_privileges=True)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="permissions of an administrator are given up in Linux's way")
@@ -268,4 +264,4 @@ def test_a_folder_that_this_user_may_not_write_to(laboratory):
     locked.mkdir()
     with _forbidden(locked, 0o500):
         words = ["--out", str(locked / "series")]
-        _refused(laboratory, "may not be written to", *words, preexec_fn=_without_privileges)
+        _refused(laboratory, "may not be written to", *words, without_privileges=True)

@@ -1,8 +1,5 @@
 """`irtiming record` as typed, with input that cannot be: exit status 2, one line, nothing made."""
 
-import subprocess
-import sys
-
 import pytest
 
 PLAN = """
@@ -18,17 +15,17 @@ wheel_hz = 3
 frame_hz = 30.303
 samples = 1000
 """
-_AS_TYPED = "from irtiming.cli import main, record_command; main.app.command()(record_command.record); main.run()"
 
 
 @pytest.fixture
-def run(tmp_path):
-    """Return a function that runs `irtiming record` with these words in an empty folder."""
+def run(tmp_path, monkeypatch, told):
+    """Exit status and error of `irtiming record` with these words in an empty folder."""
 
     def typed(text, *words):
+        monkeypatch.chdir(tmp_path)
         (tmp_path / "plan.toml").write_text(text)
-        command = [sys.executable, "-c", _AS_TYPED, "record", "plan.toml", "--out", "series", *words]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+        status, _, error = told("record", "plan.toml", "--out", "series", *words)
+        return status, error
 
     return typed
 
@@ -47,18 +44,18 @@ def run(tmp_path):
 )
 def test_what_cannot_be_is_told_in_one_line(run, tmp_path, text, words, says):
     """Oracle: the words; the folder of the series is not made."""
-    done = run(text, *words)
-    assert done.returncode == 2
-    lines = done.stderr.strip().splitlines()
-    assert says in done.stderr
+    status, error = run(text, *words)
+    assert status == 2
+    lines = error.strip().splitlines()
+    assert says in error
     assert all(line.startswith(("irtiming: ", "not ready: ")) for line in lines)
     assert not (tmp_path / "series").exists()
 
 
 def test_every_device_that_cannot_be_reached_is_told(run):
     """Oracle: two addresses that lead nowhere, each in a line of its own."""
-    done = run(PLAN.replace("gige:127.0.0.2", "nosuch:1"))
-    lines = done.stderr.strip().splitlines()
-    assert done.returncode == 2
+    status, error = run(PLAN.replace("gige:127.0.0.2", "nosuch:1"))
+    lines = error.strip().splitlines()
+    assert status == 2
     assert [line.split(":")[0] for line in lines] == ["not ready", "not ready", "irtiming"]
     assert "2 complaints" in lines[-1]
