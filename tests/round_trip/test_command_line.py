@@ -2,35 +2,43 @@
 
 import json
 import shutil
-import subprocess
-import sys
 
 import pytest
+from typer.testing import CliRunner
 
-RUN = [sys.executable, "-c", "from irtiming.cli.main import run; run()"]
-
-
-def _irtiming(*arguments):
-    return subprocess.run([*RUN, *map(str, arguments)], capture_output=True, text=True, timeout=300, check=False)
+from irtiming.cli.main import app
 
 
 @pytest.fixture(scope="module")
 def simulated(tmp_path_factory):
     folder = tmp_path_factory.mktemp("simulated")
-    options = ["--rows", 60, "--columns", 80, "--frames", 300, "--delay", "0 ms", "--delay", "25 ms", "--seed", 3]
-    done = _irtiming("simulate", folder, *options)
-    assert done.returncode == 0, done.stderr
+    options = [
+        "--rows",
+        "60",
+        "--columns",
+        "80",
+        "--frames",
+        "300",
+        "--delay",
+        "0 ms",
+        "--delay",
+        "25 ms",
+        "--seed",
+        "3",
+    ]
+    done = CliRunner().invoke(app, ["simulate", str(folder), *options])
+    assert done.exit_code == 0, done.output
     return folder
 
 
-def test_simulate_verify_analyse(simulated, tmp_path):
+def test_simulate_verify_analyse(simulated, told, tmp_path):
     """Oracle: truth.json of the simulation, and the result format."""
     recordings = sorted(simulated.glob("*.nxs"))
     assert len(recordings) == 2
-    assert _irtiming("verify", *recordings).returncode == 0
+    assert told("verify", *recordings)[0] == 0
     out, page = tmp_path / "result.json", tmp_path / "report.html"
-    done = _irtiming("analyse", *recordings, "--rig", simulated / "rig.toml", "--json", out, "--report", page)
-    assert done.returncode == 0, done.stderr
+    status, _, error = told("analyse", *recordings, "--rig", simulated / "rig.toml", "--json", out, "--report", page)
+    assert status == 0, error
     result, truth = json.loads(out.read_text()), json.loads((simulated / "truth.json").read_text())
     assert result["camera"] == "photon"
     assert result["method"] == "pixel-sum"
@@ -45,12 +53,14 @@ def test_simulate_verify_analyse(simulated, tmp_path):
     assert page.read_text().startswith("<!DOCTYPE html>")
 
 
-def test_the_published_method_is_the_result_when_asked_for(simulated, tmp_path):
+def test_the_published_method_is_the_result_when_asked_for(simulated, told, tmp_path):
     """Oracle: the result format's method, and the other method beside it."""
     out = tmp_path / "result.json"
     recording = min(simulated.glob("*.nxs"))
-    done = _irtiming("analyse", recording, "--rig", simulated / "rig.toml", "--json", out, "--method", "published")
-    assert done.returncode == 0, done.stderr
+    status, _, error = told(
+        "analyse", recording, "--rig", simulated / "rig.toml", "--json", out, "--method", "published"
+    )
+    assert status == 0, error
     result = json.loads(out.read_text())
     assert result["method"] == "published"
     assert result["other_method"]["method"] == "pixel-sum"

@@ -20,7 +20,7 @@ TURN = 2 * np.pi
 
 
 def _scene(hz: float) -> Scene:
-    scene = with_wheel_speed(paper_scene(48, 64), hz)
+    scene = with_wheel_speed(paper_scene(48, 64), hz, samples=400)
     ripple = Ripple(order=1, relative=4e-4 * (3 / hz) ** 2)
     wheel = replace(scene.wheel, ring_edges_rad=(0.0, 1.571, np.pi + 4e-3, 4.713))
     return replace(scene, wheel=wheel, wander=SpeedWander(ripples=(ripple,)))
@@ -39,6 +39,16 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, SimulatedRig]
     return folder, rig
 
 
+@pytest.fixture(scope="module")
+def calibrated(place) -> str:
+    """What is said of both speeds; wheel.json and wheel.svg lie in the folder then."""
+    folder, _ = place
+    return _run(
+        "calibrate-wheel", folder / "slow.nxs", folder / "fast.nxs", "--rig", folder / "rig.toml",
+        "--out", folder / "wheel.json", "--picture", folder / "wheel.svg",
+    )  # fmt: skip
+
+
 def _run(*arguments: object) -> str:
     done = CliRunner().invoke(app, [str(argument) for argument in arguments], env={"COLUMNS": "200"})
     if done.exception is not None and not isinstance(done.exception, SystemExit):
@@ -47,21 +57,17 @@ def _run(*arguments: object) -> str:
     return done.output
 
 
-def test_two_speeds_give_slots_ripple_and_a_picture(place) -> None:
+def test_two_speeds_give_slots_ripple_and_a_picture(place, calibrated) -> None:
     """Oracle: slots of the twin within a microsecond; ripple of 0.4 mrad, order 1; the picture is XML with both axes named."""
     folder, rig = place
-    said = _run(
-        "calibrate-wheel", folder / "slow.nxs", folder / "fast.nxs", "--rig", folder / "rig.toml",
-        "--out", folder / "wheel.json", "--picture", folder / "wheel.svg",
-    )  # fmt: skip
     wheel = read_wheel_calibration(folder / "wheel.json")
     true = np.array(rig.scene.wheel.control_slot_errors_rad)
     assert np.std(wheel.slot_deviation_rad - true) < 1e-6 * TURN * 3
     assert wheel.names == ("slow", "fast")
     assert all(len(checksum) == 64 for checksum in wheel.sha256)
     for words in ("3 Hz", "6 Hz", "gate separation", "application edge α₃", "speed ripple", "closure"):
-        assert words in said
-    assert "not separable" not in said
+        assert words in calibrated
+    assert "not separable" not in calibrated
     assert ET.parse(folder / "wheel.svg").getroot().tag.endswith("svg")
 
 
@@ -76,15 +82,12 @@ def test_one_speed_says_what_it_cannot_tell(place) -> None:
     assert read_wheel_calibration(folder / "one.json").ripple is None
 
 
+@pytest.mark.usefixtures("calibrated")
 def test_analysis_takes_the_calibration(place) -> None:
     """Oracle: the calibration; the slots of the result are its own, free of the ripple that the recording alone has."""
     folder, rig = place
-    _run(
-        "calibrate-wheel", folder / "slow.nxs", folder / "fast.nxs", "--rig", folder / "rig.toml",
-        "--out", folder / "both.json",
-    )  # fmt: skip
     results = []
-    for more in ((), ("--wheel-calibration", folder / "both.json")):
+    for more in ((), ("--wheel-calibration", folder / "wheel.json")):
         _run("analyse", folder / "slow.nxs", "--rig", folder / "rig.toml", "--json", folder / "result.json", *more)
         results.append(json.loads((folder / "result.json").read_text())["wheel"])
     alone, helped = results

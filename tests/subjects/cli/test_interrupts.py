@@ -50,8 +50,10 @@ def test_stopped_while_the_program_starts(tmp_path: Path, after_s: float, by: si
     assert lines[0].startswith("irtiming: stopped")
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-@pytest.mark.parametrize("after_s", [1.0, 1.8, 2.6])
+@pytest.mark.parametrize(
+    ("after_s", "by"),
+    [(1.0, signal.SIGINT), (1.0, signal.SIGTERM), (1.8, signal.SIGINT), (1.8, signal.SIGKILL), (2.6, signal.SIGTERM)],
+)
 def test_a_simulation_that_is_stopped(tmp_path: Path, after_s: float, by: signal.Signals) -> None:
     """Oracle: the documented exit status; every file with a final name is sound."""
     words = ["simulate", str(tmp_path / "lab"), "--rows", "48", "--columns", "64", "--frames", "2000", "--runs", "20"]

@@ -10,11 +10,6 @@ from irtiming.archive.rig_file import read_rig
 from irtiming.archive.series_file import read_series
 
 
-def _typed(*words, timeout=60):
-    command = [sys.executable, "-c", "from irtiming.cli.main import run; run()", "rig", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
-
-
 def _address(worker_id):
     return "127.0.8.2" if worker_id == "master" else f"127.0.8.{3 + int(worker_id.removeprefix('gw'))}"
 
@@ -28,19 +23,19 @@ def _address(worker_id):
         ("microbolometer", ("--readout", "snapshot"), "snapshot"),
     ],
 )
-def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, camera, options, readout):
+def test_a_served_rig_writes_the_files_that_its_users_want(told, tmp_path, worker_id, camera, options, readout):
     """Oracle: the readers of those files; the plan names the addresses that were printed."""
-    found = _typed(
-        "--simulate", "--camera", camera, *options, "--rows", "24", "--columns", "32", "--out", str(tmp_path),
+    status, output, error = told(
+        "rig", "--simulate", "--camera", camera, *options, "--rows", "24", "--columns", "32", "--out", str(tmp_path),
         "--duration", "100 ms", "--console", "0", "--camera-address", _address(worker_id), "--speed", "5",
     )  # fmt: skip
-    assert found.returncode == 0, found.stderr
-    assert "the rig is ready, 5 of its seconds in one of yours" in found.stdout
+    assert status == 0, error
+    assert "the rig is ready, 5 of its seconds in one of yours" in output
     plan = read_series(tmp_path / "plan.toml")
     assert (plan.camera.camera_type, plan.camera.readout_mode) == (camera, readout)
     assert plan.devices.camera == f"gige:{_address(worker_id)}"
     for address in (plan.devices.chopper, plan.devices.blackbody, plan.devices.trigger_generator):
-        assert address in found.stdout
+        assert address in output
     assert (plan.references is not None) == (camera == "photon")
     assert read_rig(tmp_path / "rig.toml").wheel.control_slots == 100
     truth = json.loads((tmp_path / "truth.json").read_text())
@@ -56,20 +51,20 @@ def test_a_served_rig_writes_the_files_that_its_users_want(tmp_path, worker_id, 
         (["--simulate", "--camera-address", "203.0.113.7", "--rows", "16", "--columns", "16"], "203.0.113.7"),
     ],
 )
-def test_what_cannot_be_is_told_in_one_line(words, says):
+def test_what_cannot_be_is_told_in_one_line(told, words, says):
     """Oracle: one odd wish each; exit status 2."""
-    found = _typed(*words)
-    assert found.returncode == 2
-    assert says in found.stderr
-    assert "Traceback" not in found.stderr
-    assert sum(line.startswith("irtiming: ") for line in found.stderr.splitlines()) == 1
+    status, _, error = told("rig", *words)
+    assert status == 2
+    assert says in error
+    assert "Traceback" not in error
+    assert sum(line.startswith("irtiming: ") for line in error.splitlines()) == 1
 
 
-def test_help_tells_every_word():
+def test_help_tells_every_word(told):
     """Oracle: the words of the console."""
-    found = _typed("--tell", "help")
-    assert found.returncode == 0
-    assert [line.split()[0] for line in found.stdout.splitlines()] == [
+    status, output, _ = told("rig", "--tell", "help")
+    assert status == 0
+    assert [line.split()[0] for line in output.splitlines()] == [
         "remove", "insert", "fault", "lose-lock", "unplug", "state",
     ]  # fmt: skip
 

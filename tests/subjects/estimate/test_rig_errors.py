@@ -105,7 +105,7 @@ def _drawn(random, rates_hz, *, register_hz=None):
 
 
 @pytest.mark.parametrize(
-    ("rates_hz", "register_hz"), [((3.0,), None), ((3.0, 8.0), None), ((3.0, 8.0), 5.0), ((3.0, 5.0, 8.0, 12.0), None)]
+    ("rates_hz", "register_hz"), [((3.0,), None), ((3.0, 8.0), 5.0), ((3.0, 5.0, 8.0, 12.0), None)]
 )
 def test_pulls_of_delays_with_drawn_latencies(rates_hz, register_hz):
     """Oracle: 200 draws of everything that rig.toml states; pulls have mean 0 and rms 1 within three of their own u."""
