@@ -50,9 +50,11 @@ def test_the_hand_made_file_survives(hand_made: Callable[..., Path], tmp_path: P
 
 
 def test_the_example_recordings_survive(shared_recordings: Path, tmp_path: Path) -> None:
-    """Oracle: the recordings as read from the examples."""
+    """Oracle: the recordings as read from the examples, with the first two hundred of their frames."""
     for path in sorted(shared_recordings.glob("*/*0ms.nxs")):
-        was = reader.read(path)
+        whole = reader.read(path)
+        frames = ArrayFrames(whole.frames.pick(list(range(200))), block_frames=64)
+        was = replace(whole, frames=frames, frame_number=whole.frame_number[:200])
         writer.write(was, tmp_path / path.name)
         _assert_same(was, reader.read(tmp_path / path.name))
 

@@ -56,7 +56,7 @@ def test_the_report_compares_and_the_result_can_be_planned_with(photon, tmp_path
 @pytest.mark.slow
 def test_a_microbolometer_states_what_noise_gains_and_rig_allow():
     """Oracle: the Fisher information of row sums and contrast image; the estimation judges the border by what it leaves over."""
-    rig = twin.draw(with_wheel_speed(microbolometer_scene(72, 96), 3.0, samples=300), seed=1)
+    rig = twin.draw(with_wheel_speed(microbolometer_scene(60, 80), 3.0, samples=300), seed=1)
     done = analyse(twin.series(rig.scene, (0.0,), repeats=1, seed=1), rig.measured, extras=("prediction",))
     estimate = done.best.estimate
     stated = dict(zip(estimate.names, estimate.standard_uncertainties, strict=True))

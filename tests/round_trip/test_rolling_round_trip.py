@@ -1,13 +1,11 @@
 """From a simulated microbolometer camera with known truth to its timing: the twin and the estimator share no formula."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from irtiming import measurement
-from irtiming.archive import reader, rig_file
 from irtiming.errors import EstimationError
 from irtiming.estimate import timing
 from irtiming.records.choices import Choices
@@ -142,27 +140,6 @@ def test_nothing_and_the_same_twice_are_refused(monkeypatch):
         measurement.analyse([one, replace(one, name="again")], rig.measured)
     with pytest.raises(EstimationError, match="no recording given"):
         measurement.analyse([], rig.measured)
-
-
-def test_the_example_recording_gives_its_truth(shared_recordings):
-    """Oracle: truth.json beside it; tau within 10 us, row delay within 0.3 us, trigger delay within 3 uncertainties."""
-    folder = shared_recordings / "bolo"
-    if not (folder / "truth.json").is_file():
-        pytest.skip(f"no truth.json in {folder}")
-    rig, truth = rig_file.read_rig(folder / "rig.toml"), json.loads((folder / "truth.json").read_text())
-    recording = reader.read(folder / "bolo-3Hz-0ms.nxs")
-    rows = recipes.reduce(recording, rig, choices=Choices())
-    found = timing.estimate([rows], rig)
-    estimate = found.found.result.estimate
-    assert estimate.names == (*NAMES, MEMORY)
-    off = estimate.values - np.array([*(truth[f"{name}_s"] for name in NAMES), 0.0])
-    assert abs(off[0]) < 3 * estimate.standard_uncertainties[0]
-    assert abs(off[1]) < 10e-6
-    assert abs(off[2]) < 0.3e-6
-    assert abs(off[3]) < 3.5 * estimate.standard_uncertainties[3]
-    assert estimate.standard_uncertainties[0] < 60e-6
-    axle = found.recordings[0].axle
-    assert (axle.row_px, axle.column_px) == pytest.approx(truth["wheel_centre_row_column_px"], abs=0.05)
 
 
 def test_a_response_that_is_not_linear_is_told_at_two_speeds():

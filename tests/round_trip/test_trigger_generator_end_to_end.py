@@ -126,7 +126,7 @@ def test_the_delay_comes_out_through_the_compiled_circuit():
     from irtiming.gateware.compiled_device import CompiledDevice
 
     clock = 3_000_000
-    rig = twin.draw(paper_scene(80, 100), seed=33)
+    rig = twin.draw(paper_scene(48, 64), seed=33)
     plan = _plan(clock, wheel_hz=(15,), frame_hz=60, samples=250)
     (run,) = plan.runs
     wheel = DrivenWheel(rig.scene, clock_frequency_hz=clock, seed=7, remembers=True)

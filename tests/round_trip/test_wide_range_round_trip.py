@@ -18,7 +18,7 @@ SUBSTRATE_S, SCENE_S, SUBSTRATE_K = 12e-3, 8e-3, 303.15
 @pytest.fixture(scope="module")
 def analysed():
     """Two recordings: blackbody colder and warmer than the wheel."""
-    scene = with_wheel_speed(microbolometer_scene(80, 104), 3.0, samples=500)
+    scene = with_wheel_speed(microbolometer_scene(64, 84), 3.0, samples=400)
     scene = replace(scene, optics=replace(scene.optics, pixel_pitch_m=1.15 * scene.optics.pixel_pitch_m))
     rig = twin.draw(scene, seed=3)
     exchange = RadiativeExchange(scene_time_constant_s=SCENE_S, substrate_k=SUBSTRATE_K)

@@ -70,10 +70,9 @@ def test_noise_stays_within_the_stated_uncertainty():
     assert found.surroundings.wheel_temperature_from == "you"
 
 
-@pytest.mark.parametrize("common_s", [0.0, 20e-6])
-def test_covariance_is_that_of_the_time_constants_carried_through_the_estimate(common_s):
+def test_covariance_is_that_of_the_time_constants_carried_through_the_estimate():
     """Oracle: central differences of the estimate to each effective constant, J C J^T, off the diagonal too."""
-    seen = _seen(0.4, [263.15, 303.15, 343.15], u_s=1e-6, common_s=common_s)
+    seen = _seen(0.4, [263.15, 303.15, 343.15], u_s=1e-6, common_s=20e-6)
 
     def at(values_s):
         moved = replace(seen, time_constant_s=values_s)
