@@ -12,10 +12,12 @@ from irtiming.archive import reader, writer
 from irtiming.archive.live.head import RecordingHead
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.measurement import analyse
+from irtiming.records.analysis import Analysis
 from irtiming.records.camera_frame import CameraFrame, CameraIdentity, CameraSetup
-from irtiming.records.estimate import Estimate
 from irtiming.records.rig import Rig
 from irtiming.records.trigger_plan import PlannedRun, TriggerScheme
+from irtiming.report import outside
+from irtiming.report.verdict import verdict
 from irtiming.session.analyst import Analyst, told_of
 from irtiming.session.live import FEWEST_FRAMES, LiveAnalysis
 from irtiming.session.live_estimate import LiveEstimate
@@ -45,15 +47,18 @@ def finished(rig, tmp_path_factory):
 
 
 @cache
-def _analysed(paths: tuple[Path, ...], measured: Rig) -> Estimate:
-    return analyse([reader.read(path) for path in paths], measured).result.estimate
+def _analysed(paths: tuple[Path, ...], measured: Rig) -> Analysis:
+    return analyse([reader.read(path) for path in paths], measured)
 
 
 def _same(found: LiveEstimate, paths, rig) -> None:
-    expected = _analysed(tuple(paths), rig.measured)
+    analysis = _analysed(tuple(paths), rig.measured)
+    result, expected = analysis.result, analysis.result.estimate
     assert found.doubt == ""
     assert list(found.values.values()) == expected.values.tolist()
     assert [found.uncertainties[name] for name in expected.names] == expected.standard_uncertainties.tolist()
+    assert found.not_in_uncertainty == result.not_in_uncertainty
+    assert outside.behind(found.not_in_uncertainty) == verdict(analysis).outside
 
 
 def test_what_it_says_at_the_end_is_what_analyse_says_of_what_can_be_analysed(rig, finished, tmp_path):

@@ -4,7 +4,7 @@ import numpy as np
 
 from irtiming.records.analysis import Analysis
 from irtiming.records.result import Result
-from irtiming.report import budget
+from irtiming.report import budget, outside
 from irtiming.report.combination import combined
 from irtiming.report.language import several, t, with_capital, with_unit
 from irtiming.report.meanings import bound_text, event_in_english, has_lag, headline, method_name, words
@@ -25,10 +25,9 @@ def verdict(analysis: Analysis) -> Verdict:
         else f"{words(name)}: {bounds.get(name, t('unknown'))}"
         for name in names
     ]
-    outside = t("not in u: {what}", what=trusted(result)) if result.not_in_uncertainty and names[0] in found else ""
     return Verdict(
         number=numbers[0],
-        outside=outside,
+        outside=outside.behind(result.not_in_uncertainty) if names[0] in found else "",
         further=tuple(numbers[1:]),
         sentence=_sentence(analysis, names, found=found, bounds=bounds),
         remarks=tuple(text for text in _remarks(analysis, names, found=found) if text),
@@ -68,14 +67,14 @@ def _sentence(
         method=method_name(result.method),
         recordings=several(len(analysis.recordings), "recording"),
     )
-    outside = trusted(result)
+    beside = outside.listed(result.not_in_uncertainty)
     if len(names) > 1 or names[0] not in found:
         return t(
             "{parts}{lag}, {by} (standard uncertainties, k = 1).{without}",
             parts=", ".join(parts),
             lag=lag,
             by=by,
-            without=t(" Not in these uncertainties: {what}.", what=outside) if outside else "",
+            without=t(" Not in these uncertainties: {what}.", what=beside) if beside else "",
         )
     expanded, factor = budget.expanded_text(found[names[0]][1], budget.of(result, names[0]).degrees_of_freedom)
     known = t(
@@ -83,13 +82,8 @@ def _sentence(
         expanded=expanded,
         factor=factor,
     )
-    without = t(" Not in this uncertainty: {what}.", what=outside) if outside else ""
+    without = t(" Not in this uncertainty: {what}.", what=beside) if beside else ""
     return f"{', '.join(parts)} {known}, {by}.{without}"
-
-
-def trusted(result: Result) -> str:
-    """What the uncertainties do not include, in words."""
-    return "; ".join(t(one) for one in result.not_in_uncertainty)
 
 
 def _first(analysis: Analysis, value: float, u: float, *, name: str) -> str:

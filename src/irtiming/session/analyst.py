@@ -94,4 +94,5 @@ def told_of(found: Analysis) -> LiveEstimate:
         frames=sum(one.trigger_ticks.size for one in found.recordings),
         values=dict(zip(names, map(float, estimate.values), strict=True)),
         uncertainties=uncertainties | ({"relative_delay": max(apart)} if apart else {}),
+        not_in_uncertainty=found.result.not_in_uncertainty,
     )

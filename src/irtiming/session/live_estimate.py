@@ -12,12 +12,14 @@ from irtiming.records.finding import Finding
 class LiveEstimate:
     """What is known so far, from so many frames of all recordings: values and standard uncertainties by name, s, or 1 of a share.
 
-    ``finding`` says why there is none, where there is none.
+    ``not_in_uncertainty`` says in words what the uncertainties do not hold, as the result does; ``finding`` says why there is
+    no estimate, where there is none.
     """
 
     frames: int
     values: Mapping[str, float]
     uncertainties: Mapping[str, float]
+    not_in_uncertainty: tuple[str, ...] = ()
     finding: Finding | None = None
 
     @property
@@ -33,6 +35,7 @@ class LiveEstimate:
             "frames": self.frames,
             "values": dict(self.values),
             "uncertainties": dict(self.uncertainties),
+            "not_in_uncertainty": list(self.not_in_uncertainty),
             "doubt": self.doubt,
         }
 

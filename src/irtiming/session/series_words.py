@@ -7,6 +7,7 @@ from typing import Literal
 from irtiming.acquire.run_order import RunOutcome
 from irtiming.errors import InstrumentError
 from irtiming.records.estimate import SHARES
+from irtiming.report import outside
 from irtiming.report.rounding import value_text
 from irtiming.session.live_estimate import LiveEstimate
 from irtiming.units import counted
@@ -21,7 +22,7 @@ WHEEL_REQUESTS: dict[Literal["remove", "insert"], str] = {
 
 
 def so_far(found: LiveEstimate) -> str:
-    """What is known, in one line: every number with its standard uncertainty."""
+    """What is known, in one line: every number with its standard uncertainty, and what that does not hold."""
     if found.finding is not None:
         return f"not sure yet ({found.finding.what})"
     numbers = [
@@ -29,7 +30,8 @@ def so_far(found: LiveEstimate) -> str:
         for name, value in found.values.items()
         if not name.startswith("exposure") and not name.endswith(("_falling", "_rising"))
     ]
-    return f"{', '.join(numbers)}, from {found.frames} frames"
+    beside = outside.behind(found.not_in_uncertainty)
+    return f"{', '.join(numbers)}, from {found.frames} frames" + (f" ({beside})" if beside else "")
 
 
 def of_run(outcome: RunOutcome) -> list[str]:

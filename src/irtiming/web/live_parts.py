@@ -9,6 +9,7 @@ from fastapi import Response
 from nicegui import app as pages_app
 from nicegui import ui
 
+from irtiming.report import outside
 from irtiming.report.rounding import time_text
 from irtiming.web import show
 from irtiming.web.desk import Desk
@@ -106,7 +107,12 @@ def estimates_html(job: Job | None) -> str:
         f'<div class="number">{name.replace("_", " ")} {time_text(latest["values"][name], latest["uncertainties"][name])}</div>'
         for name in names
     )
-    note = f'<p class="note">standard uncertainty, k = 1; from {latest["frames"]} frames</p>'
+    said = [
+        f"from {latest['frames']} frames",
+        "standard uncertainty, k = 1",
+        outside.behind(latest["not_in_uncertainty"]),
+    ]
+    note = f'<p class="note">{escape("; ".join(filter(None, said)))}</p>'
     return f'<div class="verdict">{lines}{note}</div>{_shrinking_svg(estimates, names)}'
 
 
