@@ -25,8 +25,6 @@ from irtiming.records.result import Bound, Contribution
 WINDOW, LAG, ROW_DELAY = "integration_time", "time_constant", "row_delay"
 UNKNOWN_S = 0.1
 """Standard uncertainty of a window that no frame tells anything of."""
-MEMORY = "share of the frame before in each frame"
-"""Source of a budget: what not knowing that share adds."""
 
 _MIDDLE = "exposure_midpoint_delay"
 _FALLING, _RISING = (EDGE_DELAYS[0], EDGE_DELAYS[2]), (EDGE_DELAYS[1], EDGE_DELAYS[3])
@@ -281,7 +279,7 @@ def _budget(
         for name, one in measurands.items()
     }
     return (*lines, Contribution(
-        source=MEMORY, kind="A", degrees_of_freedom=degrees_of_freedom,
+        source=sources.FRAME_BEFORE, kind="A", degrees_of_freedom=degrees_of_freedom,
         standard_uncertainty={name: float(np.sqrt(max(0.0, size))) for name, size in beside.items()},
     ))  # fmt: skip
 
@@ -292,7 +290,7 @@ def _with_known_memory(joint: Joint) -> Joint:
     What they add to a variance then is the difference: the square of what one unit of the share does, times its variance.
     """
     free = [one.name for one in joint.shared if one.name in MEMORIES and one.u is None]
-    known = tuple(prior(name, EXACT_SHARE, source=MEMORY, kind="A", gap=0.0) for name in free)
+    known = tuple(prior(name, EXACT_SHARE, source=sources.FRAME_BEFORE, kind="A", gap=0.0) for name in free)
     return replace(joint, priors=(*joint.priors, *known)) if free else joint
 
 

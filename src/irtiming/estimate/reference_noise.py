@@ -18,12 +18,11 @@ from typing import final
 import numpy as np
 
 from irtiming.estimate.shared_numbers import SharedNumber
+from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rotation
-
-SOURCE = "noise of the non-uniformity references"
 
 
 @final
@@ -71,13 +70,13 @@ def shared(
         ]
         found.append(
             SharedNumber(
-                name=f"{SOURCE} {number}",
+                name=f"{sources.REFERENCES} {number}",
                 unit="1",
                 effects=effects,
                 u=1.0,
                 known=share * turn_rad / u,
                 start=share * turn_rad / u,
-                source=SOURCE,
+                source=sources.REFERENCES,
                 kind="A",
             )
         )

@@ -29,15 +29,8 @@ _OF_CAMERA = (*SLIGHT, *WARP_NUMBERS)
 DELAY = "delay"
 """Delay of the camera, common to all wheel edges: to the reading of row 0, or to the middle of its integration window."""
 
-RESIDUALS, CAMERA = "structure of the residuals common to all recordings", "tilt of the camera, and its lens"
-"""Sources of a budget beside those that rig.toml names."""
-
 MEMORIES = (in_camera_filter.PARAMETER, pixel_memory.PARAMETER)
 """Shares of the frame before, by a filter of the camera or in its pixels."""
-
-
-CORNERS_SOURCE = "straightness of the mask's edges"
-"""Source of what rounds corners by an angle."""
 
 STRAIGHT_RAD = 2e-3
 """To which angle about the axle mask edges are straight: burrs of 0.05 mm, 27 mm from it."""
@@ -230,8 +223,8 @@ def uneven_edges(fits: Sequence[RecordingFit]) -> SharedNumber:
         One per recording.
     """
     return SharedNumber(
-        name=CORNERS_SOURCE, unit="1", effects=[{"corner_variance": STRAIGHT_RAD**2}] * len(fits), u=1.0,
-        source=CORNERS_SOURCE, kind="B",
+        name=sources.STRAIGHTNESS, unit="1", effects=[{"corner_variance": STRAIGHT_RAD**2}] * len(fits), u=1.0,
+        source=sources.STRAIGHTNESS, kind="B",
     )  # fmt: skip
 
 
@@ -246,7 +239,7 @@ def residual_errors(fits: Sequence[RecordingFit], covariance_rad2: Array) -> lis
         Shape (4, 4); of the edges' angles.
     """
     return [
-        _turned(f"{RESIDUALS} {k}", fits, column, source=RESIDUALS, kind="A")
+        _turned(f"{sources.RESIDUALS} {k}", fits, column, source=sources.RESIDUALS, kind="A")
         for k, column in enumerate(root(covariance_rad2).T)
     ]
 
@@ -294,5 +287,5 @@ def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:
     by_camera = whole[:, at] @ generalised_inverse(own, flat=1e-10) @ whole[at]
     rest = whole - by_camera
     rest[at, :] = rest[:, at] = 0.0
-    parts = ((sources.IMAGE, root(rest)), (CAMERA, root(by_camera)))
+    parts = ((sources.IMAGE, root(rest)), (sources.LENS, root(by_camera)))
     return [(source, error) for source, errors in parts for error in errors.T if error.any()]

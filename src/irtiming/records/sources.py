@@ -14,9 +14,15 @@ REGISTER = "register of slots and cutouts"
 EDGES = "cutout edges"
 MASK_BESIDE = "mask beside the axle (image)"
 IMAGE = "axle, mask and blur in the image"
+LENS = "tilt of the camera, and its lens"
+STRAIGHTNESS = "straightness of the mask's edges"
 CLOCK = "clock of the trigger generator"
 WINDOW, TAIL = "integration time as stated", "tail of the integration window"
-MEMORY = "share of the frame before, as stated"
+MEMORY, FRAME_BEFORE = "share of the frame before, as stated", "share of the frame before in each frame"
+"""What is known of that share beforehand; and what not knowing it adds."""
+
+REFERENCES = "noise of the non-uniformity references"
+RESIDUALS = "structure of the residuals common to all recordings"
 LATENCIES: Mapping[str, str] = {
     "application_gate": "latency of the application gate",
     "control_gate": "latency of the control gate",

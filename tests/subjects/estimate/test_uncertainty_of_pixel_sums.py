@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from sums_by_hand import EARLY, GEOMETRY, LEANS, MIDDLE, U_EDGE, WINDOW, recordings_by_hand
 
-from irtiming.estimate import joint, opening_in_image, pixel_numbers, pixel_sums, shared_numbers, timing
+from irtiming.estimate import joint, opening_in_image, pixel_numbers, pixel_sums, timing
 from irtiming.estimate.joint import Measurand
 from irtiming.estimate.shared_numbers import DELAY
 from irtiming.estimate.timing import Timing
 from irtiming.physics.light import pixel_sum
+from irtiming.records import sources
 
 ERRORS = (*(f"cutout edge {k}" for k in range(4)), "mask centre angle phi_M")
 MIDDLE_DELAY = Measurand(name="exposure_midpoint_delay", weights={DELAY: 1.0})
@@ -46,7 +47,7 @@ def _combined(made, geometry, *, noise=None):
 def noisy(recordings, geometry):
     """Two recordings at 3 and 8 Hz with noise, weighed by just that, and nothing taken for common to their residuals."""
     whole = _combined(recordings((3.0, 8.0), noise=2e-5, seed=4), geometry, noise=2e-5)
-    shared = [one for one in whole.found.joint.shared if not one.name.startswith(shared_numbers.RESIDUALS)]
+    shared = [one for one in whole.found.joint.shared if not one.name.startswith(sources.RESIDUALS)]
     plain = joint.fit(whole.exact, shared)
     result = replace(whole.found.result, estimate=plain.estimate([MIDDLE_DELAY]))
     return replace(whole, found=replace(whole.found, joint=plain, profiled=(MIDDLE_DELAY,), result=result))
@@ -69,7 +70,7 @@ def test_pulls_of_two_speeds_are_standard(noisy, recordings):
         "lean_high": LEANS[1],
         "integration_time": WINDOW,
         "glare": 0.0,
-        shared_numbers.CORNERS_SOURCE: 0.0,
+        sources.STRAIGHTNESS: 0.0,
     }
     for _ in range(120):
         models = []
