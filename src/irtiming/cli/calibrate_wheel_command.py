@@ -28,7 +28,7 @@ def calibrate_wheel(
     given = locals()
     from rich.console import Console
 
-    from irtiming.cli.result_table import print_table
+    from irtiming.cli.drawn_table import print_table
     from irtiming.report.sections import wheel as wheel_section
     from irtiming.session.wheel import CalibrationOrder, calibrate
 

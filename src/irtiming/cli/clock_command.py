@@ -37,7 +37,7 @@ def clock(
     given = locals()
     from rich.console import Console
 
-    from irtiming.cli.result_table import print_table
+    from irtiming.cli.drawn_table import print_table
     from irtiming.report.blocks import of_tables
     from irtiming.report.sections import clock as clock_section
     from irtiming.session.clock import ClockOrder, evaluate

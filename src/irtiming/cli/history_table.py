@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from irtiming.archive.register.entries import KnownCamera
-from irtiming.cli.result_table import print_table
+from irtiming.cli.drawn_table import print_table
 from irtiming.cli.screen import say
 from irtiming.report.blocks import Table, of_tables
 from irtiming.report.sections import history as section

@@ -96,7 +96,7 @@ def show(found: "LatencyFound", rig: Path | None) -> None:
     """Tables and lines of rig.toml, which ``rig`` has taken if it is given."""
     from rich.console import Console
 
-    from irtiming.cli.result_table import print_table
+    from irtiming.cli.drawn_table import print_table
     from irtiming.report.blocks import of_tables
     from irtiming.report.sections import latency
 

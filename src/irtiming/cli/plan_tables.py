@@ -42,7 +42,7 @@ def show_free(planned: FreePlanned, *, most: int) -> None:
         "Wheel speeds for a camera that runs free, most even first",
         "wheel / Hz",
         "largest gap",
-        *(f"u of {name.replace('trigger_delay', 'delay').replace('_', ' ')}" for name in names),
+        *(_u_of(name.replace("trigger_delay", "delay")) for name in names),
     )
     for one in shown:
         found = {each.name: readable_time(float(f"{each.standard_uncertainty_s:.2g}")) for each in one.uncertainties}
@@ -90,11 +90,16 @@ def _numbers(title: str, *headings: str) -> Table:
     return table
 
 
+def _u_of(name: str) -> str:
+    """A heading in words, between which it may be broken."""
+    return f"u of {name.replace('_', ' ')}"
+
+
 def _schemes(ranked: Sequence[Option], clock_frequency_hz: int) -> Table:
     table = Table(title="Trigger schemes, best first", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for heading in ("", "T\nT'\n/ ticks", "C\ndelta\n/ ticks", "samples\nper turn\nper frame"):
         table.add_column(heading, justify="right", no_wrap=True)
-    for heading in ("wheel / Hz\nexactly", "camera / Hz\nexactly", "run", "tolerance\nused"):
+    for heading in ("wheel / Hz\nexactly", "camera / Hz\nexactly", "run\ntolerance\nused"):
         table.add_column(heading, justify="right", overflow="fold")
     for rank, option in enumerate(ranked, 1):
         for scheme in option.schemes:
@@ -106,7 +111,7 @@ def _schemes(ranked: Sequence[Option], clock_frequency_hz: int) -> Table:
                 f"{prime}{scheme.samples_per_turn}\n{scheme.samples_per_frame}",
                 _rate(sampling.wheel_rate_hz(scheme, clock_frequency_hz)),
                 _rate(sampling.frame_rate_hz(scheme, clock_frequency_hz)),
-                readable_time(float(sampling.run_duration_s(scheme, clock_frequency_hz))),
+                f"{readable_time(float(sampling.run_duration_s(scheme, clock_frequency_hz)))}\n"
                 f"{float(option.used_tolerance):.4f}",
             )
     return table
@@ -162,7 +167,7 @@ def _show_runs(best: TriggerPlan, console: Console) -> None:
 
 
 def _proposals(proposals: Sequence[Proposal], asked: Sequence[Target]) -> Table:
-    uncertainties = (f"u({target.name})\nwanted {_time(target.standard_uncertainty_s)}" for target in asked)
+    uncertainties = (f"{_u_of(target.name)}\nwanted\n{_time(target.standard_uncertainty_s)}" for target in asked)
     title = "Measurements that should do, shortest first"
     table = _numbers(title, "", "wheel / Hz", "runs of each", "lasts", *uncertainties)
     for rank, proposal in enumerate(proposals, 1):
@@ -178,7 +183,9 @@ def _proposals(proposals: Sequence[Proposal], asked: Sequence[Target]) -> Table:
 
 
 def _parts(best: Proposal) -> Table:
-    table = _numbers("What u of the first is made of", "source", *(found.name for found in best.uncertainties))
+    table = _numbers(
+        "What u of the first is made of", "source", *(found.name.replace("_", " ") for found in best.uncertainties)
+    )
     table.columns[0].justify = "left"
     sizes = [{part.source: part.standard_uncertainty_s for part in found.parts} for found in best.uncertainties]
     for source in dict.fromkeys(source for one in sizes for source in one):

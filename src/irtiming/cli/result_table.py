@@ -1,13 +1,12 @@
-"""Results in the terminal: the report's tables, drawn with Rich."""
+"""Results in the terminal, by the report's tables."""
 
 from dataclasses import replace
 from functools import partial
 
-from rich import box
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table as RichTable
 
+from irtiming.cli.drawn_table import print_table
 from irtiming.records.analysis import Analysis
 from irtiming.records.frame_events import FrameEvent
 from irtiming.report import event_words
@@ -17,9 +16,6 @@ from irtiming.report.meanings import event as event_text
 from irtiming.report.result import warnings
 from irtiming.report.sections import parameters, relative_delays, two_constants, uncertainty
 from irtiming.report.verdict import verdict
-
-_SHORT = 24  # letters of a first column that is not broken
-_ALIGN = {"l": "left", "c": "center", "r": "right"}
 
 
 def print_result(analysis: Analysis, console: Console) -> None:
@@ -72,15 +68,3 @@ def _first(table: Table, n: int) -> Table:
     rows = tuple(row[:n] for row in table.rows)
     note = table.note.partition(" Sensitivity:")[0]  # of a column that is left out
     return replace(table, columns=table.columns[:n], align=table.align[:n], rows=rows, note=note)
-
-
-def print_table(table: Table, console: Console) -> None:
-    """One table of the report, with its note beneath."""
-    drawn = RichTable(title=table.title, title_justify="left", box=box.SIMPLE_HEAD, caption=table.note or None)
-    drawn.caption_justify = "left"
-    for k, (column, align) in enumerate(zip(table.columns, table.align, strict=True)):
-        whole = max((len(row[k]) for row in table.rows), default=0) <= _SHORT
-        drawn.add_column(column, justify=_ALIGN[align], overflow="fold", no_wrap=whole and not k)  # type: ignore[arg-type]
-    for row in table.rows:
-        drawn.add_row(*(escape(cell) for cell in row))
-    console.print(drawn)

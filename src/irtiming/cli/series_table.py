@@ -2,7 +2,7 @@
 
 from rich.console import Console
 
-from irtiming.cli.result_table import print_table
+from irtiming.cli.drawn_table import print_table
 from irtiming.cli.screen import say, warn
 from irtiming.records.setting_series import CameraSeries
 from irtiming.report import series_page

@@ -23,6 +23,15 @@ def run():
     return lambda *words: runner.invoke(app, [str(word) for word in words])
 
 
+@pytest.fixture
+def narrow():
+    """The same in a terminal of 80 columns."""
+    app = typer.Typer()
+    app.command()(plan)
+    runner = CliRunner(env={"COLUMNS": "80"})
+    return lambda *words: runner.invoke(app, [str(word) for word in words])
+
+
 def test_the_papers_scheme_is_the_first_in_the_file(run, tmp_path):
     """Oracle: Schatz 2023, section 2.3."""
     out = tmp_path / "plan.json"
@@ -129,3 +138,13 @@ def test_a_delay_between_two_ticks_is_said_to_be_rounded(run):
     """Oracle: 0.1 ms is 0.3 ticks of 3000 Hz."""
     result = run(*TOY, "--delay", "0.1 ms")
     assert "not a whole number of ticks" in result.output
+
+
+def test_a_terminal_of_80_columns_breaks_no_rate(narrow):
+    """Oracle: 49152000 / 1622115 and 49152000 / 16385000 in their lowest terms, by hand."""
+    result = narrow(*PAPER, "--most", "2")
+    assert result.exit_code == 0, result.output
+    assert max(map(len, result.output.partition("486 admissible")[0].splitlines())) <= 80
+    assert ["163850", "16385", "99", "49152/16385", "3276800/108141", "0.0120"] in map(
+        str.split, result.output.splitlines()
+    )

@@ -19,6 +19,15 @@ def run():
     return lambda *words: runner.invoke(app, [str(word) for word in words])
 
 
+@pytest.fixture
+def narrow():
+    """The same in a terminal of 80 columns."""
+    app = typer.Typer()
+    app.command()(plan)
+    runner = CliRunner(env={"COLUMNS": "80"})
+    return lambda *words: runner.invoke(app, [str(word) for word in words])
+
+
 def test_the_plan_file_holds_what_is_predicted(run, tmp_path):
     """Oracle: the target, and the sum of the parts' squares."""
     out = tmp_path / "plan.json"
@@ -138,3 +147,13 @@ def test_bad_input_raises_one_clear_line(run, words, error):
     assert isinstance(result.exception, IrTimingError), (result.exception, result.output)
     assert isinstance(result.exception, error)
     assert "\n" not in str(result.exception)
+
+
+def test_a_terminal_of_80_columns_breaks_no_number(narrow):
+    """Oracle: the three wishes and their words by hand; nothing is cut short by an ellipsis."""
+    wishes = ("trigger_delay=50us", "time_constant=10us", "row_delay=1us")
+    result = narrow("--camera", "microbolometer", *(word for wish in wishes for word in ("--for", wish)))
+    assert result.exit_code == 0, result.output
+    assert "…" not in result.output
+    assert "trigger delay   time constant   row delay" in result.output
+    assert any(line.split()[-6:] == ["50", "µs", "10", "µs", "1", "µs"] for line in result.output.splitlines())
