@@ -88,6 +88,11 @@ async def _two_stacks(
     found = nonuniformity_of(low, high, low_k=temperatures[0], high_k=temperatures[1])
     step = float(np.median(found.high_dn - found.low_dn))
     noise = float(np.hypot(np.median(found.low_noise_dn), np.median(found.high_noise_dn)))
+    if step < -_CLEARLY * noise:
+        raise InstrumentError(
+            f"the bare blackbody at {celsius(temperatures[1])} is {-step:.4g} DN darker than at {celsius(temperatures[0])}, at a "
+            f"noise of {noise:.2g} DN: its contrast is turned over; set the camera to white hot, or to raw values"
+        )
     if not step > _CLEARLY * noise:
         raise InstrumentError(
             f"the bare blackbody at {celsius(temperatures[1])} is {step:.4g} DN brighter than at "

@@ -220,12 +220,19 @@ def _of_reference(path: Path, contents: Contents) -> Iterator[Finding]:
         return  # the survey has reported
     noise = math.hypot(float(np.median(low_noise_dn)), float(np.median(high_noise_dn)))
     step = float(np.median(high_dn - low_dn))
-    if step <= 3 * noise:
+    if step < -3 * noise:
+        yield error_at(
+            layout.REFERENCE,
+            f"has low and high exchanged: high is {-step:.4g} DN darker than low, at a noise of {noise:.2g} DN",
+            code="references-exchanged",
+            cure="exchange the two: high is the brighter one, of the warmer blackbody",
+        )
+    elif step <= 3 * noise:
         yield warning_at(
             layout.REFERENCE,
             f"rises by {step:.4g} DN from low to high at a noise of {noise:.2g} DN",
             code="reference-contrast-low",
-            cure="high must be clearly brighter; record the two further apart, or swap them",
+            cure="high must be clearly brighter; record the two at temperatures further apart",
         )
 
 

@@ -46,7 +46,7 @@ def correction(recording: Recording) -> Correction:
     Raises
     ------
     ReductionError
-        If the references have another size than the frames, no step between them, or too many dead pixels.
+        If the references have another size than the frames, no step between them or one down, or too many dead pixels.
     """
     shape = recording.frames.shape[1:]
     reference = recording.nonuniformity
@@ -61,7 +61,13 @@ def correction(recording: Recording) -> Correction:
     step = reference.high_dn - reference.low_dn
     response = float(np.median(step))
     noise = np.maximum(reference.low_noise_dn, reference.high_noise_dn)
-    if not response > 3 * float(np.median(noise)) / np.sqrt(max(reference.n_frames, 1)):
+    least = 3 * float(np.median(noise)) / np.sqrt(max(reference.n_frames, 1))
+    if response < -least:
+        raise ReductionError(
+            f"{recording.name}: low and high of nonuniformity_reference are exchanged: high is {-response:.1f} DN (median) "
+            "darker than low, and must be the brighter one, of the warmer blackbody; exchange the two"
+        )
+    if not response > least:
         raise ReductionError(
             f"{recording.name}: the two reference recordings differ by {response:.1f} DN (median), which is no more than "
             "their noise; low and high must be the bare blackbody at two temperatures"

@@ -130,6 +130,11 @@ CASES = {
         "warning",
         ["nonuniformity_reference rises by", "from low to high at a noise of", "clearly brighter"],
     ),
+    "references exchanged": (
+        _replace(f"{REFERENCE}/low", lambda low: low + np.uint16(13000)),
+        "error",
+        ["nonuniformity_reference has low and high exchanged: high is", "DN darker than low", "exchange the two"],
+    ),
     "partial chunks": (
         lambda file: (
             file.__delitem__(f"{CAMERA}/data"),
