@@ -6,6 +6,7 @@ import numpy as np
 
 from irtiming.estimate.shared_numbers import MEMORIES
 from irtiming.inference.correlated_noise import ljung_box_p_value
+from irtiming.physics.response import in_camera_filter
 from irtiming.records.estimate import Estimate, RecordingFit
 from irtiming.records.finding import Finding
 from irtiming.records.result import LEAST_WHITENESS
@@ -13,8 +14,8 @@ from irtiming.records.rig import Measured
 from irtiming.records.row_timing import RowTimingFit
 from irtiming.units import counted
 
-_SIGNIFICANT = 3.0  # standard uncertainties from which a share is distinguished from none
-_CONTRADICTS = 4.0  # standard uncertainties between statement and frames
+_SIGNIFICANT = 3.0  # standard uncertainties of an age from which it is distinguished from none
+_CONTRADICTS = 4.0  # standard uncertainties between the ages of statement and frames
 _MOSTLY = 0.5  # of a frame: from there on the frames before have the greater part in it
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
 
@@ -33,11 +34,10 @@ def of_result(estimate: Estimate) -> tuple[Finding, ...]:
             continue
         share, u = estimate.value(name), estimate.u(name)
         shares = f"{100 * share:.3g} % (u = {100 * u:.2g} %) of the frame before"
-        if share > _MOSTLY:
-            found.append(_mostly_older(shares))
-        elif share > _SIGNIFICANT * u:
-            found.append(_significant(name, shares))
-        elif share < -_IMPOSSIBLE * u:
+        age = _age(name, Measured(share, u))
+        if age.value > _SIGNIFICANT * age.standard_uncertainty:
+            found.append(_mostly_older(shares) if share > _MOSTLY else _significant(name, shares))
+        elif age.value < -_IMPOSSIBLE * age.standard_uncertainty:
             found.append(_impossible(name, shares))
     return tuple(found)
 
@@ -52,27 +52,41 @@ def of_stated(fits: Sequence[RecordingFit], stated: Measured | None) -> tuple[Fi
     stated
         The share of the frame before; None where rig.toml does not state it.
     """
-    estimates = [(fit.estimate, name) for fit in fits for name in MEMORIES if name in fit.estimate]
-    if stated is None or not estimates:
+    named = [(name, fit.estimate) for fit in fits for name in MEMORIES if name in fit.estimate]
+    if stated is None or not named:
         return ()
-    weights = np.array([estimate.u(name) ** -2 for estimate, name in estimates])
-    share = float(np.average([estimate.value(name) for estimate, name in estimates], weights=weights))
-    u = float(np.hypot(weights.sum() ** -0.5, stated.standard_uncertainty))
-    if abs(share - stated.value) < _CONTRADICTS * u:
+    ages = [_age(name, Measured(estimate.value(name), estimate.u(name))) for name, estimate in named]
+    weights, said = np.array([age.standard_uncertainty**-2 for age in ages]), _age(named[0][0], stated)
+    apart = abs(float(np.average([age.value for age in ages], weights=weights)) - said.value)
+    apart /= float(np.hypot(weights.sum() ** -0.5, said.standard_uncertainty))
+    if apart < _CONTRADICTS:
         return ()
+    share = float(np.average([estimate.value(name) for name, estimate in named], weights=weights))
     return (
         Finding(
             code="frame-memory-contradicted",
             severity="doubt",
             what=f"frames hold {100 * share:.3g} % of the frame before, rig.toml states frame_memory = {stated.value:g}: "
-            f"{abs(share - stated.value) / u:.1f} standard uncertainties apart, and the result is that of the statement",
+            f"{apart:.1f} standard uncertainties apart, and the result is that of the statement",
             cure="take frame_memory out of rig.toml, then the frames alone determine it; or state its uncertainty",
         ),
     )
 
 
+def _age(name: str, share: Measured) -> Measured:
+    """By how many frames what a frame shows is older, on average: the number that frames tell of a share.
+
+    Of a filter's share it is another function, which counts where the frames hardly tell the filter from a delay: there the share
+    may lie three of its own standard uncertainties from none where its age does one and a half.
+    """
+    if name != in_camera_filter.PARAMETER or share.value >= 1:
+        return share
+    slope = in_camera_filter.mean_age_slope(share.value)
+    return Measured(in_camera_filter.mean_age(share.value), slope * share.standard_uncertainty)
+
+
 def _significant(name: str, shares: str) -> Finding:
-    if name == "recursive_filter":
+    if name == in_camera_filter.PARAMETER:
         return Finding(
             code="camera-filters-frames",
             severity="warning",

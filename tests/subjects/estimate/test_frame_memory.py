@@ -58,3 +58,27 @@ def test_frames_that_are_mostly_those_before_are_a_doubt(name, share, is_mostly)
     (found,) = frame_memory.of_result(_fit(name, share, 1e-3).estimate)
     assert (found.code == "frames-mostly-older") == is_mostly
     assert (found.severity == "doubt") == is_mostly
+
+
+@pytest.mark.parametrize(
+    ("share", "u", "codes"),
+    [
+        (0.339, 0.106, []),  # 0.513 frames old, u = 0.243
+        (0.6, 0.15, []),  # 1.5 frames, u = 0.94
+        (0.339, 0.05, ["camera-filters-frames"]),  # u = 0.114
+        (0.6, 0.05, ["frames-mostly-older"]),  # u = 0.31
+        (0.002, 6e-4, ["camera-filters-frames"]),  # a share so small is its age
+        (-0.43, 0.61, []),  # -0.30, u = 0.30
+        (-0.43, 0.12, ["frame-memory-negative"]),  # u = 0.059
+        (1.2, 30.0, []),
+    ],
+)
+def test_a_filter_is_distinguished_from_none_by_the_age_of_what_a_frame_shows(share, u, codes):
+    """Oracle: k / (1 - k) and u / (1 - k)^2 by hand; the first is of a camera without a filter at half a turn per frame."""
+    assert [one.code for one in frame_memory.of_result(_fit("recursive_filter", share, u).estimate)] == codes
+
+
+@pytest.mark.parametrize(("share", "u", "contradicts"), [(0.45, 0.083, False), (0.45, 0.05, True)])
+def test_a_statement_is_contradicted_by_the_age_too(share, u, contradicts):
+    """Oracle: by hand; 0.82 frames old, u = 0.27 or 0.165, where none is stated."""
+    assert bool(frame_memory.of_stated([_fit("recursive_filter", share, u)], Measured(0.0, 1e-4))) == contradicts

@@ -8,6 +8,10 @@ so harmonic m of what the camera gives is harmonic m of what its pixels saw time
 .. math:: G_m = (1 - k) \sum_{j \ge 0} k^j e^{-i m j \delta} = \frac{1 - k}{1 - k\,e^{-i m \delta}},
           \qquad \frac{\partial G_m}{\partial k} = \frac{e^{-i m \delta} - 1}{(1 - k\,e^{-i m \delta})^2}
 
+What a frame shows is on average :math:`k / (1 - k)` frames old. Where the step is small, or nearly a whole number of turns, that
+is all that the filter does, a turn of all harmonics as by a delay: :math:`G_m \to e^{-i m \delta k / (1 - k)}`. Where it is
+whole, the frames say nothing of the filter: :math:`G_m = 1` for every k.
+
 A slope leaves echoes of itself one step, two steps, ... later. A lag leaves a tail that has gone after some time constants: the
 two are distinguished where a frame lasts longer than the lag.
 
@@ -36,6 +40,16 @@ def transfer_slope(step_rad: float, share: float, *, n_harmonics: int) -> Comple
     """Derivative of `transfer` to k, shape (M + 1,)."""
     turn = _one_frame(step_rad, n_harmonics)
     return np.asarray((turn - 1) / (1 - share * turn) ** 2)
+
+
+def mean_age(share: float) -> float:
+    """By how many frames what a frame shows is older than it, on average: k / (1 - k), for a share k below 1."""
+    return share / (1 - share)
+
+
+def mean_age_slope(share: float) -> float:
+    """Derivative of `mean_age` to k."""
+    return (1 - share) ** -2
 
 
 def undone(values: Array, share: float, *, follows: Mask) -> Array:

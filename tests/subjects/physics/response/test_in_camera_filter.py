@@ -80,3 +80,26 @@ def test_the_filter_is_undone_between_frames_that_followed_each_other():
     found = in_camera_filter.undone(given[there], 0.3, follows=follows)
     np.testing.assert_allclose(found, seen[there[follows]], atol=1e-12)
     assert found.shape == (34, 3)
+
+
+@pytest.mark.parametrize("share", [-0.3, 0.0, 0.2, 0.6])
+def test_whole_turns_per_frame_say_nothing_of_the_filter(share):
+    """Oracle: every frame sees what the frame before saw, so their mix is the same whatever the share."""
+    for turns in (1, 3):
+        np.testing.assert_allclose(in_camera_filter.transfer(2 * np.pi * turns, share, n_harmonics=6), 1, atol=1e-13)
+        np.testing.assert_allclose(
+            in_camera_filter.transfer_slope(2 * np.pi * turns, share, n_harmonics=6), 0, atol=1e-13
+        )
+
+
+@pytest.mark.parametrize("share", [-0.3, 0.05, 0.3, 0.6])
+def test_a_small_step_is_a_delay_by_the_mean_age(share):
+    """Oracle: the mean age summed over the frames that a frame holds; the turn of each harmonic by that many small steps."""
+    ages = np.arange(400)
+    assert in_camera_filter.mean_age(share) == pytest.approx(float(np.sum(ages * (1 - share) * share**ages)))
+    step = 1e-4
+    found = in_camera_filter.transfer(step, share, n_harmonics=4)
+    np.testing.assert_allclose(np.angle(found), -step * in_camera_filter.mean_age(share) * np.arange(5), rtol=1e-5)
+    np.testing.assert_allclose(np.abs(found), 1, atol=1e-5)
+    small = (in_camera_filter.mean_age(share + 1e-6) - in_camera_filter.mean_age(share - 1e-6)) / 2e-6
+    assert in_camera_filter.mean_age_slope(share) == pytest.approx(small, rel=1e-6)
