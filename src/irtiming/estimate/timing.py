@@ -183,7 +183,7 @@ def of_pixel_fits(
     reported = measurands.of_window(found, window, degrees_of_freedom=min(freedom, parts.degrees_of_freedom))
     record = _record(
         found, fits, whiteness=[ljung_box_p_value(fit.residual) for fit in fits], u_edge_rad=u_edge,
-        n_residuals=sum(fit.degrees_of_freedom + len(EDGE_DELAYS) for fit in fits),
+        n_residuals=sum(fit.degrees_of_freedom + len(fit.estimate.names) for fit in fits),
     )  # fmt: skip
     findings = (
         *geometry.findings, *frame_memory.of_result(reported.estimate), *frame_memory.of_stated(fits, rig.frame_memory),

@@ -195,6 +195,8 @@ class EdgeDelayFit:
     wheel_angle_rad, fraction, residual
         Shape (n,); angle at the start of integration in [0, 2 pi), normalised sums, and their difference from the
         model; sorted by angle.
+    degrees_of_freedom
+        Frames less the numbers of the estimate, and less those that the recording has for itself: levels, and how they drift.
     noise
         Standard deviation of the residuals, opening fractions.
     step
@@ -221,6 +223,7 @@ class EdgeDelayFit:
     wheel_angle_rad: Array
     fraction: Array
     residual: Array
+    degrees_of_freedom: int
     noise: float
     step: float
     variance_inflation: float
@@ -229,12 +232,6 @@ class EdgeDelayFit:
     levels: DriftingLevels | None = None
     blades: float = 0.0
     u_blades: float = 0.0
-
-    @property
-    def degrees_of_freedom(self) -> int:
-        """Frames less delays, opening angle and the recording's own: covered level, step, `pixel_sum.SMALL`, and drifts."""
-        own = 6 + (1 if self.levels is None else self.levels.n_numbers)
-        return self.residual.size - len(EDGE_DELAYS) - 1 - own
 
     @property
     def covariance_s2(self) -> Array:

@@ -215,6 +215,15 @@ def test_pulls_of_40_noisy_repetitions_are_standard(recording):
     assert np.std(means) == pytest.approx(1, abs=0.28)
 
 
+def test_degrees_of_freedom_are_frames_less_every_number_of_the_fit(recording):
+    """Oracle: by hand; 4 delays, angle, memory, bow, covered level, step, skew, plate, blades, beside, one straight drift."""
+    share = _sums() + np.random.default_rng(3).normal(0, 1e-3, 1000)
+    fit = pixel_sums.fit(recording(share), _model())
+    assert fit.levels.n_numbers == 1
+    assert fit.degrees_of_freedom == fit.kept.sum() - 7 - 2 - 4 - 1
+    assert fit.noise**2 * fit.degrees_of_freedom == pytest.approx(float(fit.residual @ fit.residual))
+
+
 def test_correlated_residuals_widen_the_uncertainty(recording):
     """Oracle: white noise of the same size; a ripple along the wheel angle has far fewer independent values."""
     share = _sums()

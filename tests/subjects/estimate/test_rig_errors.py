@@ -73,8 +73,8 @@ def _fits(delays_s, rates_hz, *, set_s=None):
                 covariance=np.diag([4 * NOISE_S**2] * 4 + [1e-8]),
             ),
             edge_delay_s=np.full(4, delay), start_delay_s=0.0, wheel_angle_rad=TURN * (np.arange(600) + 0.5) / 600,
-            fraction=np.zeros(600), residual=base * (-1) ** k, step=1.0, noise=1e-3, variance_inflation=1.0, n_dropped=0,
-            kept=np.ones(600, bool),
+            fraction=np.zeros(600), residual=base * (-1) ** k, degrees_of_freedom=588, step=1.0, noise=1e-3,
+            variance_inflation=1.0, n_dropped=0, kept=np.ones(600, bool),
         )
         for k, (delay, hz) in enumerate(zip(delays_s, rates_hz, strict=True))
     ]  # fmt: skip

@@ -67,7 +67,7 @@ class _Run:
             name="", trigger_delay_time_set_s=set_delay_s, angular_frequency_rad_per_s=self.omega,
             estimate=Estimate(names=NAMES[:5], units=("s",) * 4 + ("rad",), values=values, covariance=covariance),
             edge_delay_s=values[:4], start_delay_s=1.0, wheel_angle_rad=self.angle, fraction=sums, residual=residual,
-            noise=NOISE, step=1.0, variance_inflation=1.0, n_dropped=0, kept=np.ones(N, bool),
+            degrees_of_freedom=N - 12, noise=NOISE, step=1.0, variance_inflation=1.0, n_dropped=0, kept=np.ones(N, bool),
         )  # fmt: skip
         return LocalModel(names=NAMES, at=at, trace=trace), fit
 

@@ -135,8 +135,8 @@ def _sums_fit(still, *, covariance, kept):
     return EdgeDelayFit(
         name="", trigger_delay_time_set_s=0.0, angular_frequency_rad_per_s=1.0, edge_delay_s=np.zeros(4), start_delay_s=0.0,
         estimate=Estimate(names=EDGE_DELAYS, units=("s",) * 4, values=np.zeros(4), covariance=np.eye(4)),
-        wheel_angle_rad=nothing, fraction=np.full(N, 0.5), residual=nothing, noise=1.0, step=1.0, variance_inflation=1.0,
-        n_dropped=0, kept=kept, levels=levels,
+        wheel_angle_rad=nothing, fraction=np.full(N, 0.5), residual=nothing, degrees_of_freedom=N, noise=1.0, step=1.0,
+        variance_inflation=1.0, n_dropped=0, kept=kept, levels=levels,
     )  # fmt: skip
 
 

@@ -55,6 +55,7 @@ def fits():
                     wheel_angle_rad=TURN * (np.arange(600) + 0.5) / 600,
                     fraction=np.zeros(600),
                     residual=base * part[k],
+                    degrees_of_freedom=588,
                     step=1.0,
                     noise=1e-3,
                     variance_inflation=1.0,

@@ -133,7 +133,7 @@ def _edge_fit(name: str, delay_s: float, model: WheelModel, rng: np.random.Gener
         ),
         edge_delay_s=400e-6 + np.array([1, -1, 2, -2]) * 1e-6,
         start_delay_s=0.0, wheel_angle_rad=angle, fraction=exposed_fraction(angle, model) + residual, residual=residual,
-        noise=2e-4, step=1.0, variance_inflation=1.0, n_dropped=0, kept=np.ones(1000, bool),
+        degrees_of_freedom=388, noise=2e-4, step=1.0, variance_inflation=1.0, n_dropped=0, kept=np.ones(1000, bool),
     )  # fmt: skip
 
 

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from irtiming.physics.wheel import TURN
-from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.exposed import ExposedFraction
 from irtiming.records.reduced import ReducedRecording
-from irtiming.reduce.published import plateaus
+from irtiming.reduce.published import plateaus, trigger_angles
 from irtiming.reduce.wheel import nominal_angles
 
 
@@ -32,8 +30,8 @@ def average(runs: list[ReducedRecording], *, plateau_margin: float = 0.15) -> Ex
     """
     angles, fractions = [], []
     for run in runs:
-        angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
-        is_known = np.isfinite(angle)  # a trigger may lie before the first slot while its delayed exposure does not
+        angle = trigger_angles.of_run(run)
+        is_known = np.isfinite(angle)
         angle, counted = angle[is_known], run.pixel_sums.pixel_count[is_known]
         found = plateaus.find(angle, counted, name=run.name, margin=plateau_margin)
         angles.append(angle)

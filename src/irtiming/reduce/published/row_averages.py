@@ -7,10 +7,10 @@ import numpy.typing as npt
 
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel import TURN
-from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.exposed import ExposedRows
 from irtiming.records.reduced import ReducedRecording
+from irtiming.reduce.published import trigger_angles
 from irtiming.reduce.wheel import nominal_angles
 
 _FEWEST_PIXELS = 4  # of the mask in a row
@@ -48,7 +48,7 @@ def average(runs: list[ReducedRecording]) -> ExposedRows:
     rows = _common_rows(runs)
     angles, curves = [], []
     for run in runs:
-        angle = np.mod(wheel_angle_rad(0.0, run.equal_track, at_ticks=run.trigger_ticks), TURN)
+        angle = trigger_angles.of_run(run)
         is_known = np.isfinite(angle)
         places, sums = np.searchsorted(run.row_sums.row_px, rows), run.row_sums.mask_row_sum_dn[is_known]
         together = np.concatenate([sums.sum(axis=1)[None], sums[:, places].T])
