@@ -173,9 +173,10 @@ def test_a_campaign_in_a_browser(served):
         page.goto(f"{base}/campaigns")
         _choose(page, "Folder of recordings, or a CSV that lists them", "cameras")
         _choose(page, "What was measured on the rig", "cameras/rig.toml")
+        _choose(page, "Language of the page", "Deutsch")
         page.get_by_role("button", name="Measure", exact=True).click()
         page.wait_for_url(re.compile("result="), wait_until="commit")
-        page.frame_locator("iframe[title=campaign]").get_by_text("1 camera measured").wait_for()
+        page.frame_locator("iframe[title=campaign]").get_by_text("1 Kamera gemessen").wait_for()
         assert page.evaluate("document.documentElement.scrollWidth") <= 400
     told = json.loads((lab / "campaigns" / "campaign" / "campaign.json").read_text())
     assert [one["serial_number"] for one in told["lines"]] == ["A"]

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+from irtiming.records.choices import Language
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -59,13 +61,16 @@ class AnalyseOrder:
     method: str
     result: Path
     report: Path
-    language: str = "en"
+    language: Language = "en"
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class CampaignOrder:
-    """Recordings of many cameras, in a folder or listed in a CSV; where all that is found goes, and the register of results."""
+    """Recordings of many cameras, in a folder or listed in a CSV; where all that is found goes, and the register of results.
+
+    ``language`` is that of the page.
+    """
 
     source: Path
     rig: Path
@@ -73,6 +78,7 @@ class CampaignOrder:
     register: Path
     limits: Path | None = None
     workers: int = 1
+    language: Language = "en"
 
 
 @final

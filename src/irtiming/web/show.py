@@ -10,6 +10,7 @@ from nicegui import ui
 from irtiming.web.jobs import Job
 
 _MOST_OK = 4
+_LANGUAGES = {"en": "English", "de": "Deutsch"}
 
 
 @contextmanager
@@ -20,6 +21,11 @@ def card(title: str = "") -> Iterator[None]:
             with ui.element("h2"):
                 ui.label(title)
         yield
+
+
+def language(label: str) -> ui.select:
+    """In which a page is written; a person chooses."""
+    return ui.select(_LANGUAGES, value="en", label=label).mark("language")
 
 
 @contextmanager

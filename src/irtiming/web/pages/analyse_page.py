@@ -1,5 +1,7 @@
 """Analysing: recordings in, and out come what is doubtful first, then the timing, then the report."""
 
+import re
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,7 @@ from irtiming.web.desk import Desk
 from irtiming.web.orders import AnalyseOrder
 
 RESULTS = "results"
-_LANGUAGES = {"en": "English", "de": "Deutsch"}
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _METHODS = {"pixel-sum": "the project's own", "published": "as published in 2023"}
 
 
@@ -34,7 +36,7 @@ def add(desk: Desk) -> None:
 
 def _form(desk: Desk) -> None:
     recordings = [one for one in desk.folder.files(".nxs") if one.parent.name not in layout.NOT_MEASURED]
-    newest = [one for one in recordings if one.parent == recordings[0].parent] if recordings else []
+    newest = of_one_series(recordings)
     names = [desk.folder.name_of(one) for one in recordings]
     rigs = [desk.folder.name_of(one) for one in desk.folder.files("rig.toml")]
     with ui.element("div").classes("form"):
@@ -44,7 +46,7 @@ def _form(desk: Desk) -> None:
         chosen.props("use-chips").style("grid-column: 1 / -1").mark("recordings")
         rig = ui.select(rigs, value=rigs[0] if rigs else None, label="What was measured on the rig")
         method = ui.select(_METHODS, value="pixel-sum", label="Method")
-        language = ui.select(_LANGUAGES, value="en", label="Language of the report").mark("language")
+        language = show.language("Language of the report")
         name = ui.input("Name of the result", value=newest[0].parent.name if newest else "result")
 
     def start() -> None:
@@ -56,7 +58,7 @@ def _form(desk: Desk) -> None:
                 recordings=tuple(desk.folder.existing(str(one)) for one in chosen.value),
                 rig=desk.folder.existing(str(rig.value or "")),
                 method=str(method.value),
-                language=str(language.value),
+                language=language.value,
                 result=result,
                 report=result.with_suffix(".html"),
             )
@@ -68,6 +70,18 @@ def _form(desk: Desk) -> None:
         desk, "analysis", label="Analyse", start=start, goes_on="goes on; closing this page stops nothing",
         address=lambda answer: f"/analyse?result={quote(desk.folder.name_of(Path(answer['result'])))}",
     )  # fmt: skip
+
+
+def of_one_series(recordings: Sequence[Path]) -> list[Path]:
+    """The first, and those of its folder that are named alike but for their numbers: of another camera, perhaps, are the others.
+
+    Parameters
+    ----------
+    recordings
+        The newest first; no file is opened, which is for a process of its own.
+    """
+    names = [(one.parent, _NUMBER.sub("", one.stem)) for one in recordings]
+    return [one for one, name in zip(recordings, names, strict=True) if name == names[0]]
 
 
 def _results(desk: Desk) -> None:

@@ -44,6 +44,7 @@ def _form(desk: Desk) -> None:
         limit = ui.select(
             [_NO_LIMITS, *limits], value=limits[0] if limits else _NO_LIMITS, label="Limits (limits.toml)"
         )
+        language = show.language("Language of the page")
         workers = ui.number("Processes", value=1, min=1, max=64, precision=0)
         name = ui.input("Name of the campaign; the same name goes on", value="campaign")
 
@@ -57,6 +58,7 @@ def _form(desk: Desk) -> None:
                 register=desk.folder.inside(REGISTER),
                 limits=None if limit.value == _NO_LIMITS else desk.folder.existing(str(limit.value)),
                 workers=int(workers.value or 1),
+                language=language.value,
             )
             desk.jobs.start("campaign", f"the campaign {wanted}", task="campaigns:measure", order=order)
         except IrTimingError as error:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from irtiming.interface.files import read_result
-from irtiming.records.choices import Choices, Language, Method
+from irtiming.records.choices import Choices, Method
 from irtiming.session.analysis import AnalysisOrder
 from irtiming.session.analysis import analyse as analyse_files
 from irtiming.web.orders import AnalyseOrder
@@ -17,7 +17,7 @@ def analyse(line: Line, order: AnalyseOrder) -> dict[str, Any]:
     give_way()
     wanted = AnalysisOrder(
         recordings=order.recordings, rig=order.rig, choices=Choices(method=cast("Method", order.method)), result=order.result,
-        report=order.report, language=cast("Language", order.language),
+        report=order.report, language=order.language,
     )  # fmt: skip
     analyse_files(wanted, progress=lambda name, done, total: line.step(name, done=done, total=total))
     return {"result": str(order.result), "report": str(order.report)}

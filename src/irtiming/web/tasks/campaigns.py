@@ -13,7 +13,7 @@ def measure(line: Line, order: CampaignOrder) -> dict[str, Any]:
     give_way()
     wanted = Order(
         source=order.source, rig=order.rig, out=order.out, limits=order.limits, register=str(order.register),
-        workers=order.workers, scheduler=HERE if order.workers == 1 else None,
+        workers=order.workers, scheduler=HERE if order.workers == 1 else None, language=order.language,
     )  # fmt: skip
     done = run(wanted, progress=lambda name, done, total: line.step(name, done=done, total=total))
     return {
