@@ -151,9 +151,9 @@ def test_bad_input_raises_one_clear_line(run, words, error):
 
 def test_a_terminal_of_80_columns_breaks_no_number(narrow):
     """Oracle: the three wishes and their words by hand; nothing is cut short by an ellipsis."""
-    wishes = ("trigger_delay=50us", "time_constant=10us", "row_delay=1us")
-    result = narrow("--camera", "microbolometer", *(word for wish in wishes for word in ("--for", wish)))
+    wishes = ("trigger_delay=50us", "relative_delay=10us", "integration_time=1ms")
+    result = narrow(*(word for wish in wishes for word in ("--for", wish)))
     assert result.exit_code == 0, result.output
     assert "…" not in result.output
-    assert "trigger delay   time constant   row delay" in result.output
-    assert any(line.split()[-6:] == ["50", "µs", "10", "µs", "1", "µs"] for line in result.output.splitlines())
+    assert "trigger delay   relative delay   integration time" in result.output
+    assert any(line.split()[-6:] == ["50", "µs", "10", "µs", "1", "ms"] for line in result.output.splitlines())
