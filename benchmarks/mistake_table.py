@@ -5,38 +5,19 @@ right, and must raise no doubt.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 
+from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.records.recording import NonuniformityReference, Recording
 from irtiming.records.rig import CameraOptics, Latency, Measured, Rig
 
 Camera: TypeAlias = Literal["photon", "microbolometer"]
 BOTH: tuple[Camera, ...] = ("photon", "microbolometer")
 Pixels: TypeAlias = np.ndarray[Any, Any]
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class ArrayFrames:
-    """Frames that are in memory."""
-
-    values: Pixels
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        n, rows, columns = self.values.shape
-        return n, rows, columns
-
-    def blocks(self) -> Iterator[tuple[int, Pixels]]:
-        for first in range(0, len(self.values), 32):
-            yield first, self.values[first : first + 32]
-
-    def pick(self, indices: list[int]) -> Pixels:
-        return self.values[indices]
 
 
 @final

@@ -20,6 +20,7 @@ from time import monotonic
 from typing import Any
 
 import mistake_images  # noqa: F401  (puts its mistakes into the table)
+from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.archive.rig_file import read_rig
 from irtiming.archive.rig_writer import write_rig
 from irtiming.errors import IrTimingError
@@ -31,7 +32,7 @@ from irtiming.twin import rig as rigs
 from irtiming.twin.cameras import camera_scene
 from irtiming.twin.scene import Scene, with_wheel_speed
 from measured_commit import commit
-from mistake_table import MISTAKES, ON_TRUST, ArrayFrames, Camera, Case
+from mistake_table import MISTAKES, ON_TRUST, Camera, Case
 
 FAR_OFF = 4.0
 ROWS, COLUMNS, FRAMES, WHEEL_HZ, SEED = 120, 160, 500, 3.0, 1

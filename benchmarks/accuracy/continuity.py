@@ -9,49 +9,27 @@ its standard uncertainty. What moves farther hangs on a decision: a threshold, a
 
 import argparse
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import final
 
 import numpy as np
 
+from irtiming.archive.frame_stack import ArrayFrames
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse
-from irtiming.records.arrays import Pixels
 from irtiming.records.recording import FrameStack, Recording
 from irtiming.records.result import Result
 from irtiming.twin.random_laboratory import Wanted, draw, recordings
 
 SHARE = 0.03
-BLOCK = 64
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class Held:
-    """Frames in memory."""
-
-    frames: Pixels
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        n_frame, rows, columns = self.frames.shape
-        return n_frame, rows, columns
-
-    def blocks(self):  # type: ignore[no-untyped-def]
-        for first in range(0, len(self.frames), BLOCK):
-            yield first, self.frames[first : first + BLOCK].copy()
-
-    def pick(self, indices: list[int]) -> Pixels:
-        return self.frames[indices]
-
-
-def a_digit_off(stack: FrameStack, random: np.random.Generator) -> Held:
+def a_digit_off(stack: FrameStack, random: np.random.Generator) -> ArrayFrames:
     """The frames, some pixels of which have one digit more or less."""
-    frames = np.concatenate([block.copy() for _, block in stack.blocks()])
+    frames = stack.pick(list(range(stack.shape[0])))
     moved = (random.random(frames.shape) < SHARE) & (frames > 0) & (frames < frames.max())
-    frames[moved] += np.where(random.random(np.count_nonzero(moved)) < 0.5, 1, -1).astype(np.int64).astype(np.uint16)
-    return Held(frames)
+    frames[moved] = frames[moved] + np.where(random.random(np.count_nonzero(moved)) < 0.5, 1, -1)
+    return ArrayFrames(frames)
 
 
 def disturbed(one: Recording, seed: int) -> Recording:

@@ -38,17 +38,13 @@ def edge_misalignments(reduced: ReducedRecording, *, turns_clockwise: bool) -> t
 def plate(reduced: ReducedRecording) -> SummedRegion | None:
     """Where the summed pixels see the mask plate, as the image shows it; None where the image was not looked at."""
     axle = reduced.axle
-    if axle is None or not axle.plate_share:
-        return None
-    return SummedRegion(ends_rad=np.array(axle.beside_ends_rad), share=np.array(axle.plate_share))
+    return None if axle is None else _region(axle.beside_ends_rad, axle.plate_share)
 
 
 def uneven(reduced: ReducedRecording) -> SummedRegion | None:
     """What an uneven wheel adds to the summed pixels, over the whole sum; None where the image was not looked at."""
     axle = reduced.axle
-    if axle is None or not axle.uneven_share:
-        return None
-    return SummedRegion(ends_rad=np.array(axle.beside_ends_rad), share=np.array(axle.uneven_share))
+    return None if axle is None else _region(axle.beside_ends_rad, axle.uneven_share)
 
 
 def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:
@@ -62,9 +58,12 @@ def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]
 def lost(reduced: ReducedRecording) -> SummedRegion | None:
     """What part of the opening's light leaves the summed pixels, were all of it glare; None where the image was not looked at."""
     axle = reduced.axle
-    if axle is None or not axle.lost_share:
-        return None
-    return SummedRegion(ends_rad=np.array(axle.lost_ends_rad), share=np.array(axle.lost_share))
+    return None if axle is None else _region(axle.lost_ends_rad, axle.lost_share)
+
+
+def _region(ends_rad: tuple[float, ...], share: tuple[float, ...]) -> SummedRegion | None:
+    """Of an axle view; None where it has no shares."""
+    return SummedRegion(ends_rad=np.array(ends_rad), share=np.array(share)) if share else None
 
 
 def glare(reduced: ReducedRecording) -> tuple[float, float]:

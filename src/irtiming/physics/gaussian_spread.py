@@ -104,6 +104,13 @@ def _density(at: float) -> float:
 
 
 @njit(cache=True, nogil=True)
+def _side(place: float) -> tuple[float, float]:
+    """Part of a Gaussian below a place, less a half, and its density there, per standard deviation, as is the place."""
+    at = (place + _TABLE_END) * _TABLE_STEPS
+    return _below(at), _density(at)
+
+
+@njit(cache=True, nogil=True)
 def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
     """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there.
 
@@ -123,13 +130,11 @@ def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening
             continue
         straight, slanted = own * widening[k] ** 2, slant_px**2
         high = (first_row - 0.5 - row[k]) / rows_px
-        at = (high + _TABLE_END) * _TABLE_STEPS
-        below_high, at_high = _below(at), _density(at)
+        below_high, at_high = _side(high)
         for i in range(first_row, last_row + 1):
             low, at_low, below_low = high, at_high, below_high
             high = low + 1 / rows_px
-            at = (high + _TABLE_END) * _TABLE_STEPS
-            below_high, at_high = _below(at), _density(at)
+            below_high, at_high = _side(high)
             share = below_high - below_low
             nearest = max(low, -high, 0.0)
             if nearest >= REACH or share <= 0:

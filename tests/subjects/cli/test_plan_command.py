@@ -4,32 +4,11 @@ import json
 from xml.etree import ElementTree
 
 import pytest
-import typer
-from typer.testing import CliRunner
 
-from irtiming.cli.plan_command import plan
 from irtiming.errors import ArchiveError, IrTimingError, PlanError, UnitError
 
 PAPER = ["--clock-hz", "49152000", "--wheel-hz", "3", "--frame-hz", "30.303", "--samples", "1000"]
 TOY = ["--clock-hz", "3000", "--wheel-hz", "3", "--frame-hz", "10", "--samples", "10"]
-
-
-@pytest.fixture
-def run():
-    """Return a function that runs the command in a terminal of 100 columns."""
-    app = typer.Typer()
-    app.command()(plan)
-    runner = CliRunner(env={"COLUMNS": "100"})
-    return lambda *words: runner.invoke(app, [str(word) for word in words])
-
-
-@pytest.fixture
-def narrow():
-    """The same in a terminal of 80 columns."""
-    app = typer.Typer()
-    app.command()(plan)
-    runner = CliRunner(env={"COLUMNS": "80"})
-    return lambda *words: runner.invoke(app, [str(word) for word in words])
 
 
 def test_the_papers_scheme_is_the_first_in_the_file(run, tmp_path):

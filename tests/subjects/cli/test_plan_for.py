@@ -3,29 +3,8 @@
 import json
 
 import pytest
-import typer
-from typer.testing import CliRunner
 
-from irtiming.cli.plan_command import plan
 from irtiming.errors import ArchiveError, IrTimingError, PlanError, UnitError
-
-
-@pytest.fixture
-def run():
-    """Return a function that runs the command in a terminal of 100 columns."""
-    app = typer.Typer()
-    app.command()(plan)
-    runner = CliRunner(env={"COLUMNS": "100"})
-    return lambda *words: runner.invoke(app, [str(word) for word in words])
-
-
-@pytest.fixture
-def narrow():
-    """The same in a terminal of 80 columns."""
-    app = typer.Typer()
-    app.command()(plan)
-    runner = CliRunner(env={"COLUMNS": "80"})
-    return lambda *words: runner.invoke(app, [str(word) for word in words])
 
 
 def test_the_plan_file_holds_what_is_predicted(run, tmp_path):
