@@ -19,7 +19,7 @@ from irtiming.physics.camera import camera
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.bent_rows import NONLINEARITIES
-from irtiming.physics.light.row_sum import BESIDE, BLADE, RowSum, Timing
+from irtiming.physics.light.row_sum import BLADE, RowSum, Timing, usual
 from irtiming.physics.response import in_camera_filter, integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -198,8 +198,8 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     decided already.
     """
     if start is not None:
-        begin = {BESIDE: start.timing[BLADE]} | dict.fromkeys(NONLINEARITIES, 0.0) | start.timing
-        begin = {name: begin[name] for name in task.model.names}
+        whole = usual(start.timing) | start.timing
+        begin = {name: whole[name] for name in task.model.names}
         return row_timing.solve(task.data, task.model, start=begin, held=start.held), start.held
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:

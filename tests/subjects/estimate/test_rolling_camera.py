@@ -184,3 +184,14 @@ def test_a_response_that_is_linear_has_no_curve(found, rows, rig):
     assert not fit.is_bent
     assert all(abs(fit.bends.value(name)) < 3 * fit.bends.u(name) < 0.02 for name in (QUADRATIC, CUBIC))
     assert QUADRATIC not in found.found.joint.names
+
+
+def test_numbers_that_one_of_two_fits_holds_have_a_mean():
+    """Oracle: by hand; the blade beside is that of the opening where it is no number of its own, and a response is straight."""
+    one = {"edge_delay_0": 2e-3, "blade_share": 0.01}
+    other = {"edge_delay_0": 3e-3, "blade_share": 0.02, "blade_share_beside": 0.05, QUADRATIC: 0.4}
+    for both in ([one, other], [other, one]):
+        mean = rolling_camera._mean(both)
+        assert mean == pytest.approx({
+            "edge_delay_0": 2.5e-3, "blade_share": 0.015, "blade_share_beside": 0.03, QUADRATIC: 0.2
+        })  # fmt: skip

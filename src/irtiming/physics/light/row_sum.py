@@ -43,6 +43,11 @@ And NONLINEARITIES, 0 where they are left out.
 """
 
 
+def usual(timing: Timing) -> dict[str, float]:
+    """What numbers are that rows do not hold: beside the opening the blade of the opening, and a straight response."""
+    return {BESIDE: timing[BLADE]} | dict.fromkeys(NONLINEARITIES, 0.0)
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RowSum:
