@@ -119,6 +119,19 @@ def test_image_is_that_of_the_counted_sub_pixels(shape, blur):
     assert np.abs(found - expected).mean() < 6e-4
 
 
+@pytest.mark.parametrize("n_harmonics", [0, 40])
+@pytest.mark.parametrize("blur", [0.3, 0.8, 3.0])
+def test_nodes_are_close_enough_for_the_blur_and_the_waves(blur, n_harmonics):
+    """Oracle: nodes three times as close, whose error is nil."""
+    shape = replace(SHAPE, blur_px=blur)
+    coarse, fine = (light_points(one, n_harmonics=n_harmonics) for one in (shape, replace(shape, blur_px=blur / 3)))
+    found, expected = (
+        image(points, np.exp(-1j * n_harmonics * points.angle_rad), blur=shape.blur, roi=ROI)
+        for points in (coarse, fine)
+    )
+    np.testing.assert_allclose(found, expected, atol=2e-5)
+
+
 ELLIPTIC = replace(SHAPE, blur_px=0.75, blur_ellipticity=0.3, glare=0.03, glare_px=5.0)
 
 
