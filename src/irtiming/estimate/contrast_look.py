@@ -25,10 +25,10 @@ _HARMONICS = 1024  # beyond, the wheel turns by less than a pixel that is as man
 _NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS = 1e-3, 1.0, 70  # of the Gaussians by which the table is smoothed
 _WIDTH_STEP = math.log(_WIDEST_RAD / _NARROWEST_RAD) / (_N_WIDTHS - 1)
 _WIDTHS = np.geomspace(_NARROWEST_RAD, _WIDEST_RAD, _N_WIDTHS)
-_ORDERS = np.fft.fftfreq(_TABLE, 1 / _TABLE)  # of each entry of the table's spectrum
+_ORDERS = np.arange(-_HARMONICS, _HARMONICS + 1)  # of the table's spectrum: there are no others
 _SHORTEST_WAVE = 2.0  # in gaps of a quadrature: what it resolves
 _SHARPNESS = 8  # with which what is shorter ends
-_POWERS = _ORDERS**_SHARPNESS
+_POWERS = _ORDERS.astype(float) ** _SHARPNESS
 
 
 @final
@@ -84,7 +84,7 @@ class Look:
             highest = TURN / (_SHORTEST_WAVE * gap_rad)
             kept = np.exp(_POWERS / -(highest**_SHARPNESS))
             self._without_waves.clear()
-            self._without_waves[gap_rad] = np.fft.ifft(self._spectrum * kept)
+            self._without_waves[gap_rad] = self._weakened(kept)
         return _between(self._without_waves[gap_rad], angle_rad)
 
     def smeared(self, angle_rad: Array, *, width_rad: Array) -> ComplexArray:
@@ -100,7 +100,7 @@ class Look:
         table, is_made = self._smooth
         first, last = int(_place_of_width(narrowest_rad)), int(_place_of_width(widest_rad)) + 1
         for k in first + np.flatnonzero(~is_made[first : last + 1]):
-            table[k] = np.fft.ifft(self._spectrum * np.exp(-0.5 * (_ORDERS * _WIDTHS[k]) ** 2))
+            table[k] = self._weakened(np.exp(-0.5 * (_ORDERS * _WIDTHS[k]) ** 2))
             is_made[k] = True
         return table
 
@@ -114,9 +114,16 @@ class Look:
         """The last table of `at_nodes` by its gap: most steps of a search keep the gap."""
         return {}
 
+    def _weakened(self, part: Array) -> ComplexArray:
+        """The table of which that part of each order is left, shape (16384,)."""
+        spectrum = np.zeros(_TABLE, complex)
+        spectrum[_ORDERS] = self._spectrum * part
+        return np.asarray(np.fft.ifft(spectrum))
+
     @cached_property
     def _spectrum(self) -> ComplexArray:
-        return np.asarray(np.fft.fft(self.table))
+        """Of each order."""
+        return np.asarray(np.fft.fft(self.table)[_ORDERS])
 
 
 def _between(table: ComplexArray, angle_rad: Array) -> ComplexArray:

@@ -229,11 +229,10 @@ def _linear(parts: _Parts, numbers: Mapping[str, float], view: View, *, u_dn: Co
 class _Places:
     """Where a sector lies in the region, the same in the images of all wheel speeds; shapes (roi rows, roi columns).
 
-    ``border`` are points of light near its border; ``middle_rad`` the mean polar angle of even light and ``smear_rad`` its
-    standard deviation; ``inside`` pixels that the border's blur does not reach; ``radius`` and ``along_px`` as of `Sharp`.
+    ``middle_rad`` is the mean polar angle of even light and ``smear_rad`` its standard deviation; ``inside`` are pixels that the
+    border's blur does not reach; ``radius`` and ``along_px`` as of `Sharp`.
     """
 
-    border: LightPoints
     middle_rad: Array
     smear_rad: Array
     inside: Mask
@@ -244,7 +243,6 @@ class _Places:
 def _places(shape: SectorShape, view: View) -> _Places:
     angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
     return _Places(
-        border=sector_points.border_points(shape),
         middle_rad=angle + blurred_sector.even_angle_rad(shape, roi=view.roi),
         smear_rad=blurred_sector.angular_reach(shape, roi=view.roi),
         inside=blurred_sector.well_inside(shape, roi=view.roi),
@@ -256,18 +254,28 @@ def _places(shape: SectorShape, view: View) -> _Places:
 def sharp(looks: Sequence[Look], numbers: Mapping[str, float], *, view: View) -> list[Sharp]:
     """The sector without glare, and what a point in the place of each pixel shows, in each image."""
     shape = view.shape(numbers)
-    places = _places(shape, view)
-    turns = [(numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]) for look in looks]
+    points = sector_points.border_points(shape)
+    borders = blurred_sector.images(points, _lit(points, looks, numbers), blur=shape.blur, roi=view.roi)
+    return _sharp(looks, numbers, view, places=_places(shape, view), borders=borders)
+
+
+def _lit(points: LightPoints, looks: Sequence[Look], numbers: Mapping[str, float]) -> ComplexArray:
+    """What points of light show in each image, each as if read in the row in which it is seen, shape (n_look, n)."""
     values = []
-    for look, (turn, row_turn) in zip(
-        looks, turns, strict=True
-    ):  # each point as if read in the row in which it is seen
-        points = places.border
+    for look in looks:
+        turn, row_turn = numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
         value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
         values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
-    borders = blurred_sector.images(places.border, np.array(values), blur=shape.blur, roi=view.roi)
+    return np.array(values)
+
+
+def _sharp(
+    looks: Sequence[Look], numbers: Mapping[str, float], view: View, *, places: _Places, borders: ComplexArray
+) -> list[Sharp]:
+    """See `sharp`; ``borders`` are the images of points of light, which count near the sector's border."""
     found = []
-    for look, (turn, row_turn), border in zip(looks, turns, borders, strict=True):
+    for look, border in zip(looks, borders, strict=True):
+        turn, row_turn = numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
         read = np.exp(2j * row_turn * view.rows)
         point = look.smeared(places.middle_rad - turn - row_turn * view.rows, width_rad=places.smear_rad)
         sector = np.where(places.inside, point / read, border)
@@ -317,13 +325,17 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, bl
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
     """What the images say of each pixel beyond the model; ``u_dn`` as of `fitted`, one for each image, shape (row, column)."""
     shape = view.shape(numbers)
-    points = sector_points.light_points(shape)
-    without = blurred_sector.image(points, 1 + 1j * points.angle_rad, blur=shape.blur, roi=view.roi)
+    points, places = sector_points.light_points(shape), _places(shape, view)
+    values = np.concatenate([(1 + 1j * points.angle_rad)[None], _lit(points, seen, numbers)])
+    without, *borders = blurred_sector.images(points, values, blur=shape.blur, roi=view.roi)
     both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag
-    angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
-    centre = angle + blurred_sector.even_angle_rad(shape, roi=view.roi)
-    models = [fitted(look, numbers, view=view, u_dn=u) for look, u in zip(seen, u_dn, strict=True)]
+    models = [
+        fitted(look, numbers, view=view, u_dn=u, known=known)
+        for look, u, known in zip(
+            seen, u_dn, _sharp(seen, numbers, view, places=places, borders=np.array(borders)), strict=True
+        )
+    ]
     weights = np.array([
         (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
@@ -332,16 +344,16 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     return SeenContrast(
         light=np.asarray(light),
         sharp=np.asarray(without.real),
-        ring=_ring(
-            shape, numbers, radius=radius, blur_px=blurred_sector.blur_across_px(shape, roi=view.roi, along=True)
-        ),
+        ring=_ring(shape, numbers, radius=places.radius, blur_px=places.along_px),
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),
         residual=_stood_in(np.asarray(left), view),
         u=float(1 / np.sqrt(weights.sum())),
-        light_angle_rad=np.asarray(np.where(light > 1e-3, moment / np.maximum(light, 1e-3), centre), dtype=float),
-        centre_angle_rad=centre,
+        light_angle_rad=np.asarray(
+            np.where(light > 1e-3, moment / np.maximum(light, 1e-3), places.middle_rad), dtype=float
+        ),
+        centre_angle_rad=places.middle_rad,
     )
 
 
