@@ -24,7 +24,7 @@ from irtiming.inference.one_thread import one_thread
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics import wheel_harmonics
 from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import BESIDE, BLADE, EDGE_DELAYS, Timing, timing_names, usual
+from irtiming.physics.light.row_sum import BESIDE, BLADE, EDGE_DELAYS, Timing, completed, timing_names
 from irtiming.records.arrays import ComplexArray
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -222,9 +222,8 @@ def _blades(fits: Sequence[RowTimingFit], model: WheelModel) -> dict[str, float]
     """What a warmer second blade takes of the contrasts in an image, which is of the second order of the wheel's angle."""
     steps = wheel_harmonics.open_harmonics(model, _IMAGE_ORDER)[:, _IMAGE_ORDER]
     part = float((steps[2:].sum() / steps.sum()).real)
-    mean = _mean([usual(fit.timing) | fit.timing for fit in fits])
-    blade, beside = part * mean[BLADE], part * mean[BESIDE]
-    return {"blade": float(blade), "beside": float(beside)}
+    mean = _mean([completed(fit.timing) for fit in fits])
+    return {"blade": part * mean[BLADE], "beside": part * mean[BESIDE]}
 
 
 def _rows_fitted(
@@ -277,8 +276,8 @@ def _changes(
 
 
 def _mean(timings: list[dict[str, float]]) -> Timing:
-    """Mean of each number that some of the fits hold; where others do not hold it, it is what is usual."""
-    whole = [usual(timing) | timing for timing in timings]
+    """Mean of each number that some of the fits hold; where others do not hold it, it is as `completed` has it."""
+    whole = [completed(timing) for timing in timings]
     names = dict.fromkeys(name for timing in timings for name in timing)
     return {name: float(np.mean([timing[name] for timing in whole])) for name in names}
 

@@ -19,7 +19,7 @@ from irtiming.physics.camera import camera
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.bent_rows import NONLINEARITIES
-from irtiming.physics.light.row_sum import BLADE, RowSum, Timing, usual
+from irtiming.physics.light.row_sum import BLADE, RowSum, Timing, completed
 from irtiming.physics.response import in_camera_filter, integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -167,7 +167,7 @@ def _bends(task: _Task, found: Solution, light: RowLight, *, known: Estimate, in
         return known.pick(*NONLINEARITIES)
     names = (*found.minimum.free, *NONLINEARITIES)
     model = replace(task.model, powers=light.powers)
-    there = row_timing.likelihood(task.data, model, timing=dict.fromkeys(NONLINEARITIES, 0.0) | dict(found.timing))
+    there = row_timing.likelihood(task.data, model, timing=completed(found.timing))
     at = [model.names.index(name) for name in names]
     white = np.linalg.inv(there.normal[np.ix_(at, at)])
     step = white @ there.gradient[at]
@@ -198,7 +198,7 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     decided already.
     """
     if start is not None:
-        whole = usual(start.timing) | start.timing
+        whole = completed(start.timing)
         begin = {name: whole[name] for name in task.model.names}
         return row_timing.solve(task.data, task.model, start=begin, held=start.held), start.held
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)

@@ -263,10 +263,15 @@ def _lit(points: LightPoints, looks: Sequence[Look], numbers: Mapping[str, float
     """What points of light show in each image, each as if read in the row in which it is seen, shape (n_look, n)."""
     values = []
     for look in looks:
-        turn, row_turn = numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
+        turn, row_turn = _turns(look, numbers)
         value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
         values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
     return np.array(values)
+
+
+def _turns(look: Look, numbers: Mapping[str, float]) -> tuple[float, float]:
+    """By how much the wheel has turned when row 0 is read, and from row to row, rad."""
+    return numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
 
 
 def _sharp(
@@ -275,7 +280,7 @@ def _sharp(
     """See `sharp`; ``borders`` are the images of points of light, which count near the sector's border."""
     found = []
     for look, border in zip(looks, borders, strict=True):
-        turn, row_turn = numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
+        turn, row_turn = _turns(look, numbers)
         read = np.exp(2j * row_turn * view.rows)
         point = look.smeared(places.middle_rad - turn - row_turn * view.rows, width_rad=places.smear_rad)
         sector = np.where(places.inside, point / read, border)
@@ -330,11 +335,10 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
     without, *borders = blurred_sector.images(points, values, blur=shape.blur, roi=view.roi)
     both = blurred_sector.with_glare(without, shape)
     light, moment = both.real, both.imag
+    unglared = _sharp(seen, numbers, view, places=places, borders=np.array(borders))
     models = [
         fitted(look, numbers, view=view, u_dn=u, known=known)
-        for look, u, known in zip(
-            seen, u_dn, _sharp(seen, numbers, view, places=places, borders=np.array(borders)), strict=True
-        )
+        for look, u, known in zip(seen, u_dn, unglared, strict=True)
     ]
     weights = np.array([
         (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)

@@ -43,9 +43,9 @@ And NONLINEARITIES, 0 where they are left out.
 """
 
 
-def usual(timing: Timing) -> dict[str, float]:
-    """What numbers are that rows do not hold: beside the opening the blade of the opening, and a straight response."""
-    return {BESIDE: timing[BLADE]} | dict.fromkeys(NONLINEARITIES, 0.0)
+def completed(timing: Timing) -> dict[str, float]:
+    """The same with numbers that rows need not hold: beside the opening the blade of the opening, and a straight response."""
+    return {BESIDE: timing[BLADE]} | dict.fromkeys(NONLINEARITIES, 0.0) | dict(timing)
 
 
 @final
