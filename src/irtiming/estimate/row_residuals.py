@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.physics.covariance import hac_covariance
+from irtiming.physics.covariance import hac_covariance, hac_samples, shrunk
 from irtiming.records.arrays import Array
 
 _CORRELATED_FRAMES = 8  # neighbours whose residuals may be correlated
@@ -27,12 +27,14 @@ def robust_covariance(scores: Array, normal: Array) -> tuple[Array, float]:
     Notes
     -----
     `physics.covariance.hac_covariance` on the circle of the wheel angle, with as many neighbours as lie within 3 degrees, 8 at
-    least: what the model misses at an angle is there in each repeat of the turn.
+    least: what the model misses at an angle is there in each repeat of the turn. Its correlations are drawn to
+    those of white residuals by as much as they differ by chance: what combines several recordings weighs by its inverse.
     """
     neighbours = max(_CORRELATED_FRAMES, round(_CORRELATED_TURN * len(scores)))
     middle = hac_covariance(scores, n_neighbours=neighbours, is_circular=True)
-    white = np.linalg.inv(normal)
-    found = white @ middle @ white
+    white = np.asarray(np.linalg.inv(normal), dtype=float)
+    n_samples = hac_samples(len(scores), n_neighbours=neighbours)
+    found = shrunk(white @ middle @ white, white, n_samples=n_samples)
     ratio = np.diag(found) / np.diag(white)
     stretch = np.sqrt(np.maximum(1.0, 1 / np.maximum(ratio, 1e-3)))
     found = found * np.outer(stretch, stretch)
