@@ -116,8 +116,9 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
     residual, fraction = _residuals(task, found, model)
     mass, noise = np.asarray(light.harmonics[:, 0].real, dtype=float), np.std(fraction - model, axis=0)
     scored = _scores(task, found, residual=residual, waves=waves, swaying=_swaying(task, model))
+    order = np.argsort(np.mod(task.angle, TURN))
     covariance, variance_inflation = robust_covariance(
-        scored.timing[np.argsort(np.mod(task.angle, TURN))], scored.normal
+        scored.timing[order], scored.normal, information=scored.information[order]
     )
     if ljung_box_p_value(np.mean((fraction - model) / noise, axis=1)) < LEAST_WHITENESS:
         covariance = inflated_in_time(covariance, scored.timing, normal=scored.normal)
@@ -333,11 +334,12 @@ def _swaying(task: _Task, model: Array) -> _Swaying:
 class _Scores:
     """Scores of the frames: ``timing`` (n, k) is the gradient of the log-likelihood that each contributes.
 
-    ``normal`` (k, k) are its normal equations; what the amounts of a sway can take over is left out of both. ``sway_step`` (j,)
-    takes those to their best, with ``sway_covariance`` (j, j).
+    ``information`` (n, k, k) are the normal equations that each contributes, ``normal`` (k, k) those of all; what the amounts of
+    a sway can take over is left out. ``sway_step`` (j,) takes those to their best, with ``sway_covariance`` (j, j).
     """
 
     timing: Array
+    information: Array
     normal: Array
     sway_step: Array
     sway_covariance: Array
@@ -348,9 +350,11 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, sway
     shape, slopes = (packed(one) for one in _linearised(task, found))
     n_sway = len(swaying.shared)
     scores, beside = np.zeros((residual.shape[0], len(slopes))), np.zeros((residual.shape[0], n_sway))
+    light = np.zeros((len(slopes), *residual.T.shape), np.float32)
+    levels = np.zeros((n_sway, *residual.T.shape), np.float32)
     mixed, own, lost = np.zeros((len(slopes), n_sway)), np.zeros((n_sway, n_sway)), np.zeros(2 * (len(slopes),))
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
-        weight = gain / found.variance
+        weight, per_noise = gain / found.variance, gain / np.sqrt(found.variance)
         weighted = np.ascontiguousarray((residual[part] * weight).T, dtype=np.float32)
         own_waves = waves[:, part].astype(np.float32)  # seven digits are plenty for a covariance
         through = shape @ data.gram
@@ -369,19 +373,32 @@ def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, sway
             swayed -= taken[k][:, None].astype(np.float32) * alone
             scores[part, k] = np.einsum("yn,yn->n", swayed, weighted)
             mixed[k] += np.einsum("jyn,yn->j", sways, swayed)
+            light[k][:, part] = swayed * per_noise[:, None]
+        levels[:, :, part] = (shared * per_noise).transpose(0, 2, 1)
         lost += (taken * weight * gain) @ taken.T
-    return _without_sway(scores, beside, normal=found.normal - lost, mixed=mixed, own=own)
+    light -= np.tensordot(_taken(mixed, own).astype(np.float32), levels, 1)
+    by_frame = light.transpose(2, 0, 1)
+    information = by_frame @ by_frame.transpose(0, 2, 1)
+    return _without_sway(scores, beside, normal=found.normal - lost, mixed=mixed, own=own, information=information)
 
 
-def _without_sway(scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array) -> _Scores:
+def _taken(mixed: Array, own: Array) -> Array:
+    """What timing numbers share with amounts of a sway, shape (k, j), from normal equations (k, j) and (j, j)."""
+    return np.asarray(mixed @ generalised_inverse(own, flat=_RANK))
+
+
+def _without_sway(
+    scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array, information: Array
+) -> _Scores:
     """Timing and sway together by least squares, each free of the other: ``mixed`` (k, j) and ``own`` (j, j) normal equations."""
-    taken = mixed @ generalised_inverse(own, flat=_RANK)
+    taken = _taken(mixed, own)
     of_timing = np.linalg.solve(normal, mixed)
     left, gradient = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
     scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))  # a column that timing takes over is none beside it
     covariance = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) / np.outer(scale, scale)
     return _Scores(
         timing=scores - beside @ taken.T,
+        information=information,
         normal=normal - taken @ mixed.T,
         sway_step=covariance @ gradient,
         sway_covariance=covariance,

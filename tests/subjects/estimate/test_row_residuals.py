@@ -18,13 +18,16 @@ def design():
 
 def _repeat(design, noise_of, *, n=600):
     """Estimates of many repetitions, and the covariances that each states; noise is taken to be white of size 1."""
-    normal = np.einsum("nrk,nrl->kl", design, design)
+    information = np.einsum("nrk,nrl->nkl", design, design)
+    normal = information.sum(axis=0)
     estimates, stated, factors = [], [], []
     for _ in range(n):
         noise = noise_of()
         found = np.linalg.solve(normal, np.einsum("nrk,nr->k", design, noise))
         residual = noise - design @ found
-        covariance, variance_inflation = robust_covariance(np.einsum("nrk,nr->nk", design, residual), normal)
+        covariance, variance_inflation = robust_covariance(
+            np.einsum("nrk,nr->nk", design, residual), normal, information=information
+        )
         estimates.append(found)
         stated.append(covariance)
         factors.append(variance_inflation)
@@ -81,10 +84,39 @@ def test_residuals_that_hang_together_along_the_angle_are_seen(design, length):
 def test_the_circle_is_closed(design):
     """Oracle: scores are sorted by the wheel angle, which has no end; where the list begins does not matter."""
     scores = np.random.default_rng(4).normal(size=(N, 3))
-    normal = np.diag([30.0, 40.0, 50.0])
-    one, other = robust_covariance(scores, normal), robust_covariance(np.roll(scores, 137, axis=0), normal)
+    information = np.einsum("nrk,nrl->nkl", design, design)
+    normal = information.sum(axis=0)
+    one, other = (
+        robust_covariance(np.roll(scores, by, axis=0), normal, information=np.roll(information, by, axis=0))
+        for by in (0, 137)
+    )
     np.testing.assert_allclose(one[0], other[0], rtol=1e-10)
     assert one[1] == pytest.approx(other[1])
+
+
+def test_what_the_fit_has_taken_from_the_scores_is_given_back():
+    """Oracle: 600 repetitions of 240 frames, each all in error by a number of its own, and four edges that 40 of them show.
+
+    Each edge has a delay and a length, which change its light evenly and by a straight line. By the scores as the fit leaves them
+    u is three quarters of the scatter.
+    """
+    rng, n = np.random.default_rng(9), 240
+    slopes = np.zeros((n, 8))
+    for edge in range(4):
+        shown = slice(60 * edge + 10, 60 * edge + 50)
+        slopes[shown, 2 * edge], slopes[shown, 2 * edge + 1] = 3.0, np.linspace(-4, 4, 40)
+    information = slopes[:, :, None] * slopes[:, None, :]
+    normal, scatter, stated = information.sum(axis=0), [], []
+    for _ in range(600):
+        noise = 2 * rng.normal(size=n)
+        found = np.linalg.solve(normal, slopes.T @ noise)
+        residual = noise - slopes @ found
+        covariance, _ = robust_covariance(slopes * residual[:, None], normal, information=information)
+        scatter.append(found)
+        stated.append(np.diag(covariance))
+    u = np.sqrt(np.mean(stated, axis=0))
+    np.testing.assert_allclose(u / np.std(scatter, axis=0), 1, atol=0.1)
+    assert np.mean(u / np.std(scatter, axis=0)) == pytest.approx(1.0, abs=0.04)
 
 
 def test_recordings_are_combined_with_the_scatter_that_they_state():
@@ -95,13 +127,16 @@ def test_recordings_are_combined_with_the_scatter_that_they_state():
     rng, n, k = np.random.default_rng(8), 250, 9
     theta = 2 * np.pi * np.arange(n) / n
     slopes = np.stack([np.cos(m * theta + 0.3 * m) for m in range(1, k + 1)], axis=1)
-    normal, pulls = slopes.T @ slopes, []
+    information, pulls = slopes[:, :, None] * slopes[:, None, :], []
+    normal = information.sum(axis=0)
     for _ in range(300):
         weights, weighted = np.zeros((k, k)), np.zeros(k)
         for _ in range(4):
             noise = rng.normal(size=n)
             found = np.linalg.solve(normal, slopes.T @ noise)
-            weight = np.linalg.inv(robust_covariance(slopes * (noise - slopes @ found)[:, None], normal)[0])
+            residual = noise - slopes @ found
+            covariance, _ = robust_covariance(slopes * residual[:, None], normal, information=information)
+            weight = np.linalg.inv(covariance)
             weights, weighted = weights + weight, weighted + weight @ found
         pulls.append(np.linalg.solve(weights, weighted) / np.sqrt(np.diag(np.linalg.inv(weights))))
     assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1.0, abs=0.06)
@@ -123,10 +158,12 @@ def test_what_is_missed_in_each_repeat_of_a_turn_is_seen(repeats):
         ]
         noise = np.repeat(missed, repeats) + 0.3 * rng.normal(size=n * repeats)
         design = np.repeat(slopes, repeats, axis=0)
-        normal = design.T @ design
+        information = design[:, :, None] * design[:, None, :]
+        normal = information.sum(axis=0)
         found = np.linalg.solve(normal, design.T @ noise)
         scatter.append(found)
-        stated.append(np.diag(robust_covariance(design * (noise - design @ found)[:, None], normal)[0]))
+        covariance, _ = robust_covariance(design * (noise - design @ found)[:, None], normal, information=information)
+        stated.append(np.diag(covariance))
     u = np.sqrt(np.mean(stated, axis=0))
     np.testing.assert_array_less(0.7 * np.std(scatter, axis=0), u)
     np.testing.assert_array_less(u, 1.2 * np.std(scatter, axis=0))
@@ -134,8 +171,8 @@ def test_what_is_missed_in_each_repeat_of_a_turn_is_seen(repeats):
 
 def test_a_smaller_scatter_than_white_is_not_believed():
     """Oracle: the inverse of the normal matrix; scores of a tenth of the size that white noise would give."""
-    scores, normal = 0.1 * np.random.default_rng(6).normal(size=(N, 2)), np.diag([400.0, 400.0])
-    found, variance_inflation = robust_covariance(scores, normal)
+    scores, information = 0.1 * np.random.default_rng(6).normal(size=(N, 2)), np.tile(np.eye(2), (N, 1, 1))
+    found, variance_inflation = robust_covariance(scores, N * np.eye(2), information=information)
     np.testing.assert_allclose(np.diag(found), 1 / 400)
     assert variance_inflation == 1.0
     assert abs(found[0, 1]) < found[0, 0]
