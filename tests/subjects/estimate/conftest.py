@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics import blurred_sector
@@ -153,29 +153,20 @@ class BruteBolometer:
         first = np.floor(angle.min() / pitch)
         place = angle / pitch - first
         below, part = place.astype(int), place % 1
-        n_bin, reach = below.max() + 2, 4
-        near = np.arange(-reach, reach + 1)
-        at_row, at_column = np.rint(row)[:, None] + near, np.rint(column)[:, None] + near
+        n_bin = below.max() + 2
         middle = (self.rows - 1) / 2, (self.columns - 1) / 2
         away = np.hypot(row - middle[0], column - middle[1]) / (np.hypot(self.rows, self.columns) / 2)
-        wider = np.sqrt(1 + self.blur_growth * away**2)[:, None]
+        wider = np.sqrt(1 + self.blur_growth * away**2)
         rows_px, columns_px = (wider * one for one in np.sqrt(np.square(self.blurs_px) - self._along_diagonal_px2))
-        by_row, by_column = (
-            norm.cdf((at + 0.5 - x[:, None]) / blur) - norm.cdf((at - 0.5 - x[:, None]) / blur)
-            for at, x, blur in ((at_row, row, rows_px), (at_column, column, columns_px))
-        )
-        by_row[(at_row < 0) | (at_row >= self.rows)] = 0
-        by_column[(at_column < 0) | (at_column >= self.columns)] = 0
-        at_row, at_column = (
-            np.clip(at, 0, n - 1).astype(int) for at, n in ((at_row, self.rows), (at_column, self.columns))
-        )
-        pixel = at_row[:, :, None] * self.columns + at_column[:, None, :]
-        share = by_row[:, :, None] * by_column[:, None, :] * area[:, None, None]
-        size, out = n_bin * self.rows * self.columns, 0.0
-        for which, weight in ((below, 1 - part), (below + 1, part)):
-            flat = which[:, None, None] * (self.rows * self.columns) + pixel
-            out = out + np.bincount(flat.ravel(), (share * weight[:, None, None]).ravel(), size)
-        return (first + np.arange(n_bin)) * pitch, out.reshape(n_bin, self.rows, self.columns)
+        out = np.zeros((n_bin, self.rows, self.columns))
+        for k, of_bin in enumerate(np.split(np.argsort(below), np.cumsum(np.bincount(below))[:-1])):
+            by_row, by_column = (
+                np.diff(ndtr((np.arange(n + 1) - 0.5 - x[of_bin, None]) / blur[of_bin, None]))
+                for n, x, blur in ((self.rows, row, rows_px), (self.columns, column, columns_px))
+            )
+            for which, weight in ((k, 1 - part[of_bin]), (k + 1, part[of_bin])):
+                out[which] += (by_row * (weight * area[of_bin])[:, None]).T @ by_column
+        return (first + np.arange(n_bin)) * pitch, out
 
     @property
     def blurs_px(self):
@@ -221,15 +212,22 @@ class BruteBolometer:
     def _lagged(self, coordinate_rad):
         """Relaxing towards what the point shows."""
         edges = np.array(self.edges) - self.omega * np.array(self.edge_delay_s)
+        since = np.mod(coordinate_rad - edges[0], TURN)
+        arc = np.searchsorted(edges - edges[0], since, side="right") - 1
+        late = (since - (edges - edges[0])[arc]) / (self.omega * self.time_constant_s)
+        target = np.array([0.0, 1.0, 0.0, 1.0])
+        return target[arc] + (self._levels - target)[arc] * np.exp(-late)
+
+    @cached_property
+    def _levels(self):
+        """What it shows at each edge, after many turns."""
+        edges = np.array(self.edges) - self.omega * np.array(self.edge_delay_s)
         arcs = np.diff(np.append(edges, edges[0] + TURN)) / (self.omega * self.time_constant_s)
         target, level = np.array([0.0, 1.0, 0.0, 1.0]), np.zeros(4)
         for _ in range(200):
             for k in range(4):
                 level[(k + 1) % 4] = target[k] + (level[k] - target[k]) * np.exp(-arcs[k])
-        since = np.mod(coordinate_rad - edges[0], TURN)
-        arc = np.searchsorted(edges - edges[0], since, side="right") - 1
-        late = (since - (edges - edges[0])[arc]) / (self.omega * self.time_constant_s)
-        return target[arc] + (level - target)[arc] * np.exp(-late)
+        return level
 
     def frames(self, theta):
         """Openness of each pixel at these wheel angles at the trigger, shape (n, row, column)."""

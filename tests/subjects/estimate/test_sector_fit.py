@@ -50,9 +50,15 @@ def _twice(rows, camera, lag, *, rig, start=None):
 
 
 @pytest.fixture(scope="module")
-def plain(camera, lag, brute_rows, rig_with):
+def noisy(camera, brute_rows):
+    """Rows of even pixels with noise."""
+    return brute_rows(camera, noise_dn=6.0, seed=3)
+
+
+@pytest.fixture(scope="module")
+def plain(camera, lag, noisy, rig_with):
     """Fit of even pixels with noise."""
-    return _twice(brute_rows(camera, noise_dn=6.0, seed=3), camera, lag, rig=rig_with())
+    return _twice(noisy, camera, lag, rig=rig_with())
 
 
 def test_the_sector_comes_back(plain, camera):
@@ -67,12 +73,12 @@ def test_the_sector_comes_back(plain, camera):
     assert plain.n_rounds == 3
 
 
-def test_half_of_the_way_is_the_middle_between_the_start_and_the_end(plain, camera, lag, brute_rows, rig_with):
+def test_half_of_the_way_is_the_middle_between_the_start_and_the_end(plain, camera, lag, noisy, rig_with):
     """Oracle: the whole way from the same start, halved; an axle that is half a pixel off comes back to a quarter."""
-    rows, shape = brute_rows(camera, noise_dn=6.0, seed=3), plain.shape
+    shape = plain.shape
     start = replace(plain, shape=replace(shape, axle_row_px=shape.axle_row_px + 0.5))
     whole, half = (
-        go([rows], camera.model, rig=rig_with(), timing=lag, start=start)
+        go([noisy], camera.model, rig=rig_with(), timing=lag, start=start)
         for go in (sector_fit.fit, sector_fit.half_way)
     )
     for name in ("axle_row_px", "blur_px", "bisector_rad"):
@@ -81,22 +87,21 @@ def test_half_of_the_way_is_the_middle_between_the_start_and_the_end(plain, came
     assert half.n_rounds == whole.n_rounds == 4
 
 
-def test_a_row_delay_is_looked_for_where_there_should_be_none(plain, camera, lag, brute_rows, rig_with):
+def test_a_row_delay_is_looked_for_where_there_should_be_none(plain, camera, lag, noisy, rig_with):
     """Oracle: the row delay of the light that was summed; the camera is said to read all rows at once."""
-    at_once = replace(brute_rows(camera, noise_dn=6.0, seed=3), readout_mode="snapshot")
+    at_once = replace(noisy, readout_mode="snapshot")
     found = sector_fit.fit_row_by_row([at_once], camera.model, rig=rig_with(), timing=lag, start=plain)
     assert abs(found.row_delay_s - camera.row_delay_s) < 4 * found.u_row_delay_s
     held = sector_fit.fit([at_once], camera.model, rig=rig_with(), timing=lag, start=plain)
     assert held.u_row_delay_s == 0
 
 
-def test_rows_in_a_guessed_sector_tell_the_lag(camera, lag, brute_rows, rig_with):
+def test_rows_in_a_guessed_sector_tell_the_lag(camera, lag, noisy, rig_with):
     """Oracle: the camera's lag and delay; a sector to a pixel or two tells them to a quarter of the lag."""
-    rows = brute_rows(camera, noise_dn=6.0, seed=3)
-    guessed = sector_fit.guess([rows], camera.model, rig=rig_with(), timing=AT_ONCE)
+    guessed = sector_fit.guess([noisy], camera.model, rig=rig_with(), timing=AT_ONCE)
     assert guessed.n_rounds == 0
     assert not guessed.covariance.any()
-    seen = row_fit.fit(rows, camera.model, light=row_light(rows.row_sums.row_px, guessed, n_harmonics=HARMONICS))
+    seen = row_fit.fit(noisy, camera.model, light=row_light(noisy.row_sums.row_px, guessed, n_harmonics=HARMONICS))
     assert seen.timing["time_constant"] == pytest.approx(lag["time_constant"], rel=0.25)
     assert seen.timing["edge_delay_0"] == pytest.approx(lag["edge_delay_0"], abs=0.25 * lag["time_constant"])
 
@@ -203,16 +208,16 @@ def test_phases_of_two_speeds_may_differ(camera, brute_rows, rig_with):
     ("fit", "n_before", "refused"),
     [("fit", 1, False), ("fit", 2, False), ("fit", 3, True), ("settled", 1, True), ("fit_row_by_row", 1, True)],
 )
-def test_first_fits_may_have_any_lens(plain, camera, lag, brute_rows, rig_with, monkeypatch, fit, n_before, refused):
+def test_first_fits_may_have_any_lens(plain, camera, lag, noisy, rig_with, monkeypatch, fit, n_before, refused):
     """Oracle: by hand; where no lens centre is near enough, the fourth fit and the last one are refused, those before not.
 
     In a simulated laboratory at four speeds the third had its lens centre 33 px aside, and the fourth where it is.
     """
     monkeypatch.setattr(sector_limits, "FARTHEST_CENTRE", 0.0)
     start = replace(plain, n_rounds=n_before)
-    made, rows = getattr(sector_fit, fit), brute_rows(camera, noise_dn=6.0, seed=3)
+    made = getattr(sector_fit, fit)
     with pytest.raises(EstimationError, match="no lens shows") if refused else nullcontext():
-        assert made([rows], camera.model, rig=rig_with(), timing=lag, start=start).n_rounds == n_before + 1
+        assert made([noisy], camera.model, rig=rig_with(), timing=lag, start=start).n_rounds == n_before + 1
 
 
 def test_a_slit_is_no_sector(brute_bolometer, brute_rows, rig_with):

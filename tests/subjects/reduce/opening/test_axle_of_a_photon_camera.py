@@ -61,6 +61,7 @@ def reduced(paper_wheel, recorded, rig):
     return fitted
 
 
+@cache
 def _true_offset(camera):
     """Mean polar angle about the axle of the points that the mask lets through, minus the mask's own bisector."""
     row, column, through = replace(camera, sub=16).points()
@@ -125,7 +126,7 @@ def test_uneven_light_does_not_turn_the_mask(reduced, paper_camera):
 
     What that adds has angles of its own, on the right, where wheel coordinates are less if it turns clockwise.
     """
-    camera = paper_camera()
+    camera = paper_camera(**BESIDE[0])
     row, column = np.mgrid[: camera.rows, : camera.columns]
     spot = np.exp(-((row - 28) ** 2 + (column - 54) ** 2) / (2 * 8.0**2))
 
@@ -178,19 +179,19 @@ def spoilt(reduced, paper_camera):
         frames[100:110] = 0
         return frames
 
-    return reduced(paper_camera(), spoil=spoil)
+    return reduced(paper_camera(**BESIDE[0]), spoil=spoil)
 
 
 def test_a_screw_beside_the_opening_and_a_bad_pixel_in_it_do_not_turn_the_mask(reduced, paper_camera, spoilt):
     """Oracle: the same mask without them."""
-    clean = reduced(paper_camera()).axle
+    clean = reduced(paper_camera(**BESIDE[0])).axle
     assert spoilt.axle.bisector_rad == pytest.approx(clean.bisector_rad, abs=5e-4)
     assert spoilt.axle.row_px == pytest.approx(clean.row_px, abs=0.02)
 
 
 def test_blank_frames_do_not_move_the_axle(reduced, paper_camera, spoilt):
     """Oracle: the axle found without them; they are dropped and told."""
-    clean = reduced(paper_camera()).axle
+    clean = reduced(paper_camera(**BESIDE[0])).axle
     assert spoilt.axle.row_px == pytest.approx(clean.row_px, abs=0.02)
     assert spoilt.axle.column_px == pytest.approx(clean.column_px, abs=0.02)
     assert spoilt.pixels.pixel_sum.size == 490
@@ -201,7 +202,7 @@ def test_blank_frames_do_not_move_the_axle(reduced, paper_camera, spoilt):
 
 def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference):
     """Oracle: the same mask on a detector without dead pixels; eight of 1400 pixels of the opening are dead."""
-    camera = paper_camera()
+    camera = paper_camera(**BESIDE[0])
     gain = np.ones((60, 80))
     dead = [(22, 42), (25, 44), (20, 48), (27, 41), (30, 43), (18, 44), (33, 45), (24, 52)]
 
@@ -223,7 +224,8 @@ def test_dead_pixels_do_not_turn_the_mask(reduced, paper_camera, flat_reference)
 def test_frames_outside_the_edges_do_not_move_the_axle(reduced, paper_camera, paper_wheel):
     """Oracle: the axle found without them; the first eighth of the slots is not recorded, the turn unevenly sampled."""
     slots = paper_wheel(duration_s=17.5).control_slot_ticks()
-    whole, late = reduced(paper_camera()), reduced(paper_camera(), control_slot_ticks=slots[600:])
+    camera = paper_camera(**BESIDE[0])
+    whole, late = reduced(camera), reduced(camera, control_slot_ticks=slots[600:])
     assert late.axle.row_px == pytest.approx(whole.axle.row_px, abs=0.07)
     assert late.axle.column_px == pytest.approx(whole.axle.column_px, abs=0.07)
     assert any(
