@@ -25,14 +25,14 @@ from irtiming.twin import rig as twin
 from irtiming.twin.scene import microbolometer_scene, paper_scene, with_wheel_speed
 
 SETUP = CameraSetup(
-    rows=60, columns=80, pixel_format="Mono14", bit_depth=14, trigger_source="Line1", trigger_activation="RisingEdge"
+    rows=48, columns=64, pixel_format="Mono14", bit_depth=14, trigger_source="Line1", trigger_activation="RisingEdge"
 )
 WHO = CameraIdentity(vendor="", model="", serial_number="", firmware="", address="")
 
 
 @pytest.fixture(scope="module")
 def rig():
-    return twin.draw(paper_scene(60, 80), seed=7)
+    return twin.draw(paper_scene(48, 64), seed=7)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def finished(rig, tmp_path_factory):
     """Recordings at two wheel speeds."""
     folder, paths = tmp_path_factory.mktemp("finished"), []
     for k, speed in enumerate((3.0, 12.0)):
-        scene = with_wheel_speed(rig.scene, speed, samples=400)
+        scene = with_wheel_speed(rig.scene, speed, samples=300)
         paths.append(folder / f"{k}.nxs")
         writer.write(twin.simulate(scene, seed=70 + k), paths[-1])
     return paths
@@ -61,17 +61,46 @@ def _same(found: LiveEstimate, paths, rig) -> None:
     assert outside.behind(found.not_in_uncertainty) == verdict(analysis).outside
 
 
-def test_what_it_says_at_the_end_is_what_analyse_says_of_what_can_be_analysed(rig, finished, tmp_path):
-    """Oracle: `measurement.analyse` of the same files, to the last digit, and its message of a file that is none."""
-    (tmp_path / "none.nxs").write_text("no recording")
+@pytest.fixture(scope="module")
+def growing(tmp_path_factory):
+    """File of a run that grows."""
+    return tmp_path_factory.mktemp("growing") / "growing.nxs"
+
+
+@pytest.fixture(scope="module")
+def told(rig, finished, growing):
+    """What it says, by name, of a series: a file that is none, a run, and a second one that grows and then is finished."""
+    none, recording, said = growing.with_name("none.nxs"), reader.read(finished[1]), {}
+    none.write_text("no recording")
+    written = _grown(recording, growing, upto=150)
     with LiveAnalysis(rig.measured) as live:
-        live.keep(tmp_path / "none.nxs")
-        assert "none.nxs: is not an HDF5 file" in live.settled().doubt
-        live.keep(finished[0])
-        _same(live.settled(), finished[:1], rig)
-        live.keep(finished[1])
-        _same(live.settled(), finished, rig)
-        assert live.latest.frames == 800
+        try:
+            live.keep(none)
+            said["none"] = live.settled()
+            live.keep(finished[0])
+            said["one run"] = live.settled()
+            live.begins()
+            for name, frames in {"too few": FEWEST_FRAMES - 1, "half": 150, "hardly more": 160}.items():
+                live.grows(growing, frames)
+                said[name] = live.settled()
+            _grow(written, recording, first=150, upto=300)
+            live.grows(growing, 300)
+            said["whole"] = live.settled()
+        finally:
+            written.finish()
+            written.__exit__(None, None, None)
+        live.keep(growing)
+        said["two runs"] = live.settled()
+        assert live.latest is said["two runs"]
+    return said
+
+
+def test_what_it_says_at_the_end_is_what_analyse_says_of_what_can_be_analysed(rig, finished, growing, told):
+    """Oracle: `measurement.analyse` of the same files, to the last digit, and its message of a file that is none."""
+    assert "none.nxs: is not an HDF5 file" in told["none"].doubt
+    _same(told["one run"], finished[:1], rig)
+    _same(told["two runs"], [finished[0], growing], rig)
+    assert told["two runs"].frames == 600
 
 
 def test_of_a_microbolometer_too(tmp_path):
@@ -122,34 +151,17 @@ def _grow(live: LiveRecording, recording, *, first: int, upto: int) -> LiveRecor
     return live
 
 
-def test_the_estimate_tightens_while_the_file_grows(rig, finished, tmp_path):
+def test_the_estimate_tightens_while_the_file_grows(rig, finished, growing, told):
     """Oracle: more frames of the same run beside a finished one at another speed; the truth within four uncertainties."""
-    recording = reader.read(finished[1])
-    growing = _grown(recording, tmp_path / "growing.nxs", upto=200)
-    try:
-        with LiveAnalysis(rig.measured) as live:
-            live.keep(finished[0])
-            live.settled()
-            live.begins()
-            live.grows(tmp_path / "growing.nxs", FEWEST_FRAMES - 1)
-            few = live.settled()
-            assert few.frames == 400  # too few to be looked at
-            live.grows(tmp_path / "growing.nxs", 200)
-            half = live.settled()
-            _grow(growing, recording, first=200, upto=400)
-            live.grows(tmp_path / "growing.nxs", 210)
-            assert live.settled() is half  # not enough more
-            live.grows(tmp_path / "growing.nxs", 400)
-            whole = live.settled()
-    finally:
-        growing.finish()
-        growing.__exit__(None, None, None)
-    assert (half.frames, whole.frames) == (600, 800)
+    assert told["too few"].frames == 300  # too few to be looked at
+    assert told["hardly more"] is told["half"]  # not enough more
+    few, half, whole = (told[name] for name in ("too few", "half", "whole"))
+    assert (half.frames, whole.frames) == (450, 600)
     name, truth = "trigger_delay", rig.scene.timing.trigger_delay_s
     assert few.uncertainties[name] > 3 * half.uncertainties[name] > 3 * whole.uncertainties[name]
     for found in (few, half, whole):
         assert abs(found.values[name] - truth) < 4 * found.uncertainties[name]
-    _same(whole, [finished[0], tmp_path / "growing.nxs"], rig)
+    _same(whole, [finished[0], growing], rig)
 
 
 def test_a_wish_is_reached_when_every_uncertainty_is():
