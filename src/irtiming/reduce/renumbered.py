@@ -52,13 +52,14 @@ def shifts(light_dn: Array, wheel_angle_rad: Array) -> tuple[Shift, ...]:
     step_rad = float(np.median(np.mod(np.diff(wheel_angle_rad[known]), TURN)))
     starts = range(0, known.size - _BLOCK + 1, _BLOCK // 2)
     blocks = [known[start : start + _BLOCK] for start in starts]
-    phases = [_phase(light_dn[block], wheel_angle_rad[block]) for block in blocks]
-    usual = Counter(np.digitize([phase for phase, _ in phases], np.linspace(-np.pi, np.pi, 13)))
+    phases, u_rad = _phases(light_dn[np.array(blocks)], wheel_angle_rad[np.array(blocks)])
+    usual = Counter(np.digitize(phases, np.linspace(-np.pi, np.pi, 13)).tolist())
     fullest = usual.most_common(1)[0][0]
     about = np.linspace(-np.pi, np.pi, 13)[fullest - 1] + np.pi / 12
-    near = [off for phase, _ in phases if abs(off := _folded(phase - about)) < np.pi / 6]
+    near = [off for phase in phases.tolist() if abs(off := _folded(phase - about)) < np.pi / 6]
     middle = about + float(np.median(near))
-    by = [_by(_folded(phase - middle), u, step_rad=step_rad) for phase, u in phases]
+    every = zip(phases.tolist(), u_rad.tolist(), strict=True)
+    by = [_by(_folded(phase - middle), u, step_rad=step_rad) for phase, u in every]
     return _joined(by, blocks)
 
 
@@ -67,15 +68,17 @@ def _folded(phase: float) -> float:
     return float(np.angle(np.exp(1j * phase)))
 
 
-def _phase(light: Array, angle: Array) -> tuple[float, float]:
-    """Of the wave with which cutouts pass, beside a straight line, and its standard uncertainty, rad."""
-    line = np.linspace(-1.0, 1.0, light.size)
-    columns = np.stack([np.ones(light.size), line, np.cos(PASSING * angle), np.sin(PASSING * angle)], axis=1)
-    found, *_ = np.linalg.lstsq(columns, light, rcond=None)
-    variance = float(np.sum((light - columns @ found) ** 2)) / (light.size - columns.shape[1])
-    covariance = np.linalg.pinv(columns.T @ columns)[2:, 2:] * variance
-    size = max(float(np.hypot(found[2], found[3])), float(np.finfo(float).tiny))
-    return float(np.arctan2(found[3], found[2])), float(np.sqrt(np.trace(covariance) / 2)) / size
+def _phases(light: Array, angle: Array) -> tuple[Array, Array]:
+    """Of the wave with which cutouts pass, beside a straight line, and its standard uncertainty, rad; in each block, a row."""
+    line = np.broadcast_to(np.linspace(-1.0, 1.0, _BLOCK), angle.shape)
+    columns = np.stack([np.ones(angle.shape), line, np.cos(PASSING * angle), np.sin(PASSING * angle)], axis=-1)
+    inverse = np.linalg.pinv(columns)
+    found = np.einsum("bij,bj->bi", inverse, light)
+    left = light - np.einsum("bji,bi->bj", columns, found)
+    variance = np.sum(left**2, axis=1) / (_BLOCK - columns.shape[-1])
+    size = np.maximum(np.hypot(found[:, 2], found[:, 3]), np.finfo(float).tiny)
+    u = np.sqrt(np.sum(inverse[:, 2:] ** 2, axis=(1, 2)) * variance / 2)
+    return np.arctan2(found[:, 3], found[:, 2]), u / size
 
 
 def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:

@@ -1,9 +1,11 @@
 """What level the opening is expected to have at each wheel angle, learned from frames some of which show something else."""
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
@@ -52,11 +54,11 @@ class ExpectedLevel:
         """The longest stretch of wheel angle over which the level stays within a band of twice the tolerance."""
         angle = TURN * np.arange(720) / 720
         level = np.tile(self.at(angle, np.full(angle.size, 0.5)), 2)
-        longest, start = 0, 0
-        for end in range(level.size):
-            while np.ptp(level[start : end + 1]) > 2 * tolerance_dn:
-                start += 1
-            longest = max(longest, end - start)
+
+        def is_too_long(n: int) -> bool:
+            return bool(np.all(np.ptp(sliding_window_view(level, n), axis=1) > 2 * tolerance_dn))
+
+        longest = bisect_left(range(2, level.size + 1), True, key=is_too_long)
         return TURN * min(longest, 720) / 720
 
 
@@ -111,16 +113,13 @@ def _consensus(angle: Array, level: Array) -> Array:
     swing = float(np.ptp(np.quantile(level, [0.02, 0.98])))
     design = np.stack([np.ones(angle.size), np.cos(2 * angle), np.sin(2 * angle)], axis=1)
     coarse = _COARSE * swing
-    best, best_cost = np.zeros(angle.size), np.inf
-    for _ in range(_TRIALS):
-        three = random.choice(angle.size, 3, replace=False)
-        if abs(np.linalg.det(design[three])) < 0.3:
-            continue
-        fit = np.linalg.solve(design[three], level[three])
-        if not _LEAST_WAVE * swing < np.hypot(fit[1], fit[2]) < _MOST_WAVE * swing:
-            continue  # a closed shutter is level: it must not pass for the scene, however often it is there
-        beside = np.abs(level - design @ fit)
-        cost = float(np.sum(np.minimum(beside, coarse) ** 2))
-        if cost < best_cost:
-            best, best_cost = beside, cost
-    return best
+    threes = np.array([random.choice(angle.size, 3, replace=False) for _ in range(_TRIALS)])
+    threes = threes[np.abs(np.linalg.det(design[threes])) >= 0.3]
+    fits = np.linalg.solve(design[threes], level[threes][:, :, None])[:, :, 0]
+    wave = np.hypot(fits[:, 1], fits[:, 2])
+    # a closed shutter is level: it must not pass for the scene, however often it is there
+    fits = fits[(_LEAST_WAVE * swing < wave) & (wave < _MOST_WAVE * swing)]
+    if not fits.size:
+        return np.zeros(angle.size)
+    beside = np.abs(level - fits @ design.T)
+    return np.asarray(beside[np.argmin(np.sum(np.minimum(beside, coarse) ** 2, axis=1))])

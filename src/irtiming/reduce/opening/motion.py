@@ -169,17 +169,16 @@ def _moved(
 ) -> tuple[Array, Array]:
     """By how much the contrast of a part lies beside that of the whole run, px, and the covariance."""
     level: Array = np.array([direction.real, direction.imag])[:, pixels]  # of one that sways, in each pixel's own phase
-    moved, covariance = np.zeros(2), np.eye(2)
+    moved = np.zeros(2)
     for _ in range(_ROUNDS):
         there = ndimage.shift(whole, moved, order=1, mode="nearest")
         slopes: Array = -np.array(np.gradient(there))[:, pixels]
         columns: Array = np.concatenate([slopes, there[pixels][None], level]).T
         found = np.asarray(np.linalg.lstsq(columns, contrast[pixels], rcond=None)[0])
         left = contrast[pixels] - columns @ found
-        covariance = _jackknife(columns, left, clusters)[:2, :2]
         step = found[:2] / max(abs(found[2]), 1e-9) * np.sign(found[2])
         moved += np.clip(step, -2.0, 2.0)
-    return moved, covariance
+    return moved, _jackknife(columns, left, clusters)[:2, :2]
 
 
 def _jackknife(columns: Array, left: Array, clusters: Ticks) -> Array:
