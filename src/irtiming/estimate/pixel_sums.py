@@ -156,9 +156,12 @@ class PixelSums:
 
         Columns of the derivatives as ``numbers`` stand: the edges' delays, then SHAPE.
         """
-        passing, omega = self.passing(numbers), self.angular_frequency_rad_per_s
-        before, share = self.passing(numbers, is_before=True), numbers.get(MEMORY, 0.0)
-        made = pixel_sum.shapes(passing), pixel_sum.shapes(before)
+        omega, share = self.angular_frequency_rad_per_s, numbers.get(MEMORY, 0.0)
+        passings = [self.passing(numbers, is_before=one) for one in (False, True)]
+        angles, place = np.unique([one.middle_rad for one in passings], return_inverse=True)  # most are in both
+        passing, (now, before) = replace(passings[0], middle_rad=angles), place.reshape(2, -1)
+        every = pixel_sum.shapes(passing)
+        made = every.at(now), every.at(before)
         columns = self.columns(pixel_sum.remembered(*made, share=share))
         gain = self.levels.gain[self.kept]
         per_unit = (
@@ -171,8 +174,8 @@ class PixelSums:
             amounts = levels[_SMALL] / levels[1]
             step = levels[1] + gain @ levels[_SMALL.stop : _SMALL.stop + gain.shape[1]]
             named = dict(zip(pixel_sum.SMALL, amounts.tolist(), strict=True))
-            now, then = (pixel_sum.slopes(one, **named) for one in (passing, before))
-            found = {name: (1 - share) * now[name] + share * then[name] for name in now}
+            slopes = pixel_sum.slopes(passing, **named)
+            found = {name: (1 - share) * one[now] + share * one[before] for name, one in slopes.items()}
             later = [one.fraction + one.small @ amounts for one in made]
             found[MEMORY] = later[1] - later[0]
             taken = [per_unit.get(name, (name, 1.0)) for name in numbers]

@@ -47,7 +47,7 @@ from irtiming.physics.wheel import (
     skewed_fraction,
     skewed_slopes,
 )
-from irtiming.records.arrays import Array
+from irtiming.records.arrays import Array, Ticks
 from irtiming.records.wheel_geometry import WheelModel
 
 SMALL = ("skew", "plate", "blades", "beside")
@@ -214,6 +214,10 @@ class Shapes:
     def small(self) -> Array:
         """What stands beside F, shape (n, 4)."""
         return np.stack([getattr(self, name) for name in SMALL], axis=1)
+
+    def at(self, frames: Ticks) -> "Shapes":
+        """Those of these frames, by their numbers, shape (k,)."""
+        return Shapes(**{one.name: getattr(self, one.name)[frames] for one in fields(self)})
 
 
 def shapes(passing: Passing) -> Shapes:
