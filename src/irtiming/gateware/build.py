@@ -78,7 +78,7 @@ def build(board: Board, folder: Path, *, seed: int | None = None) -> BuildReport
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in sources.items():
         (folder / name).write_text(text)
-    verilog.run_yosys(_synthesis(board, platform), folder=folder)
+    verilog.run_yosys(_synthesis(board, platform), folder=folder, is_for_a_board=True)
     chosen_seed = board.seed if seed is None else seed
     place = [_PLACE_AND_ROUTE[board.family], "--quiet", "--log", "timing.log", "--report", "timing.json"]
     place += ["--seed", str(chosen_seed), "--freq", str(board.clock_frequency_hz / 1e6), "--json", f"{_NAME}.json"]

