@@ -94,6 +94,10 @@ def run() -> None:
         _end(f"{error}{notes}", 2 if interrupt.heard is None else interrupt.exit_status)
     except MemoryError:
         _end("there is not enough memory for this; give fewer recordings at once, or free memory", 2)
+    except (ImportError, SystemError):  # what a library makes of Ctrl-C that came while it was loaded
+        if interrupt.number is None:
+            raise
+        _end(_STOPPED, interrupt.exit_status)
     except KeyboardInterrupt:
         _end(_STOPPED, interrupt.exit_status)
     except SystemExit as ending:

@@ -8,6 +8,7 @@ from contextlib import suppress
 import pytest
 from rich.console import Console
 
+from irtiming.cli import main
 from irtiming.cli.interrupt import SIGNALS, Interrupt, heeded, ignore, raise_dropped, say_nothing_of_dropped
 from irtiming.cli.progress import shown
 
@@ -61,3 +62,32 @@ def test_what_python_itself_drops_is_remembered_without_a_word(handled, capsys, 
         raise_dropped()
     Mortal(lambda: 1 / 0)
     assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+def test_what_a_library_makes_of_it_while_it_is_loaded_is_no_traceback(handled, capsys, monkeypatch):
+    """Oracle: the documented exit status; an extension of SciPy raises an ImportError for what is raised while it begins."""
+
+    def loading():
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise ImportError("initialization failed") from None
+
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    monkeypatch.setattr(main, "app", loading)
+    with pytest.raises(SystemExit) as ending:
+        main.run()
+    assert ending.value.code == 130
+    assert capsys.readouterr().err.startswith("irtiming: stopped")
+
+
+def test_a_library_that_cannot_be_loaded_is_no_interrupt(handled, monkeypatch):
+    """Oracle: the error of the library itself, without any signal."""
+
+    def loading():
+        raise ImportError("no such file")
+
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    monkeypatch.setattr(main, "app", loading)
+    with pytest.raises(ImportError, match="no such file"):
+        main.run()
