@@ -56,7 +56,8 @@ PIP = $(BIN)/pip install --quiet --no-compile --constraint constraints.txt
 	touch $@
 
 .venv/ready-for-tests: .venv/ready
-	$(BIN)/python scripts/extra-requirements test | $(PIP) --requirement /dev/stdin
+	$(BIN)/python scripts/extra-requirements test >.venv/requirements-for-tests
+	$(PIP) --requirement .venv/requirements-for-tests
 	touch $@
 
 .venv/ready-for-gateware: .venv/ready

@@ -33,6 +33,7 @@ from irtiming.records.wheel_geometry import WheelModel
 _WINDOW = integration_window.PARAMETER
 _DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
 _SIGNIFICANT = 3.0  # standard uncertainties from which a filter is undone, a blade has two numbers, a curve is fitted
+_BLOCK = 256  # frames whose scores are made together
 _RANK = 1e-6  # relative: amounts of a sway that are determined worse stay where they are
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
@@ -348,59 +349,46 @@ class _Scores:
 def _scores(task: _Task, found: Solution, *, residual: Array, waves: Array, swaying: _Swaying) -> _Scores:
     """Gain and offset of the rows are projected out, and what a sway does to each row for itself."""
     shape, slopes = (packed(one) for one in _linearised(task, found))
-    n_sway = len(swaying.shared)
-    scores, beside = np.zeros((residual.shape[0], len(slopes))), np.zeros((residual.shape[0], n_sway))
-    light = np.zeros((len(slopes), *residual.T.shape), np.float32)
-    levels = np.zeros((n_sway, *residual.T.shape), np.float32)
-    mixed, own, lost = np.zeros((len(slopes), n_sway)), np.zeros((n_sway, n_sway)), np.zeros(2 * (len(slopes),))
+    n_all = len(slopes) + len(swaying.shared)
+    scores, information = np.zeros((len(residual), n_all)), np.zeros((len(residual), n_all, n_all))
+    normal = found.normal.copy()
     for part, data, gain in zip(task.stretches, task.data, found.gain, strict=True):
-        weight, per_noise = gain / found.variance, gain / np.sqrt(found.variance)
-        weighted = np.ascontiguousarray((residual[part] * weight).T, dtype=np.float32)
-        own_waves = waves[:, part].astype(np.float32)  # seven digits are plenty for a covariance
+        frames, per_noise = np.flatnonzero(part), gain / np.sqrt(found.variance)
         through = shape @ data.gram
-        norm = np.einsum("yp,yp->y", through, shape)
-        mean = waves[:, part].mean(axis=1)
-        shared, alone = swaying.shared[:, part], swaying.own[part].T.astype(np.float32)
-        sways = (shared * (weight * gain)).transpose(0, 2, 1)
-        beside[part] = np.einsum("jny,ny->nj", shared, residual[part] * weight)
-        own += np.einsum("jyn,lny->jl", sways, shared)
-        taken = np.zeros((len(slopes), residual.shape[1]))
-        for k, slope in enumerate(slopes):
-            free = slope - (np.einsum("yp,yp->y", through, slope) / norm)[:, None] * shape
-            free[:, 0] -= free @ mean
-            swayed = free.astype(np.float32) @ own_waves
-            taken[k] = np.einsum("yn,yn->y", swayed, alone)
-            swayed -= taken[k][:, None].astype(np.float32) * alone
-            scores[part, k] = np.einsum("yn,yn->n", swayed, weighted)
-            mixed[k] += np.einsum("jyn,yn->j", sways, swayed)
-            light[k][:, part] = swayed * per_noise[:, None]
-        levels[:, :, part] = (shared * per_noise).transpose(0, 2, 1)
-        lost += (taken * weight * gain) @ taken.T
-    light -= np.tensordot(_taken(mixed, own).astype(np.float32), levels, 1)
-    by_frame = light.transpose(2, 0, 1)
-    information = by_frame @ by_frame.transpose(0, 2, 1)
-    return _without_sway(scores, beside, normal=found.normal - lost, mixed=mixed, own=own, information=information)
+        along = np.einsum("yp,kyp->ky", through, slopes) / np.einsum("yp,yp->y", through, shape)
+        free = slopes - along[:, :, None] * shape
+        free[:, :, 0] -= free @ waves[:, frames].mean(axis=1)
+        taken = np.einsum("kyp,py->ky", free, waves[:, frames] @ swaying.own[frames])
+        normal -= (taken * per_noise**2) @ taken.T
+        for block in np.split(frames, range(_BLOCK, frames.size, _BLOCK)):
+            own_waves = waves[:, block].astype(np.float32)  # seven digits are plenty for a covariance
+            light = free.astype(np.float32) @ own_waves - taken[:, :, None] * swaying.own[block].T
+            both = np.concatenate([light, swaying.shared[:, block].transpose(0, 2, 1)]) * per_noise[:, None]
+            by_frame = both.transpose(2, 0, 1)
+            scores[block] = np.einsum("nky,ny->nk", by_frame, residual[block] / np.sqrt(found.variance))
+            information[block] = by_frame @ by_frame.transpose(0, 2, 1)
+    return _without_sway(scores, information, normal=normal)
 
 
-def _taken(mixed: Array, own: Array) -> Array:
-    """What timing numbers share with amounts of a sway, shape (k, j), from normal equations (k, j) and (j, j)."""
-    return np.asarray(mixed @ generalised_inverse(own, flat=_RANK))
+def _without_sway(scores: Array, information: Array, *, normal: Array) -> _Scores:
+    """Timing and sway together by least squares, each free of the other.
 
-
-def _without_sway(
-    scores: Array, beside: Array, *, normal: Array, mixed: Array, own: Array, information: Array
-) -> _Scores:
-    """Timing and sway together by least squares, each free of the other: ``mixed`` (k, j) and ``own`` (j, j) normal equations."""
-    taken = _taken(mixed, own)
+    Both are in the ``scores`` (n, k + j) and the ``information`` (n, k + j, k + j) of the frames, timing first; ``normal`` (k, k)
+    is that of the timing.
+    """
+    k, whole = len(normal), information.sum(axis=0)
+    mixed, own, gradient = whole[:k, k:], whole[k:, k:], scores.sum(axis=0)
+    taken = mixed @ generalised_inverse(own, flat=_RANK)
+    free = np.hstack([np.eye(k), -taken])
     of_timing = np.linalg.solve(normal, mixed)
-    left, gradient = own - mixed.T @ of_timing, beside.sum(axis=0) - of_timing.T @ scores.sum(axis=0)
+    left = own - mixed.T @ of_timing
     scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))  # a column that timing takes over is none beside it
     covariance = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) / np.outer(scale, scale)
     return _Scores(
-        timing=scores - beside @ taken.T,
-        information=information,
+        timing=scores @ free.T,
+        information=free @ information @ free.T,
         normal=normal - taken @ mixed.T,
-        sway_step=covariance @ gradient,
+        sway_step=covariance @ (gradient[k:] - of_timing.T @ gradient[:k]),
         sway_covariance=covariance,
     )
 

@@ -12,6 +12,7 @@ from itertools import groupby
 from typing import final
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
@@ -50,9 +51,8 @@ def shifts(light_dn: Array, wheel_angle_rad: Array) -> tuple[Shift, ...]:
     if known.size < 4 * _BLOCK:
         return ()
     step_rad = float(np.median(np.mod(np.diff(wheel_angle_rad[known]), TURN)))
-    starts = range(0, known.size - _BLOCK + 1, _BLOCK // 2)
-    blocks = [known[start : start + _BLOCK] for start in starts]
-    phases, u_rad = _phases(light_dn[np.array(blocks)], wheel_angle_rad[np.array(blocks)])
+    blocks = sliding_window_view(known, _BLOCK)[:: _BLOCK // 2]
+    phases, u_rad = _phases(light_dn[blocks], wheel_angle_rad[blocks])
     usual = Counter(np.digitize(phases, np.linspace(-np.pi, np.pi, 13)).tolist())
     fullest = usual.most_common(1)[0][0]
     about = np.linspace(-np.pi, np.pi, 13)[fullest - 1] + np.pi / 12
@@ -91,8 +91,8 @@ def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:
     return min(fits, key=abs)
 
 
-def _joined(by: list[int | None], blocks: list[Ticks]) -> tuple[Shift, ...]:
-    """Blocks in a row that are off by as many frames; one alone may be a shutter that closes."""
+def _joined(by: list[int | None], blocks: Ticks) -> tuple[Shift, ...]:
+    """Blocks of frames, shape (n, frames), in a row that are off by as many; one alone may be a shutter that closes."""
     found = []
     for k, group in groupby(range(len(by)), key=by.__getitem__):
         members = list(group)
