@@ -16,18 +16,20 @@ from irtiming.records.exposed import ExposedRows
 settings.register_profile("compiled", deadline=None)  # what is compiled takes its time at the first call
 settings.load_profile("compiled")
 
+_OBJECTS_PER_SEARCH = 10_000, 20, 50  # a search after every 700, as usual, takes a seventh of the time
 _ROOT = Path(__file__).resolve().parent.parent
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Garbage is not looked for among thousands of collected tests, all of which stay."""
+    """Garbage is not looked for among thousands of collected tests, all of which stay, and seldom among what tests keep."""
     gc.disable()
     try:
         return (yield)
     finally:
         gc.collect()
         gc.freeze()
+        gc.set_threshold(*_OBJECTS_PER_SEARCH)
         gc.enable()
 
 

@@ -49,7 +49,8 @@ def fit(
                 f"{', '.join(data.names)}: the plateaus alternate as {[p[2] for p in ordered]} over a turn, they must "
                 "alternate between 0 and 1; record again with the whole opening in view"
             )
-        edge = min(candidates, key=lambda i: abs(np.angle(np.exp(1j * (nominal[i] - middle)))))
+        away = np.abs(np.angle(np.exp(1j * (nominal - middle))))
+        edge = min(candidates, key=lambda i: float(away[i]))
         lines[edge] = _slope_line(data, edge, middle, limits)
     return PublishedFit(
         data=data,
