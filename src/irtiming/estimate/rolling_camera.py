@@ -137,7 +137,7 @@ def _in_turns(
     before = fits
     for n_round in range(1, _MOST_ROUNDS):
         (earlier, before), is_start = (before, fits), n_round + 1 < _FEWEST_ROUNDS
-        views, fits = turns.next(turns.timings(fits), views=views, before=before, keep_slopes=not is_start)
+        views, fits = turns.next(turns.timings(fits), views=views, before=before)
         if not is_start and _are_settled(earlier, before, fits):
             break
     if _move(before, fits) <= _NEAR:
@@ -165,13 +165,13 @@ class _Turns:
 
     def next(
         self, timings: list[Timing], *, views: Sequence[_View] = (), before: tuple[RowTimingFit, ...] = (),
-        keep_slopes: bool = False, is_last: bool = False,
+        is_last: bool = False,
     ) -> tuple[list[_View], tuple[RowTimingFit, ...]]:  # fmt: skip
         """Images seen with these numbers, from the views of the turn before on, and then the rows."""
         starts: list[SectorFit | None] = [view.sector for view in views] or [None] * len(self.groups)
         every = zip(self.groups, timings, starts, self.slopes, strict=True)
         found = [
-            self._view(members, timing, start, fits=before, slopes=slopes if keep_slopes else None, is_last=is_last)
+            self._view(members, timing, start, fits=before, slopes=slopes, is_last=is_last)
             for members, timing, start, slopes in every
         ]
         return found, _rows_fitted(self.recordings, self.model, views=found, before=before)

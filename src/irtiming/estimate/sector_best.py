@@ -32,8 +32,9 @@ class Best:
 
 
 def searched(
-    images: Images, *, begin: Mapping[str, float], held: Sequence[str], n_before: int, slopes: Slopes | None = None
-) -> Best:
+    images: Images, *, begin: Mapping[str, float], held: Sequence[str], n_before: int, is_last: bool = False,
+    slopes: Slopes | None = None,
+) -> Best:  # fmt: skip
     """The numbers that fit the images best.
 
     Parameters
@@ -44,6 +45,8 @@ def searched(
         Where to begin, all numbers; those that are ``held`` stay there, as do those that are known exactly, and a warp's.
     n_before
         Number of fits before.
+    is_last
+        Whether no other fit goes on from its end.
     slopes
         Of the fits before of the same images, where they are known well enough to begin with.
 
@@ -55,7 +58,7 @@ def searched(
     stays = (*images.lens.held, *WARP_NUMBERS, *held)
     free = [name for name in NUMBERS if name not in stays]
     found = sector_search.searched(
-        Misfit(at=images.at, sharp=images.sharp), begin, free=free, n_before=n_before, slopes=slopes
+        Misfit(at=images.at, sharp=images.sharp), begin, free=free, n_before=n_before, is_last=is_last, slopes=slopes
     )
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
     sector_limits.check(numbers, images.name)

@@ -63,7 +63,8 @@ def fit(
     start
         An earlier fit; without one it starts at what the image shows.
     slopes
-        Of the fits before of the same images, where they are known well enough to begin with; the covariance is theirs then.
+        Of the fits before of the same images, with which it begins; the covariance is theirs then. A fit without a start has
+        its own and leaves none.
 
     Raises
     ------
@@ -97,12 +98,14 @@ def settled(
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     held = _held(recordings[0])
-    best = _from(images, start, held=held, slopes=slopes)
+    best = _from(images, start, held=held, slopes=slopes, is_last=True)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
         for _ in range(_MOST_WEIGHINGS):
-            best = sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=start.n_rounds)
+            best = sector_best.searched(
+                images, begin=begin, held=(*SLIGHT, *held), n_before=start.n_rounds, is_last=True
+            )
             last = sector_weighed.weighed(images, best)
             if last.beside_linear <= _LINEAR:
                 break
@@ -129,16 +132,19 @@ def _held(recording: ReducedRecording) -> tuple[str, ...]:
 
 
 def _from(
-    images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False
-) -> Best:
+    images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False,
+    is_last: bool = False,
+) -> Best:  # fmt: skip
     """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt.
 
     One of the first fits may have any lens.
     """
     if start is None:
         begin = _first_guess(images)
-        return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0, slopes=slopes)
-    best = sector_best.searched(images, begin=numbers_of(start), held=held, n_before=start.n_rounds, slopes=slopes)
+        return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0)
+    best = sector_best.searched(
+        images, begin=numbers_of(start), held=held, n_before=start.n_rounds, is_last=is_last, slopes=slopes
+    )
     if "distortion" in best.free and not is_first:
         sector_limits.check_lens(best.numbers, images.lens.start, name=images.name, columns=images.view.image[1])
     return best

@@ -1,12 +1,15 @@
 r"""What is linear in a contrast image: levels, of which the first is the light, and a smooth field over what it covers.
 
 They are solved for wherever the search for all other numbers stands (`estimate.sector_image`), by weighted least squares with
-a prior. How the misfit r = W (A x - s) changes beside a place then takes no second solution: with x held there, the change of
-W (A x - s) less what other levels would have of it (Kaufman's slopes, as of `inference.variable_projection`),
+a prior p, N x = (A^T W^2 A + p^2) x = A^T W^2 s. How the misfit r = W (A x - s) changes beside a place then takes no second
+solution: to first order,
 
-.. math:: \Delta r \approx (1 - P)\, \Delta[W (A x - s)],
+.. math::
+    N\, \Delta x = -A^T W \Delta_x r - (\Delta A)^T W r, \qquad \Delta r = \Delta_x r + W A\, \Delta x,
 
-which leaves out what is of second order in the change and what goes as the misfit itself.
+where :math:`\Delta_x r` is the change while x is held. The term in W r is of the size of the misfit and changes no gradient
+(Kaufman leaves it out, as does `inference.variable_projection`), but along a valley all changes are small, and slopes without
+it foretell them wrongly.
 """
 
 from dataclasses import dataclass
@@ -111,7 +114,7 @@ class Solved:
     def change(self, beside: Linear, image: ComplexArray) -> Array:
         """By how much the misfit differs, to first order, with other terms and another image, shape of the misfit."""
         change = beside.image(self.found) - image - self.off
-        taken = self._inverse @ self.linear.sums(change)
+        taken = self._inverse @ (self.linear.sums(change) + beside.sums(self.off) + self.prior**2 * self.found)
         return np.concatenate([self.linear.in_units(change - self.linear.image(taken)), (-self.prior * taken)[_FREE:]])
 
     @cached_property

@@ -22,7 +22,8 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.6, 15.0
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _MOST_EVALUATIONS = 30
-_GAINS = (1e-2, 1e-4, 1e-5)  # of the sum of squares, below which a search ends: the first rounds are but a start
+_GAINS = (100.0, 1.0)  # below which a search ends, of a sum of squares that are 1 on average; the first is but a start
+_LAST = 0.1  # the same of the last one
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
@@ -94,8 +95,9 @@ class Slopes:
 
 
 def searched(
-    misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, slopes: Slopes | None = None
-) -> OptimizeResult:
+    misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, is_last: bool = False,
+    slopes: Slopes | None = None,
+) -> OptimizeResult:  # fmt: skip
     """Where a search from one place ends; a whole one, also where slopes of others led it nowhere.
 
     Parameters
@@ -107,38 +109,37 @@ def searched(
     free
         Names of the numbers that are searched for, in the order of the result's.
     n_before
-        Number of searches before: the result of the first two is but a start for another.
+        Number of searches before: the result of the first is but a start for another.
+    is_last
+        Whether no other search goes on from its end.
     slopes
         With which the search begins, and which are brought up to date; taken anew where they foretell steps badly. Those of
         numbers that the search before did not have are added.
     """
+    gain = _LAST if is_last else _GAINS[min(n_before, len(_GAINS) - 1)]
     are_kept = slopes is not None and slopes.matrix is not None
-    found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
+    found = _search(misfit, start, free=free, gain=gain, slopes=slopes)
     if slopes is not None and are_kept and found.status not in _AGREES:
         slopes.matrix = None
-        found = _search(misfit, start, free=free, n_before=n_before, slopes=slopes)
+        found = _search(misfit, start, free=free, gain=gain, slopes=slopes)
     return found
 
 
 def _search(
-    misfit: Misfit,
-    start: Numbers,
-    *,
-    free: Sequence[str],
-    n_before: int,
-    slopes: Slopes | None,
+    misfit: Misfit, start: Numbers, *, free: Sequence[str], gain: float, slopes: Slopes | None
 ) -> OptimizeResult:
     scale = np.array([SCALES[name] for name in free])
     low, high = np.array([LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
     course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
+    begin = np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale)
     return least_squares(
         course.residuals,
-        np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale),
+        begin,
         jac=course.slopes,
         x_scale=scale,
         bounds=(low, high),
         max_nfev=_MOST_EVALUATIONS,
-        ftol=_GAINS[min(n_before, len(_GAINS) - 1)],
+        ftol=gain / course.residuals(begin).size,
     )
 
 
@@ -156,21 +157,22 @@ class _Course:
     high: Array
     kept: Slopes
     before: tuple[Array, Array] | None = None
+    at: Array | None = None
 
     def residuals(self, at: Array) -> Array:
-        self.at, numbers = at.copy(), self._numbers(at)
-        self.known = self.misfit.sharp(numbers)
-        self.place = self.misfit.at(numbers, self.known)
+        if self.at is None or not np.array_equal(at, self.at):
+            self.at, numbers = at.copy(), self._numbers(at)
+            self.known = self.misfit.sharp(numbers)
+            self.place = self.misfit.at(numbers, self.known)
         return self.place.residual
 
     def slopes(self, at: Array) -> Array:
         """Shape (m, n_free)."""
-        if not np.array_equal(at, self.at):
-            self.residuals(at)
-        found = self._updated(self._kept(at))
+        residual = self.residuals(at)
+        found = self._updated(self._kept(at), at)
         self.kept.matrix = self._differences(at, self.free) if found is None else found
         self.kept.names = tuple(self.free)
-        self.before = self.at, self.place.residual
+        self.before = at.copy(), residual
         return self.kept.matrix
 
     def _kept(self, at: Array) -> Array | None:
@@ -184,11 +186,11 @@ class _Course:
         names = (*self.kept.names, *added)
         return slopes[:, [names.index(name) for name in self.free]]
 
-    def _updated(self, slopes: Array | None) -> Array | None:
+    def _updated(self, slopes: Array | None, at: Array) -> Array | None:
         """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not."""
         if slopes is None or self.before is None:
             return slopes
-        step, change = self.at - self.before[0], self.place.residual - self.before[1]
+        step, change = at - self.before[0], self.place.residual - self.before[1]
         missed = change - slopes @ step
         if not np.linalg.norm(missed) <= _MISSED * np.linalg.norm(change):
             return None

@@ -78,3 +78,23 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
     )  # fmt: skip
     assert other_length.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
     assert with_wrong.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
+
+
+def test_a_search_ends_where_a_step_gains_a_standard_uncertainty_and_the_last_one_a_tenth() -> None:
+    """Oracle: by hand: a cube ends slowly, each step leaves (2/3)^6 = 0.09 of its square, Broyden's more."""
+
+    def at(here: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
+        def residual(numbers: Mapping[str, float]) -> Array:
+            return np.append(np.ones(3999), (numbers[FREE[0]] - 3.0) ** 3)
+
+        return Place(residual=residual(here), change=lambda there, _: residual(there) - residual(here))
+
+    misfit = Misfit(at=at, sharp=lambda _: ())
+    begin = {FREE[0]: 9.0}
+    left = [
+        float((searched(misfit, begin, free=FREE[:1], n_before=n, is_last=last).x[0] - 3.0) ** 6)
+        for n, last in ((0, False), (2, False), (2, True))
+    ]
+    assert 0.6 < left[0] < 12
+    assert 0.006 < left[1] < 0.12
+    assert 0.0006 < left[2] < 0.012
