@@ -6,20 +6,24 @@ PROJECT := pyproject.toml constraints.txt
 # Without files of bytecode, each process of the tests compiles all sources anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test check kernels packages bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
+.PHONY: demo test pytest check kernels packages bench fuzz mutants proofs boards docs docs-pdf docs-versions docs-transcripts docs-figures clean
 
 demo: .venv/ready
 	$(BIN)/irtiming demo
 
 test:
-	$(MAKE) --jobs --output-sync packages kernels check
+	$(MAKE) --jobs --output-sync packages kernels .venv/ready-for-tests
+	$(MAKE) --jobs pytest check
+
+pytest: .venv/ready-for-tests
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
+# Beside the tests, of which some measure time: nice.
 check: .venv/ready-for-tests
-	$(BIN)/ruff check
-	$(BIN)/ruff format --check
-	$(BIN)/mypy
-	$(BIN)/lint-imports
+	nice $(BIN)/ruff check
+	nice $(BIN)/ruff format --check
+	nice $(BIN)/mypy
+	nice $(BIN)/lint-imports
 
 # Once for all processes of the tests: each that finds them uncompiled compiles them anew.
 kernels: .venv/ready
