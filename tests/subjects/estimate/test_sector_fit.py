@@ -12,6 +12,7 @@ from scipy.special import ndtr
 from irtiming.errors import EstimationError
 from irtiming.estimate import image_doubts, row_fit, sector_best, sector_fit, sector_image, sector_limits
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
+from irtiming.estimate.sector_search import Slopes
 from irtiming.physics import blurred_sector
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.physics.response.first_order_lag import HARMONICS
@@ -43,9 +44,9 @@ def _twice(rows, camera, lag, *, rig, start=None):
 
     A fit of much the same image may stand in for the first.
     """
-    found = start or sector_fit.fit([rows], camera.model, rig=rig, timing=AT_ONCE)
+    found, slopes = start or sector_fit.fit([rows], camera.model, rig=rig, timing=AT_ONCE), Slopes()
     for _ in range(2):  # the first knows nothing of the lens
-        found = sector_fit.fit([rows], camera.model, rig=rig, timing=lag, start=found)
+        found = sector_fit.fit([rows], camera.model, rig=rig, timing=lag, start=found, slopes=slopes)
     return found
 
 
