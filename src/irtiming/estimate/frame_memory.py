@@ -17,6 +17,7 @@ from irtiming.units import counted
 _SIGNIFICANT = 3.0  # standard uncertainties of an age from which it is distinguished from none
 _CONTRADICTS = 4.0  # standard uncertainties between the ages of statement and frames
 _MOSTLY = 0.5  # of a frame: from there on the frames before have the greater part in it
+_MUCH = 0.3  # correlation of successive frames: more than chance or a level that sways a little leaves in them
 _IMPOSSIBLE = 4.0  # standard uncertainties below zero: no camera takes part of the frame before away
 
 
@@ -141,19 +142,23 @@ def correlation(fit: RowTimingFit) -> tuple[float, float]:
     return (float(centred[:-1] @ centred[1:]) / power if power else 0.0), ljung_box_p_value(mean)
 
 
-def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
+def of_row_fits(fits: Sequence[RowTimingFit], estimate: Estimate) -> tuple[Finding, ...]:
     """Where residuals of successive frames are correlated.
 
     Parameters
     ----------
     fits
         One per recording.
+    estimate
+        Of the camera.
     """
     correlations = [correlation(fit) for fit in fits]
     low = [one for one in correlations if one[1] < LEAST_WHITENESS]
     if not low:
         return ()
     largest = max((one[0] for one in low), key=abs)
+    if abs(largest) > _MUCH and of_result(estimate):
+        return (_of_another_kind(largest),)
     return (
         Finding(
             code="residuals-not-white-in-time",
@@ -163,4 +168,15 @@ def of_row_fits(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
             "a filter in the camera is not the one of the model",
             cure="their uncertainty is widened for it",
         ),
+    )
+
+
+def _of_another_kind(largest: float) -> Finding:
+    return Finding(
+        code="filter-of-another-kind",
+        severity="doubt",
+        what=f"with the filter of the camera undone, residuals of successive frames have a correlation of {largest:+.2f}: the "
+        "camera's filter is of another kind than the model's, which takes one share of the frame before, as where it takes the "
+        "mean of several frames; time constant and delay are corrected for the wrong one and may be off by more than stated",
+        cure="switch filters and averaging of the camera off, and record again",
     )

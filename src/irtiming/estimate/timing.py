@@ -307,7 +307,7 @@ def of_row_fits(
     effective = _effective(found, fits, blackbodies=blackbodies, constants=constants)
     findings = (
         *geometry.findings, *reported.findings, *doubts.of_reading(reported.estimate, n_rows=n_rows), *doubts.of_edges(u_edge),
-        *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits),
+        *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits, reported.estimate),
         *frame_memory.of_stated(fits, rig.frame_memory),
         *nonlinearity.of_joint(found),
         *doubts.of_row_fits(whole), *image_doubts.of_sectors(whole, sectors), *scatter.birge_findings(fits, groups),

@@ -15,6 +15,12 @@ class _Fit:
     estimate: Estimate
 
 
+@dataclass
+class _Residuals:
+    residual: np.ndarray
+    noise: float = 1.0
+
+
 def _fit(name, share, u):
     return _Fit(Estimate(names=(name,), units=("1",), values=np.array([share]), covariance=np.array([[u**2]])))
 
@@ -82,3 +88,25 @@ def test_a_filter_is_distinguished_from_none_by_the_age_of_what_a_frame_shows(sh
 def test_a_statement_is_contradicted_by_the_age_too(share, u, contradicts):
     """Oracle: by hand; 0.82 frames old, u = 0.27 or 0.165, where none is stated."""
     assert bool(frame_memory.of_stated([_fit("recursive_filter", share, u)], Measured(0.0, 1e-4))) == contradicts
+
+
+@pytest.mark.parametrize(
+    ("share", "kept", "codes"),
+    [
+        (0.26, 0.6, ["filter-of-another-kind"]),
+        (0.26, 0.0, []),
+        (0.0, 0.6, ["residuals-not-white-in-time"]),
+        (0.26, 0.25, ["residuals-not-white-in-time"]),
+    ],
+)
+def test_a_filter_that_leaves_successive_frames_correlated_is_of_another_kind(share, kept, codes):
+    """Oracle: first-order autoregression, whose correlation is what it keeps, known to 0.02 from 2000 frames of 40 rows."""
+    rng = np.random.default_rng(7)
+    common = np.zeros(2000)
+    for k, new in enumerate(rng.standard_normal(2000)):
+        common[k] = kept * common[k - 1] + new
+    fit = _Residuals(common[:, None] + 0.1 * rng.standard_normal((2000, 40)))
+    estimate = _fit("recursive_filter", share, 0.02).estimate
+    found = frame_memory.of_row_fits([fit], estimate)
+    assert [one.code for one in found] == codes
+    assert all((one.severity == "doubt") == (one.code == "filter-of-another-kind") for one in found)
