@@ -31,3 +31,12 @@ def test_rows_of_a_band_count_by_their_noise():
     np.testing.assert_allclose(fraction, np.full((2, 12), 11.0))
     np.testing.assert_allclose(residual, np.full((2, 12), -11.0))
     np.testing.assert_allclose(place, (rows[::2] + 0.1 - 111.5) / 11.5)
+
+
+def test_places_of_few_rows_are_counted_in_rows():
+    """Oracle: by hand; two rows lie half a row on either side of the middle, and one, divided by nothing, in it."""
+    for n, expected in ((1, [0.0]), (2, [-0.5, 0.5])):
+        fit = SimpleNamespace(
+            row_px=np.arange(100, 100 + n), noise=np.ones(n), model=np.zeros((2, n)), residual=np.zeros((2, n))
+        )
+        np.testing.assert_allclose(frame_residuals._banded(fit)[2], expected)
