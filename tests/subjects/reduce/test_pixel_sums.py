@@ -202,6 +202,20 @@ def test_a_shutter_that_closes_is_left_out_and_told(reduced, paper_camera):
     np.testing.assert_array_equal(found.opening.mask, whole.opening.mask)
 
 
+def test_a_shutter_that_moves_all_pixels_more_than_the_wheel_does_hides_no_opening(reduced, paper_camera):
+    """Oracle: the opening without it; a tenth of the frames is ten times as far from the plate as the blackbody is."""
+
+    def close(frames):
+        n = len(frames) // 10
+        frames[200 : 200 + n] = np.random.default_rng(1).normal(14000, 3, frames[:n].shape)
+        return frames
+
+    found, whole = reduced(paper_camera(), spoil=close)[0], reduced(paper_camera())[0]
+    assert "shutter-closed" in [finding.code for finding in found.findings]
+    np.testing.assert_array_equal(found.opening.mask, whole.opening.mask)
+    assert found.opening.blackbody_is_colder == whole.opening.blackbody_is_colder
+
+
 def test_mean_frames_are_of_the_middle_of_a_plateau():
     """Oracle: by hand; a fifth of it is left out at either end, where an edge may touch the border."""
     start, end, level = pixel_sums._middle((6.0, 7.0, 1))

@@ -22,6 +22,7 @@ from irtiming.reduce.remarks import doubt
 _CLOSER_LOOK = 48  # frames that noise is taken from
 _FAR_PX = 15  # from the opening
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
+_CLOSED = 0.5  # of the swing of the liveliest pixels, half of their contrast: no glare or sway moves all others so far
 
 
 @final
@@ -151,7 +152,11 @@ def _doubts(recording: Recording, opening: Opening, found: Histogram) -> tuple[F
 
 def _sample(recording: Recording, correct: Correction, wheel_angle_rad: Array | None) -> _Sample:
     raw, picked = _alive(recording, np.array(sample_frames.indices(recording.frames.shape)))
-    seeds = _changing_pixels(raw, correct, recording.name)
+    swing = _swing(raw, correct)
+    if (closed := _of_another_level(raw, swing)).any():
+        raw, picked = raw[~closed], picked[~closed]
+        swing = _swing(raw, correct)
+    seeds = _changing_pixels(swing, correct, recording.name)
     values = np.array([corrected(frame, correct)[seeds].mean() for frame in raw])
     around = (
         ndimage.binary_dilation(seeds, iterations=12) & ~ndimage.binary_dilation(seeds, iterations=5) & ~correct.bad
@@ -234,8 +239,21 @@ def _refuse_saturation(recording: Recording, bright: Pixels) -> None:
         )
 
 
-def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
+def _changing_pixels(swing: Array, correct: Correction, name: str) -> Mask:
     """Pixels whose value swings with the wheel: those of the opening."""
+    quiet, loud = float(np.median(swing)), _loud(swing)
+    seeds = mask_shape.largest_part(swing > 0.6 * loud)
+    if loud < 4 * quiet + 1 or seeds.sum() < 30:
+        raise ReductionError(
+            f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
+            f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
+            "check that the camera sees mask and blackbody and that they differ by some kelvin"
+        )
+    return seeds & ~correct.bad
+
+
+def _swing(raw: Pixels, correct: Correction) -> Array:
+    """Standard deviation of each pixel over the frames, shape (row, column), smoothed; none of bad ones."""
     total = np.zeros(raw.shape[1:])
     squares = np.zeros(raw.shape[1:])
     for frame in raw:
@@ -246,15 +264,22 @@ def _changing_pixels(raw: Pixels, correct: Correction, name: str) -> Mask:
     dead = dead_rows.of(correct.bad)
     swing = ndimage.median_filter(dead_rows.filled(swing, dead), 3)
     swing[correct.bad & ~dead[:, None]] = 0
-    quiet, loud = float(np.median(swing)), float(np.quantile(swing, 0.995))
-    seeds = mask_shape.largest_part(swing > 0.6 * loud)
-    if loud < 4 * quiet + 1 or seeds.sum() < 30:
-        raise ReductionError(
-            f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
-            f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
-            "check that the camera sees mask and blackbody and that they differ by some kelvin"
-        )
-    return seeds & ~correct.bad
+    return np.asarray(swing)
+
+
+def _loud(swing: Array) -> float:
+    """Swing of the liveliest pixels, DN."""
+    return float(np.quantile(swing, 0.995))
+
+
+def _of_another_level(raw: Pixels, swing: Array) -> Mask:
+    """Frames of a closed shutter, shape (n_frame,): their median pixel is as far off as only the opening's swing.
+
+    It lies beyond the outer fences of all frames (Tukey), too, which are wide where the opening is more than half of the image.
+    """
+    level = np.median(raw.reshape(len(raw), -1), axis=1)
+    low, high = np.quantile(level, [0.25, 0.75])
+    return np.asarray(np.abs(level - (low + high) / 2) > max(3.5 * (high - low), _CLOSED * _loud(swing)))
 
 
 def mean_frame(raw: Pixels, correct: Correction) -> Array:
