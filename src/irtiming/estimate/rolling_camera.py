@@ -182,7 +182,7 @@ class _Turns:
 
     def _view(
         self, members: list[int], timing: Timing, start: SectorFit | None, *, fits: Sequence[RowTimingFit],
-        slopes: Slopes | None, is_last: bool,
+        slopes: Slopes, is_last: bool,
     ) -> _View:  # fmt: skip
         seen = _seen(self.recordings, members, fits=fits)
         if is_last and start is not None:

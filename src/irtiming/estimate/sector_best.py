@@ -32,9 +32,8 @@ class Best:
 
 
 def searched(
-    images: Images, *, begin: Mapping[str, float], held: Sequence[str], n_before: int, is_last: bool = False,
-    slopes: Slopes | None = None,
-) -> Best:  # fmt: skip
+    images: Images, *, begin: Mapping[str, float], held: Sequence[str], gain: float, slopes: Slopes | None = None
+) -> Best:
     """The numbers that fit the images best.
 
     Parameters
@@ -43,10 +42,8 @@ def searched(
         Of one camera in one place.
     begin
         Where to begin, all numbers; those that are ``held`` stay there, as do those that are known exactly, and a warp's.
-    n_before
-        Number of fits before.
-    is_last
-        Whether no other fit goes on from its end.
+    gain
+        Below which the search ends; see `sector_search.searched`.
     slopes
         Of the fits before of the same images, where they are known well enough to begin with.
 
@@ -57,9 +54,7 @@ def searched(
     """
     stays = (*images.lens.held, *WARP_NUMBERS, *held)
     free = [name for name in NUMBERS if name not in stays]
-    found = sector_search.searched(
-        Misfit(at=images.at, sharp=images.sharp), begin, free=free, n_before=n_before, is_last=is_last, slopes=slopes
-    )
+    found = sector_search.searched(Misfit(at=images.at, sharp=images.sharp), begin, free=free, gain=gain, slopes=slopes)
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
     sector_limits.check(numbers, images.name)
     clusters = _clusters(images, numbers, residual.size)

@@ -24,7 +24,7 @@ from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
 from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import SeenContrast, View
 from irtiming.estimate.sector_images import FIRST_SCATTER, Images, border_weight, numbers_of
-from irtiming.estimate.sector_search import Slopes
+from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Slopes
 from irtiming.inference import clustered
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.camera import camera
@@ -98,14 +98,12 @@ def settled(
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     held = _held(recordings[0])
-    best = _from(images, start, held=held, slopes=slopes, is_last=True)
+    best = _from(images, start, held=held, slopes=slopes, gain=LAST)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
         for _ in range(_MOST_WEIGHINGS):
-            best = sector_best.searched(
-                images, begin=begin, held=(*SLIGHT, *held), n_before=start.n_rounds, is_last=True
-            )
+            best = sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), gain=LAST)
             last = sector_weighed.weighed(images, best)
             if last.beside_linear <= _LINEAR:
                 break
@@ -123,7 +121,7 @@ def fit_row_by_row(
     A search as rough as a first one, from where all else is settled: it is asked whether rows differ, and a step tells.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _as_it_is(images, _from(images, replace(start, n_rounds=0), held=(), slopes=slopes), start=start)
+    return _as_it_is(images, _from(images, start, held=(), slopes=slopes, gain=FIRST), start=start)
 
 
 def _held(recording: ReducedRecording) -> tuple[str, ...]:
@@ -133,7 +131,7 @@ def _held(recording: ReducedRecording) -> tuple[str, ...]:
 
 def _from(
     images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False,
-    is_last: bool = False,
+    gain: float = BETWEEN,
 ) -> Best:  # fmt: skip
     """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt.
 
@@ -141,10 +139,8 @@ def _from(
     """
     if start is None:
         begin = _first_guess(images)
-        return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), n_before=0)
-    best = sector_best.searched(
-        images, begin=numbers_of(start), held=held, n_before=start.n_rounds, is_last=is_last, slopes=slopes
-    )
+        return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), gain=FIRST)
+    best = sector_best.searched(images, begin=numbers_of(start), held=held, gain=gain, slopes=slopes)
     if "distortion" in best.free and not is_first:
         sector_limits.check_lens(best.numbers, images.lens.start, name=images.name, columns=images.view.image[1])
     return best

@@ -22,12 +22,12 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.6, 15.0
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _MOST_EVALUATIONS = 30
-_GAINS = (100.0, 1.0)  # below which a search ends, of a sum of squares that are 1 on average; the first is but a start
-_LAST = 0.1  # the same of the last one
 _INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
 _MISSED = 0.3  # of a step's change: slopes that foretell it worse are taken anew
+FIRST, BETWEEN, LAST = 100.0, 1.0, 0.1
+"""Gains below which a search ends, of a sum of squares that are 1 on average: the first search is but a start for another."""
 SCALES: Mapping[str, float] = dict.fromkeys(NUMBERS, 1.0) | {
     "bisector_rad": 0.05,
     "opening_angle_rad": 0.05,
@@ -95,9 +95,8 @@ class Slopes:
 
 
 def searched(
-    misfit: Misfit, start: Numbers, *, free: Sequence[str], n_before: int, is_last: bool = False,
-    slopes: Slopes | None = None,
-) -> OptimizeResult:  # fmt: skip
+    misfit: Misfit, start: Numbers, *, free: Sequence[str], gain: float, slopes: Slopes | None = None
+) -> OptimizeResult:
     """Where a search from one place ends; a whole one, also where slopes of others led it nowhere.
 
     Parameters
@@ -108,15 +107,12 @@ def searched(
         Where to begin; what is not ``free`` stays there.
     free
         Names of the numbers that are searched for, in the order of the result's.
-    n_before
-        Number of searches before: the result of the first is but a start for another.
-    is_last
-        Whether no other search goes on from its end.
+    gain
+        Below which it ends: `FIRST`, `BETWEEN` or `LAST`.
     slopes
         With which the search begins, and which are brought up to date; taken anew where they foretell steps badly. Those of
         numbers that the search before did not have are added.
     """
-    gain = _LAST if is_last else _GAINS[min(n_before, len(_GAINS) - 1)]
     are_kept = slopes is not None and slopes.matrix is not None
     found = _search(misfit, start, free=free, gain=gain, slopes=slopes)
     if slopes is not None and are_kept and found.status not in _AGREES:

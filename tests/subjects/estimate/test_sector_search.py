@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate.sector_image import Sharp
-from irtiming.estimate.sector_search import Misfit, Place, Slopes, searched
+from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Misfit, Place, Slopes, searched
 from irtiming.records.arrays import Array
 
 FREE = ("axle_row_px", "axle_column_px", "inner_radius_px")
@@ -42,9 +42,9 @@ def test_slopes_that_were_kept_lead_to_the_same_place_with_fewer_images() -> Non
     """Oracle: the numbers that the curve was made with, and one image a step, against one more for each number's slope."""
     kept, first, again, alone = Slopes(), _Curve(), _Curve(), _Curve()
     near = {name: value + 0.02 for name, value in TRUE.items()}
-    searched(first.misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, n_before=2, slopes=kept)
-    with_kept = searched(again.misfit(), near, free=FREE, n_before=2, slopes=kept)
-    without = searched(alone.misfit(), near, free=FREE, n_before=2)
+    searched(first.misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, gain=BETWEEN, slopes=kept)
+    with_kept = searched(again.misfit(), near, free=FREE, gain=BETWEEN, slopes=kept)
+    without = searched(alone.misfit(), near, free=FREE, gain=BETWEEN)
     assert with_kept.x == pytest.approx([TRUE[name] for name in FREE], abs=2e-3)
     assert without.x == pytest.approx(with_kept.x, abs=2e-3)
     assert again.asked == with_kept.nfev
@@ -54,9 +54,9 @@ def test_slopes_that_were_kept_lead_to_the_same_place_with_fewer_images() -> Non
 def test_slopes_of_a_number_that_was_held_before_are_added() -> None:
     """Oracle: the numbers that the curve was made with, and one image a step and one for the number that is new."""
     kept, both = Slopes(), _Curve()
-    first = searched(_Curve().misfit(), TRUE, free=(FREE[0], FREE[2]), n_before=2, slopes=kept)
+    first = searched(_Curve().misfit(), TRUE, free=(FREE[0], FREE[2]), gain=BETWEEN, slopes=kept)
     near = {name: value + 0.02 for name, value in TRUE.items()}
-    found = searched(both.misfit(), near, free=FREE, n_before=2, slopes=kept)
+    found = searched(both.misfit(), near, free=FREE, gain=BETWEEN, slopes=kept)
     assert first.x == pytest.approx([TRUE[FREE[0]], TRUE[FREE[2]]], abs=1e-6)
     assert found.x == pytest.approx([TRUE[name] for name in FREE], abs=2e-3)
     assert both.asked == found.nfev + 1
@@ -69,11 +69,11 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
         _Curve(0.01).misfit(),
         {name: value + 0.5 for name, value in TRUE.items()},
         free=FREE,
-        n_before=2,
+        gain=BETWEEN,
         slopes=wrong,
     )
     other_length = searched(
-        _Curve(0.01).misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, n_before=2,
+        _Curve(0.01).misfit(), {name: value + 0.5 for name, value in TRUE.items()}, free=FREE, gain=BETWEEN,
         slopes=Slopes(matrix=np.ones((7, 3)), names=FREE),
     )  # fmt: skip
     assert other_length.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
@@ -92,8 +92,7 @@ def test_a_search_ends_where_a_step_gains_a_standard_uncertainty_and_the_last_on
     misfit = Misfit(at=at, sharp=lambda _: ())
     begin = {FREE[0]: 9.0}
     left = [
-        float((searched(misfit, begin, free=FREE[:1], n_before=n, is_last=last).x[0] - 3.0) ** 6)
-        for n, last in ((0, False), (2, False), (2, True))
+        float((searched(misfit, begin, free=FREE[:1], gain=gain).x[0] - 3.0) ** 6) for gain in (FIRST, BETWEEN, LAST)
     ]
     assert 0.6 < left[0] < 12
     assert 0.006 < left[1] < 0.12

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import sector_best, sector_fit, sector_images, sector_weighed
-from irtiming.estimate.sector_search import SCALES
+from irtiming.estimate.sector_search import BETWEEN, SCALES
 from irtiming.inference.lens_knowledge import N_KNOWN
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.warp import WARP_NUMBERS
@@ -21,7 +21,7 @@ def seen(brute_bolometer, brute_rows, rig_with):
     for _ in range(3):
         found = sector_fit.fit([rows], camera.model, rig=rig_with(), timing=timing, start=found)
     images = sector_images.of([rows], camera.model, rig=rig_with(), timing=timing, known=found)
-    return images, sector_best.searched(images, begin=sector_images.numbers_of(found), held=(), n_before=3)
+    return images, sector_best.searched(images, begin=sector_images.numbers_of(found), held=(), gain=BETWEEN)
 
 
 def test_slopes_are_those_of_the_image(seen):
