@@ -152,7 +152,7 @@ def _far(sighting: Sighting, angle: Array, total: Array) -> Mask:
     """Frames that do not show what the wheel demands, shape (n_frame,)."""
     if sighting.steady is None:
         return np.zeros(angle.size, bool)
-    strays = np.abs(np.nan_to_num(sighting.steady.strays(total, angle)))
+    strays = np.abs(np.nan_to_num(sighting.steady.of_sums(total, angle).strays))
     usual = robust.spread(strays)
     return np.asarray(strays > max(steady_levels.ODD, _SCATTERS * usual))
 
@@ -183,7 +183,7 @@ def _settled(recording: Recording, sighting: Sighting, correct: Correction, angl
     """
     known, found = np.flatnonzero(np.isfinite(angle)), sighting.opening
     if sighting.steady is not None and sighting.steady.is_disturbed:
-        total = sighting.steady.without_drift(total)
+        total = sighting.steady.of_sums(total, angle).steady
     intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
     bright_when_open = not found.blackbody_is_colder
     means = []

@@ -216,6 +216,22 @@ def test_a_shutter_that_moves_all_pixels_more_than_the_wheel_does_hides_no_openi
     assert found.opening.blackbody_is_colder == whole.opening.blackbody_is_colder
 
 
+def test_a_jump_is_of_the_sums_which_hold_more_of_the_plate_than_the_opening(reduced, paper_camera):
+    """Oracle: the recording without it; a jump of all pixels by a twelfth of the contrast, beside which frames may go."""
+
+    def jump(frames):
+        frames[250:] += 80
+        return frames
+
+    camera = paper_camera(radii=(23.0, 29.0))
+    found, whole = reduced(camera, spoil=jump)[0], reduced(camera)[0]
+    gone = np.setdiff1d(whole.frame_index, found.frame_index)
+    assert gone.size <= 6
+    assert np.all(np.abs(gone - 250) < 5)
+    step, true = (one.opening.open_frame_dn - one.opening.covered_frame_dn for one in (found, whole))
+    assert np.ptp((step - true)[whole.opening.mask]) < 10
+
+
 def test_mean_frames_are_of_the_middle_of_a_plateau():
     """Oracle: by hand; a fifth of it is left out at either end, where an edge may touch the border."""
     start, end, level = pixel_sums._middle((6.0, 7.0, 1))

@@ -93,31 +93,40 @@ class SteadyLevels:
         rest = values - covered - self.step * self.offset
         return np.asarray(covered + rest / self.gain - self.step * self.second_blade)
 
-    def strays(self, values: Array, wheel_angle_rad: Array) -> Array:
-        """By how much other values of all frames differ from what wheel and levels make them, in steps, shape (n_frame,).
+    def of_sums(self, values: Array, wheel_angle_rad: Array) -> "SteadySums":
+        """The same in other values of all frames, in which the plate beside the opening may sway along.
 
-        Nan where the angle is unknown. ``values`` and ``wheel_angle_rad`` (n_frame,).
+        Parameters
+        ----------
+        values, wheel_angle_rad
+            Shape (n_frame,); angles nan where a frame has no say.
         """
         place, known = np.arange(values.size) / values.size, np.isfinite(wheel_angle_rad)
-        offset, gain = (np.interp(place, self.place, one)[known] for one in (self.offset, self.gain))
-        made = pixel_sum.shapes(_passing(wheel_angle_rad[known], self.edges_early_rad, self.opening_angle_rad))
-        expected = offset + gain * (made.fraction + self.blades * made.blades)
-        near, line = np.ones(expected.size, bool), np.zeros(2)
-        for _ in range(_TRIMMED):
-            line = np.polyfit(expected[near], values[known][near], 1)
-            beside = np.abs(values[known] - np.polyval(line, expected))
-            near = beside <= np.quantile(beside, _MOST_ALIKE)
-        out = np.full(values.size, np.nan)
-        out[known] = (values[known] - np.polyval(line, expected)) / line[0]
-        return out
-
-    def without_drift(self, values: Array) -> Array:
-        """Other values of all frames of the recording, shape (n_frame,), about as they would be with steady levels."""
-        place = np.arange(values.size) / values.size
         offset, gain = (np.interp(place, self.place, one) for one in (self.offset, self.gain))
-        low, high = np.quantile(values, [0.02, 0.98])
-        covered, step = (low, high - low) if self.step > 0 else (high, low - high)
-        return np.asarray(covered + (values - covered - step * offset) / gain)
+        made = pixel_sum.shapes(_passing(wheel_angle_rad[known], self.edges_early_rad, self.opening_angle_rad))
+        moving = gain[known] * (made.fraction + self.blades * made.blades)
+        columns = np.stack([np.ones(moving.size), offset[known], moving], axis=1)
+        amounts, near = np.zeros(3), np.ones(moving.size, bool)
+        for _ in range(_TRIMMED):
+            amounts = np.linalg.lstsq(columns[near], values[known][near], rcond=1e-12)[0]
+            beside = np.abs(values[known] - columns @ amounts)
+            near = beside <= np.quantile(beside, _MOST_ALIKE)
+        covered, sway, step = (float(one) for one in amounts)
+        strays = np.full(values.size, np.nan)
+        strays[known] = (values[known] - columns @ amounts) / step
+        return SteadySums(steady=covered + (values - covered - sway * offset) / gain, strays=strays)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteadySums:
+    """Values of all frames without drift and jumps, shape (n_frame,), and by how much they stray from wheel and levels.
+
+    ``strays`` in steps, nan where no angle is known.
+    """
+
+    steady: Array
+    strays: Array
 
 
 def find(values: Array, wheel_angle_rad: Array, *, place: Array, is_colder: bool) -> SteadyLevels | None:

@@ -10,6 +10,7 @@ from irtiming.records.arrays import Array
 _MIDDLE = (0.2, 0.8)
 _SMOOTHED = 5  # neighbouring points that a running median takes together
 _EXTREME = 0.01  # of the points may lie beyond the levels
+_FEWEST = 5  # points that make a slope
 _NARROWEST_RAD = 0.045  # a triangle wave cut at those extremes shows 0.03
 
 Plateau = tuple[float, float, int]
@@ -81,14 +82,16 @@ def normalise(wheel_angle_rad: Array, value: Array, *, plateaus: tuple[Plateau, 
 
 
 def _slopes(angle: Array, level: Array) -> list[np.ndarray]:
-    """Indices of the points on each slope: runs, around the turn, that lie between 0.2 and 0.8."""
-    between = (level > _MIDDLE[0]) & (level < _MIDDLE[1])
-    if between.all() or not between.any():
-        return []
-    start = int(np.argmin(between))
-    rolled = np.roll(np.arange(angle.size), -start)
-    runs = np.split(rolled, np.flatnonzero(np.diff(between[rolled].astype(int))) + 1)
-    return [run for run in runs if between[run[0]] and run.size >= 5]
+    """Indices of the points on each slope: around the turn, those between the last below 0.2 and the first above 0.8, or back.
+
+    Where neighbouring points scatter by more than they rise, a slope leaves the middle and comes back to it at either end.
+    """
+    side = np.where(level < _MIDDLE[0], -1, np.where(level > _MIDDLE[1], 1, 0))
+    beside = np.flatnonzero(side)
+    onward = np.append(beside[1:], beside[:1] + angle.size)
+    changes = np.flatnonzero(side[beside] != side[onward % angle.size])
+    runs = [np.arange(beside[k] + 1, onward[k]) % angle.size for k in changes]
+    return [run for run in runs if run.size >= _FEWEST]
 
 
 def _line(angle: Array, level: Array) -> tuple[float, float]:

@@ -43,6 +43,23 @@ def test_what_the_levels_do_is_taken_off(step, sway, blade):
     assert min(plateaus) > 10
 
 
+def test_sums_that_hold_the_plate_sway_by_more_than_the_opening():
+    """Oracle: the shares that were counted; a sum of which the opening is a third, and of which all pixels jump alike."""
+    fraction, _ = _seen()
+    jump = 0.1 * (PLACE > 0.4)
+    noise = np.random.default_rng(6).normal(0, 3e-4, (2, N))
+    levels = steady_levels.find(fraction + jump + noise[0], ANGLE, place=PLACE, is_colder=False)
+    sums = 7000 + 500 * (fraction + 3 * jump + noise[1])
+    sums[30] += 50
+    angle = np.where(np.arange(N) == 20, np.nan, ANGLE)
+    found = levels.of_sums(sums, angle)
+    off = np.interp(np.arange(N) / N, PLACE, jump) != jump
+    assert np.flatnonzero(np.isnan(found.strays)).tolist() == [20]
+    assert found.strays[30] == pytest.approx(0.1, abs=3e-3)
+    beside = np.delete(found.steady - 7000 - 500 * fraction, [30, *np.flatnonzero(off)])
+    assert np.ptp(beside) < 3
+
+
 def test_a_wheel_that_passes_once_in_a_run_is_not_told_from_levels():
     """Oracle: by hand; by a turn, or half a turn, over the whole run beside whole ones."""
     for turns in (1.0, 0.5):

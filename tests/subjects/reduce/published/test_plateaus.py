@@ -60,6 +60,17 @@ def test_noise_and_single_wild_frames_move_no_plateau():
         np.testing.assert_allclose(_trapezoid(np.linspace(lower, upper, 9), 0.7), level, atol=1e-9)
 
 
+@pytest.mark.parametrize(("n", "noise", "jump"), [(40_000, 0.01, 0.0), (4000, 1e-3, 0.02)])
+def test_many_frames_of_nearly_one_angle_make_no_further_slope(n, noise, jump):
+    """Oracle: the corners that made the curve; neighbours differ by less than they scatter, or than levels jumped meanwhile."""
+    rng = np.random.default_rng(4)
+    angle = TURN * rng.random(n)
+    found = find(angle, _trapezoid(angle, 0.4) + jump * (np.arange(n) > n / 3) + rng.normal(0, noise, n), name="x")
+    starts = np.sort([p[0] for p in found])
+    true = np.sort(np.mod(CORNERS[1::2] + 0.4 + 0.15 * np.radians(15), TURN))
+    np.testing.assert_allclose(starts, true, atol=0.02)
+
+
 def test_inside_goes_around_the_turn():
     """Oracle: by hand; a plateau from 350 to 370 deg."""
     plateau = (np.radians(350), np.radians(370), 1)
