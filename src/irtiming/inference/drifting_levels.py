@@ -17,6 +17,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.inference import orthonormal
 from irtiming.physics import robust, smooth_curve
 from irtiming.physics.covariance import generalised_inverse
 from irtiming.records.arrays import Array
@@ -30,6 +31,7 @@ _MOST_JUMPS = 12
 _LEAST_STRETCH = 10  # frames between two jumps
 _ROUNDS = 4
 _HUBER = 1.5
+_FLAT = 1e-12  # of the largest: axes of the normal matrix along which values say nothing
 _ROUNDING = 1e-9  # of the range of values: less than this is no scatter
 _MOST_SHARE = 8  # frames per number, at least
 
@@ -174,8 +176,8 @@ class _Fixed:
         deviance = np.inf
         least = _ROUNDING * float(np.ptp(self.values))
         for _ in range(_ROUNDS):
-            root = np.sqrt(weight)
-            amounts = np.asarray(np.linalg.lstsq(design * root[:, None], self.values * root, rcond=1e-12)[0])
+            weighted = design.T * weight
+            amounts = np.asarray(np.linalg.lstsq(weighted @ design, weighted @ self.values, rcond=_FLAT)[0])
             size = np.abs(self.values - design @ amounts)
             limit = max(_HUBER * robust.OF_NORMAL * float(np.median(size)), least)
             deviance = float(np.sum(robust.huber_loss(size, limit)))
@@ -203,7 +205,7 @@ class _Fixed:
     def _likeliest_jump(self, found: Levels) -> int | None:
         """Where a step of offset or gain would lower the deviance most, all else at its best; first frame after it."""
         root = np.sqrt(found.weight)
-        basis = np.linalg.qr(self._design(found.drift, found.gain) * root[:, None])[0]
+        basis = orthonormal.of(self._design(found.drift, found.gain) * root[:, None]).columns
         rest = self.values * root
         rest = rest - basis @ (basis.T @ rest)
         best: Array = np.zeros(rest.size)

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
+from irtiming.inference import orthonormal
 from irtiming.inference.optimiser import Linearised
 from irtiming.records.arrays import Array
 
@@ -16,7 +15,7 @@ from irtiming.records.arrays import Array
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Projected:
-    """The model without its linear parameters, and these at their best, shape (j,); ``basis`` (m, j) spans their shapes."""
+    """The model without its linear parameters, and these at their best, shape (j,); ``basis`` (m, k) spans their shapes."""
 
     at: Linearised
     levels: Array
@@ -35,13 +34,13 @@ def project(data: Array, shapes: Array, *, slopes_of: Callable[[Array], Array]) 
     slopes_of
         Called with the linear parameters (j,); derivatives of the model, shape (m, n), to the others.
     """
-    scale = np.linalg.norm(shapes, axis=0)
-    basis, triangle = np.linalg.qr(shapes / np.where(scale > 0, scale, 1.0))
+    found = orthonormal.of(shapes)
+    basis = found.columns
     along = basis.T @ data
-    levels = np.linalg.lstsq(triangle, along, rcond=1e-12)[0] / np.where(scale > 0, scale, 1.0)
+    levels = found.amounts(along)
     slopes = slopes_of(levels)
     return Projected(
         at=Linearised(residual=data - basis @ along, jacobian=basis @ (basis.T @ slopes) - slopes),
         levels=levels,
-        basis=np.asarray(basis),
+        basis=basis,
     )
