@@ -17,10 +17,11 @@ from typing import final
 
 import numpy as np
 
+from irtiming.estimate import steady_image
 from irtiming.estimate.shared_numbers import SharedNumber
 from irtiming.records import sources
 from irtiming.records.arrays import Array
-from irtiming.records.estimate import EDGE_DELAYS, RecordingFit
+from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rotation
 
@@ -39,9 +40,11 @@ class LightTurn:
 
 
 def shared(
-    recordings: Sequence[ReducedRecording], fits: Sequence[RecordingFit], *, rotation: Rotation
+    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, rotation: Rotation
 ) -> list[SharedNumber]:
     """One number per set of references, in units of its standard uncertainty; none where axle or references are not known.
+
+    Levels that sway by chance as the wheel turns would be light on all pixels, with a mean angle of its own: they are taken off.
 
     Parameters
     ----------
@@ -52,7 +55,7 @@ def shared(
     """
     if any(one.axle is None or one.contrast is None or "u_gain" not in one.pixel_maps for one in recordings):
         return []
-    turns = light_turns(recordings)
+    turns = light_turns([steady_image.by_sums(one, fit) for one, fit in zip(recordings, fits, strict=True)])
     sense = -1.0 if rotation == "clockwise" else 1.0
     found = []
     for number, name in enumerate(dict.fromkeys(one.references for one in recordings)):

@@ -69,7 +69,7 @@ def recordings(track_of, reduced_recording):
                     axle=axle,
                     contrast=contrast,
                     references=name,
-                    pixel_maps={"u_gain": np.where(mask, SPREAD, 0.0)},
+                    pixel_maps={"u_gain": np.where(mask, SPREAD, 0.0), "mean_dn": np.zeros(mask.shape)},
                 )
             )
         return made
@@ -107,6 +107,23 @@ def test_delays_move_as_the_image_says(recordings, clockwise):
     np.testing.assert_allclose(told - told.mean(), delay - delay.mean(), atol=0.12 * np.ptp(delay))
 
 
+def test_levels_that_sway_turn_no_light(recordings):
+    """Oracle: the recordings without it; all pixels sway by a tenth of the contrast, a few turns at a time, each in its own way."""
+    model = wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=BISECTOR, rotation="clockwise")
+    made, swaying = recordings(_gains(2), True, ["a", "b"]), []
+    for one, turns in zip(made, (5.3, 8.1), strict=True):
+        sway_dn = 100 * np.sin(TURN * turns * np.arange(THETA.size) / THETA.size)
+        image, sums = one.contrast_image, one.pixels.pixel_sum + sway_dn * one.opening.summed.sum()
+        beside = replace(image, projection_dn=image.projection_dn + image.frame_weight @ sway_dn)
+        swaying.append(replace(one, contrast=beside, pixels=replace(one.pixels, pixel_sum=sums)))
+    known = []
+    for recordings_of in (made, swaying):
+        fits = [pixel_sums.fit(one, model) for one in recordings_of]
+        known.append([one.known for one in reference_noise.shared(recordings_of, fits, rotation="clockwise")])
+    assert np.abs(known[0]).min() > 0.1
+    np.testing.assert_allclose(known[1], known[0], rtol=0.03)
+
+
 def test_references_alone_turn_the_light_by_what_draws_of_them_do(recordings):
     """Oracle: 60 draws of gains: the spread of the light's mean angle."""
     turns = reference_noise.light_turns(recordings(_gains(60), True, [str(k) for k in range(60)]))
@@ -134,6 +151,8 @@ def test_the_same_references_are_one_number_and_none_are_none(recordings):
     fits = [pixel_sums.fit(one, model) for one in made]
     shared = reference_noise.shared(made, fits, rotation="clockwise")
     assert [[bool(effect) for effect in one.effects] for one in shared] == [[True, True, False], [False, False, True]]
-    bare = [replace(one, references="", pixel_maps={"u_gain": np.zeros((ROWS, COLUMNS))}) for one in made]
+    bare = [
+        replace(one, references="", pixel_maps=one.pixel_maps | {"u_gain": np.zeros((ROWS, COLUMNS))}) for one in made
+    ]
     assert reference_noise.shared(bare, fits, rotation="clockwise") == []
     assert reference_noise.shared([replace(one, axle=None) for one in made], fits, rotation="clockwise") == []
