@@ -8,6 +8,8 @@ import pytest
 
 from irtiming.interface import measuring
 from irtiming.twin import rig as twin
+from irtiming.twin.cameras import camera_scene
+from irtiming.twin.defects import Defects, with_defects
 from irtiming.twin.scene import Faults, microbolometer_scene, with_wheel_speed
 
 
@@ -85,3 +87,15 @@ def test_maps_go_into_a_file_and_a_table(mapped, tmp_path):
         np.testing.assert_array_equal(data[f"{data.attrs['signal']}_errors"], maps["u_delay_s"])
         assert data["row"][0] == maps.record.roi[0]
         assert data["delay"].attrs["units"] == "s"
+
+
+def test_levels_that_sway_are_no_noise_of_a_pixel():
+    """Oracle: the twin's noise of a pixel, and its delay, the same for all; levels sway by a tenth of the contrast."""
+    scene = with_wheel_speed(camera_scene("photon", rows=60, columns=80), 3.0, samples=400)
+    scene = replace(scene, optics=replace(scene.optics, rays_along_pixel=32))
+    scene = with_defects(scene, Defects(sway_share=0.1))
+    drawn = twin.draw(scene, seed=5)
+    record = measuring.analyse(twin.simulate(drawn.scene, seed=5), drawn.measured, maps=True).maps.record
+    assert np.nanmedian(record.noise_dn) == pytest.approx(drawn.scene.detector.noise_dn, rel=0.05)
+    off, u = record.delay_s - np.nanmean(record.delay_s), np.hypot(record.u_delay_s, record.u_shape_s)
+    assert 0.85 < np.nanstd(off / u) < 1.15

@@ -81,7 +81,7 @@ def fit(
     Parameters
     ----------
     recording
-        One.
+        One, its waves rid of levels that sway.
     sector
         The opening in its image.
     wheel
@@ -121,7 +121,9 @@ def _fit(
     angle = wheel_angle_rad(
         0.0, recording.track, at_ticks=recording.trigger_ticks, set_s=recording.trigger_delay_time_set_s
     )
-    sums = sums_with_waves(waves, angle, point=shared * response, name=recording.name)
+    in_sums = recording.contrast_image.in_sums
+    gain = np.ones(angle.size) if in_sums is None else in_sums.relative_gain
+    sums = sums_with_waves(waves, angle, relative_gain=gain, point=shared * response, name=recording.name)
     pixels = PixelLight(
         orders=waves.signal_orders, light=light.harmonics, wheel=shared[waves.signal_orders],
         angular_frequency_rad_per_s=omega, response=kind.response,

@@ -5,10 +5,10 @@ Of a recording whose frames visit all wheel angles alike, the sums with two wave
 .. math:: p = X f + l(C, \delta) + \mathrm{noise}, \qquad \mathrm{cov} = \sigma^2 W W^T
 
 with f the harmonics of the signal orders, X the waves W times what those show in each frame, and l what leaks into the sums from
-all other orders. The leak is what the wheel would show of them with the pixel's own contrast and delay, so it is small twice
-over: a few missing frames times the orders that are left out. The sums with quiet orders, rid of the
-leak and of what they share with the others, are noise alone; there are enough of them
-for a standard deviation of each pixel's own.
+all other orders, and from all where the gain of the frames sways. The leak is what the wheel would show of them with the pixel's
+own contrast and delay, so it is small twice over: a few missing frames, or a gain that hardly differs, times the orders that are
+left out. The sums with quiet orders, rid of the leak and of what they share with the others, are noise alone; there are enough
+of them for a standard deviation of each pixel's own.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ _WORST = 1e-3  # least eigenvalue of the waves' products over their mean: below,
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Leak:
-    """What all orders but the signal ones would add to the sums, of pixels with a contrast of 1.
+    """What all orders but the signal ones, and a gain that sways, would add to the sums, of pixels with a contrast of 1.
 
     ``spectrum`` (k, M + 1) is what each order of a point's light adds to each of the k sums.
     """
@@ -83,7 +83,9 @@ class SumsWithWaves:
         return np.asarray(np.sqrt(np.mean((self.quiet_root @ own) ** 2, axis=0)))
 
 
-def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: ComplexArray, name: str) -> SumsWithWaves:
+def sums_with_waves(
+    waves: PixelWaves, wheel_angle_rad: Array, *, relative_gain: Array, point: ComplexArray, name: str
+) -> SumsWithWaves:
     """What a recording's sums say.
 
     Parameters
@@ -92,6 +94,8 @@ def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: Complex
         As the reduction made them.
     wheel_angle_rad
         Shape (n,); of the same frames, as known by now.
+    relative_gain
+        Shape (n,); of the same frames, over its mean.
     point
         Shape (M + 1,); harmonics of a point of light at the bisector, as its pixel gives them.
     name
@@ -121,8 +125,9 @@ def sums_with_waves(waves: PixelWaves, wheel_angle_rad: Array, *, point: Complex
     left = gram[np.ix_(quiet_at, quiet_at)] - gram[np.ix_(quiet_at, signal_at)] @ between
     information = shown.T @ np.linalg.solve(gram[np.ix_(signal_at, signal_at)], shown)
     every = np.exp(1j * np.multiply.outer(np.arange(point.size), wheel_angle_rad))
-    spectrum = (weight @ every.T) * point
-    spectrum[:, np.concatenate([[0], waves.signal_orders])] = 0
+    spectrum = ((weight * relative_gain) @ every.T) * point
+    spectrum[:, waves.signal_orders] -= (weight @ every[waves.signal_orders].T) * point[waves.signal_orders]
+    spectrum[:, 0] = 0
     picked = np.concatenate([signal_at, quiet_at])
     return SumsWithWaves(
         signal=waves.sums_dn[signal_at],

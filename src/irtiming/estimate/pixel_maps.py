@@ -7,7 +7,7 @@ from typing import TypeAlias, final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import map_findings, map_patterns, pixel_fit, wheel_geometry
+from irtiming.estimate import map_findings, map_patterns, pixel_fit, steady_image, wheel_geometry
 from irtiming.estimate.map_patterns import MappedDelays
 from irtiming.estimate.pixel_fit import PixelsOfRecording, Reference
 from irtiming.estimate.timing import Timing
@@ -48,7 +48,7 @@ def maps(found: Timing, rig: Rig) -> PixelMaps:
         if sector is None:
             continue
         reference = _reference(recording, fit, found.found.joint_fit.parameters)
-        part = pixel_fit.fit(recording, sector, wheel=wheel, reference=reference)
+        part = pixel_fit.fit(steady_image.by_fit(recording, fit), sector, wheel=wheel, reference=reference)
         if part is not None:
             first = first or _First(recording=recording, sector=sector, part=part)
             parts.append(part)

@@ -12,12 +12,18 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.estimate import frame_jitter
+from irtiming.physics import wheel_waves
 from irtiming.physics.covariance import root
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
 from irtiming.records.reduced import ContrastImage, FoundInSums, ReducedRecording
 from irtiming.records.row_timing import RowTimingFit
+
+
+def by_fit(recording: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> ReducedRecording:
+    """The recording as of `by_rows` or `by_sums`, whichever is of its fit."""
+    return by_rows(recording, fit) if isinstance(fit, RowTimingFit) else by_sums(recording, fit)
 
 
 def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
@@ -91,12 +97,22 @@ def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
 
 
 def _known(recording: ReducedRecording, found: FoundInSums, *, offset_dn: Array, covered_dn: float) -> ReducedRecording:
-    """With an image rid of offsets, (n,), and of what the gain does to a pixel's level beside that of the covered opening."""
-    image = recording.contrast_image
+    """With an image rid of offsets, (n,), and of what the gain does to a pixel's level beside that of the covered opening.
+
+    So are sums with waves, where there are any.
+    """
+    image, own_dn = recording.contrast_image, recording.pixel_maps["mean_dn"] - covered_dn
     by_gain, level = (complex(image.frame_weight @ curve) for curve in (found.relative_gain, offset_dn))
-    own_dn = recording.pixel_maps["mean_dn"] - covered_dn
     steady = replace(image, projection_dn=image.projection_dn - own_dn * by_gain - level, in_sums=found)
-    return replace(recording, contrast=steady)
+    waves = recording.waves
+    if waves is not None:
+        first_row, _, first_column, _ = recording.opening.roi
+        own = own_dn[waves.row_px - first_row, waves.column_px - first_column]
+        orders = np.concatenate([waves.signal_orders, waves.quiet_orders])
+        weight = wheel_waves.waves(waves.wheel_angle_rad, orders, segment=waves.segment)
+        sway_dn = np.outer(weight @ found.relative_gain, own) + (weight @ offset_dn)[:, None]
+        waves = replace(waves, sums_dn=waves.sums_dn - sway_dn)
+    return replace(recording, contrast=steady, waves=waves)
 
 
 def _opening_dn(recording: ReducedRecording) -> float:

@@ -1,7 +1,7 @@
 """Orthonormal columns that span what given ones span, by the axes of their normal matrix: a fifth of the time of Householder's.
 
-Once, they are orthogonal to 1e-16 times the square of the condition number; what is made so from these again, to rounding (Yamamoto
-et al., ETNA 44 (2015) 306, with axes in place of Cholesky's triangle, so that columns may depend on each other).
+Once, they are orthogonal to 1e-16 times the square of the condition number; what is made so from these again, to rounding
+(Yamamoto et al., ETNA 44 (2015) 306, with axes in place of Cholesky's triangle, so that columns may depend on each other).
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Orthonormal:
     turn: Array
 
     def amounts(self, along: Array) -> Array:
-        """Of each given column, shape (j,), that together lie as far as ``along`` (k,) along the orthonormal ones; of many, the least."""
+        """Of the given columns, shape (j,), whose sum lies ``along`` (k,) of the orthonormal ones; of many, the smallest."""
         return np.asarray(self.turn @ along)
 
 

@@ -11,8 +11,12 @@ TURN = 2 * np.pi
 _SIGNAL, _QUIET = np.array([2, 6]), np.arange(21, 41)
 
 
-def test_harmonics_and_noise_are_those_of_the_pixels():
-    """Oracle: what was put into the frames: two orders, noise of 3 and 12 DN, and order 10, which leaks into the sums."""
+@pytest.mark.parametrize("sway", [0.0, 0.1])
+def test_harmonics_and_noise_are_those_of_the_pixels(sway):
+    """Oracle: what was put into the frames: two orders, noise of 3 and 12 DN, and order 10, which leaks into the sums.
+
+    So do all orders where the gain sways.
+    """
     rng = np.random.default_rng(4)
     angle = np.sort(rng.uniform(0, TURN, 500))
     segment = np.zeros(500, np.int64)
@@ -20,14 +24,16 @@ def test_harmonics_and_noise_are_those_of_the_pixels():
     noise = np.repeat([3.0, 12.0], 200)
     true = {2: 400 * np.exp(0.3j), 6: 60 * np.exp(-1.1j), 10: 25.0 + 0j}
     light = sum((size * np.exp(1j * order * angle)).real for order, size in true.items())
-    frames = light[:, None] + noise * rng.standard_normal((500, 400))
+    gain = 1 + sway * np.sin(3 * rng.uniform(0, TURN, 500))
+    gain /= gain.mean()
+    frames = (gain * light)[:, None] + noise * rng.standard_normal((500, 400))
     waves = PixelWaves(
         signal_orders=_SIGNAL, quiet_orders=_QUIET, wheel_angle_rad=angle, segment=segment, row_px=np.arange(400),
         column_px=np.zeros(400, int), sums_dn=weight @ frames,
     )  # fmt: skip
     point = np.zeros(41, complex)
-    point[10] = true[10]
-    made = sums_with_waves(waves, angle, point=point, name="a")
+    point[list(true)] = list(true.values())
+    made = sums_with_waves(waves, angle, relative_gain=gain, point=point, name="a")
     leak = made.leak.of(np.zeros(400), np.zeros(400))
     found = made.harmonics(leak)
     np.testing.assert_allclose(

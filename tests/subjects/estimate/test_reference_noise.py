@@ -108,7 +108,7 @@ def test_delays_move_as_the_image_says(recordings, clockwise):
 
 
 def test_levels_that_sway_turn_no_light(recordings):
-    """Oracle: the recordings without it; all pixels sway by a tenth of the contrast, a few turns at a time, each in its own way."""
+    """Oracle: the recordings without it; all pixels sway by a tenth of the contrast, some turns at a time."""
     model = wheel_model(EDGES, GATE, opening_angle_rad=GAMMA, centre_angle_rad=BISECTOR, rotation="clockwise")
     made, swaying = recordings(_gains(2), True, ["a", "b"]), []
     for one, turns in zip(made, (5.3, 8.1), strict=True):

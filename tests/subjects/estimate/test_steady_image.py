@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from irtiming.estimate import contrast_look, steady_image
+from irtiming.physics import wheel_waves
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.estimate import EDGE_DELAYS, DriftingLevels, EdgeDelayFit, Estimate
+from irtiming.records.pixel_waves import PixelWaves
 from irtiming.records.row_timing import RowTimingFit, Sway
 
 N = 400
@@ -106,6 +108,30 @@ def test_an_image_is_rid_of_offset_and_own_levels(camera, still, row_fit, brute_
     before = np.abs(swayed.contrast.projection_dn - expected).max()
     assert before > 1.0
     np.testing.assert_allclose(found.projection_dn, expected, atol=0.05 * before)
+
+
+def test_waves_of_pixels_are_rid_of_offset_and_own_levels(camera, still, row_fit, brute_frames):
+    """Oracle: each pixel's light times the gain, less its mean, summed with each wave; a dozen pixels of the opening."""
+    rows, columns = np.indices(still.contrast.good.shape)
+    own_dn = 60 * np.sin(0.1 * rows) * np.cos(0.07 * columns)
+    _, openness = brute_frames(camera, n=N)
+    row_px, column_px = (one[::40][:12] for one in np.nonzero(still.opening.mask))
+    angle = wheel_angle_rad(0.0, still.track, at_ticks=still.trigger_ticks)
+    weight = wheel_waves.waves(angle, np.array([2, 6, 10, 41, 43]), segment=SEGMENT)
+    values = (
+        5000 + GAIN[:, None] * (own_dn + CONTRAST_DN * openness)[:, row_px, column_px] + CONTRAST_DN * OFFSET[:, None]
+    )
+    waves = PixelWaves(
+        signal_orders=np.array([2, 6, 10]), quiet_orders=np.array([41, 43]), wheel_angle_rad=angle, segment=SEGMENT,
+        row_px=row_px, column_px=column_px, sums_dn=weight @ values,
+    )  # fmt: skip
+    swayed = replace(_swayed(still, camera, brute_frames, own_dn=own_dn), waves=waves)
+    found = steady_image.by_fit(swayed, row_fit()).waves
+    expected = CONTRAST_DN * weight @ (GAIN[:, None] * (openness - openness.mean(axis=0))[:, row_px, column_px])
+    before = np.abs(waves.sums_dn - expected).max()
+    assert before > 1000
+    np.testing.assert_allclose(found.sums_dn, expected, atol=0.05 * before)
+    assert steady_image.by_fit(replace(swayed, waves=None), row_fit()).waves is None
 
 
 def test_what_is_not_known_of_a_gain_or_an_offset_is_what_another_one_does(camera, still, row_fit):

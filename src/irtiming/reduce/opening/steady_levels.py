@@ -106,9 +106,10 @@ class SteadyLevels:
         made = pixel_sum.shapes(_passing(wheel_angle_rad[known], self.edges_early_rad, self.opening_angle_rad))
         moving = gain[known] * (made.fraction + self.blades * made.blades)
         columns = np.stack([np.ones(moving.size), offset[known], moving], axis=1)
-        amounts, near = np.zeros(3), np.ones(moving.size, bool)
+        amounts: Array = np.zeros(3)
+        near = np.ones(moving.size, bool)
         for _ in range(_TRIMMED):
-            amounts = np.linalg.lstsq(columns[near], values[known][near], rcond=1e-12)[0]
+            amounts = np.asarray(np.linalg.lstsq(columns[near], values[known][near], rcond=1e-12)[0])
             beside = np.abs(values[known] - columns @ amounts)
             near = beside <= np.quantile(beside, _MOST_ALIKE)
         covered, sway, step = (float(one) for one in amounts)
