@@ -174,11 +174,12 @@ def test_a_clock_that_stands_counts_as_none():
     assert verdict.is_trusted
 
 
-def test_a_clock_of_another_rate_is_told():
-    """Oracle: 1 % fast, by construction."""
-    _, verdict = _judged(list(range(20)), n_triggers=20, clock_error=0.01)
+@pytest.mark.parametrize("error", [0.01, -0.01])
+def test_a_clock_of_another_rate_is_told(error):
+    """Oracle: 1 % fast or slow, by construction."""
+    _, verdict = _judged(list(range(20)), n_triggers=20, clock_error=error)
     assert verdict.is_trusted
-    assert "the camera's clock runs +1.00% against" in verdict.findings[-1].sentence()
+    assert f"the camera's clock runs {error:+.2%} against" in verdict.findings[-1].sentence()
 
 
 @pytest.mark.parametrize("device_hz", [1e6, 0])

@@ -48,6 +48,24 @@ def test_tails_are_what_comes_later(frames):
         np.testing.assert_allclose(found[:60, 0], expected, atol=2e-3 * np.ptp(found))
 
 
+def test_once_a_turn_is_a_wave_of_the_first_order_at_any_phase(frames):
+    """Oracle: a sine of the wheel angle that is late by 0.7 rad, of which both columns together explain all."""
+    columns = np.stack([one[:, 0] for one in causes._once_a_turn(frames)], axis=1)
+    wave = np.sin(frames.angle_rad - 0.7)
+    amounts = np.linalg.lstsq(columns, wave, rcond=None)[0]
+    np.testing.assert_allclose(columns @ amounts, wave, atol=1e-12)
+
+
+def test_a_longer_window_bends_the_light_over_time(frames):
+    """Oracle: the light's own mean over a window that is longer by 0.4 ms at both ends, less that over the window: its shape."""
+    found = causes.fitted(frames, lag_s=None)["window"][:, 0]
+    long, short = (
+        _light(frames.angle_rad[:, None] + _OMEGA * np.linspace(-half_s, half_s, 2001)).mean(axis=1)
+        for half_s in (6e-4, 2e-4)
+    )
+    assert np.corrcoef(found, long - short)[0, 1] > 0.99
+
+
 def test_blades_and_cutouts_change_where_neither_is_seen(frames):
     """Oracle: by hand; open at 0.4 rad and half a turn on: blades change there, cutouts a quarter turn later."""
     turned = replace(frames, fraction=_light(frames.angle_rad - 0.4)[:, None])
