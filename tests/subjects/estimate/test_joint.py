@@ -9,6 +9,7 @@ from geometry_by_hand import GATES
 
 from irtiming.estimate import joint, shared_numbers
 from irtiming.estimate.joint import Measurand
+from irtiming.estimate.shared_residual import Trace
 from irtiming.inference.information import NOISE
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
@@ -229,6 +230,15 @@ def test_a_widened_recording_says_so_much_less():
     assert wide.deviance == pytest.approx(plain.deviance / 4)
     np.testing.assert_allclose(wide.normal, plain.normal / 4)
     np.testing.assert_allclose(np.linalg.inv(plain.normal), estimate.covariance, rtol=1e-6)
+
+
+def test_residuals_along_the_angle_of_a_widened_recording_are_so_much_smaller():
+    """Oracle: by hand; residuals of 2 and -6 over a noise that is twice as large, at the same angles."""
+    trace = Trace(angle_rad=np.array([0.1, 3.0]), residual=np.array([2.0, -6.0]), taken=np.zeros((2, 0)))
+    model = replace(joint.parabola(_fits(_drawn(np.random.default_rng(10)))[0].estimate), trace=lambda numbers: trace)
+    wide = model.inflated(4.0).trace({})
+    np.testing.assert_array_equal(wide.residual, [1.0, -3.0])
+    np.testing.assert_array_equal(wide.angle_rad, trace.angle_rad)
 
 
 def test_a_number_with_two_minima_ends_in_the_lower_one():

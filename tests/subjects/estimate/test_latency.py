@@ -137,6 +137,7 @@ def test_a_trigger_that_is_led_back():
     assert (found.n_triggers, found.n_missing) == (4, 1)
     assert found.mean_s == pytest.approx(4e-6)
     assert found.spread_s == pytest.approx(1.5**0.5 * 1e-6)
+    assert (found.lowest_s, found.highest_s) == pytest.approx((3e-6, 6e-6))
     assert found.latency.trigger_s.value == pytest.approx(2e-6)
     with pytest.raises(
         EstimationError, match="2 of 5 triggers came back at spare, most must: another signal is at that input"
