@@ -106,8 +106,7 @@ def sums_with_waves(
     EstimationError
         If the frames leave so much of the turn out that they do not tell the orders apart.
     """
-    n_signal = waves.signal_orders.size
-    orders = np.concatenate([waves.signal_orders, waves.quiet_orders])
+    n_signal, orders = waves.signal_orders.size, waves.orders
     weight = wheel_waves.waves(waves.wheel_angle_rad, orders, segment=waves.segment)
     signal_at = np.r_[:n_signal, orders.size : orders.size + n_signal]
     quiet_at = np.setdiff1d(np.arange(2 * orders.size), signal_at)

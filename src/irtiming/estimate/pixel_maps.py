@@ -48,7 +48,7 @@ def maps(found: Timing, rig: Rig) -> PixelMaps:
         if sector is None:
             continue
         reference = _reference(recording, fit, found.found.joint_fit.parameters)
-        part = pixel_fit.fit(steady_image.by_fit(recording, fit), sector, wheel=wheel, reference=reference)
+        part = pixel_fit.fit(steady_image.with_waves(recording, fit), sector, wheel=wheel, reference=reference)
         if part is not None:
             first = first or _First(recording=recording, sector=sector, part=part)
             parts.append(part)

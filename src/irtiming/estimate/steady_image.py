@@ -7,7 +7,8 @@ of the whole image. Where triggers visit the wheel's angles in slow turns, a swa
 there all orders of the wheel show in the image, so that each edge must be where it is.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
@@ -17,13 +18,44 @@ from irtiming.physics.covariance import root
 from irtiming.physics.light.row_sum import BLADE
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
+from irtiming.records.pixel_waves import PixelWaves
 from irtiming.records.reduced import ContrastImage, FoundInSums, ReducedRecording
 from irtiming.records.row_timing import RowTimingFit
 
 
-def by_fit(recording: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> ReducedRecording:
-    """The recording as of `by_rows` or `by_sums`, whichever is of its fit."""
-    return by_rows(recording, fit) if isinstance(fit, RowTimingFit) else by_sums(recording, fit)
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sway:
+    """``found`` in the sums, offset of each kept frame (n,), and each pixel's level beside that of the covered opening, DN."""
+
+    found: FoundInSums
+    offset_dn: Array
+    own_dn: Array
+
+    def image_of(self, recording: ReducedRecording) -> ContrastImage:
+        """The contrast image rid of offsets and of what the gain does to a pixel's own level."""
+        image = recording.contrast_image
+        by_gain, level = (complex(image.frame_weight @ curve) for curve in (self.found.relative_gain, self.offset_dn))
+        return replace(image, projection_dn=image.projection_dn - self.own_dn * by_gain - level, in_sums=self.found)
+
+    def waves_of(self, recording: ReducedRecording) -> PixelWaves | None:
+        """The same for sums with waves, where there are any."""
+        waves = recording.waves
+        if waves is None:
+            return None
+        first_row, _, first_column, _ = recording.opening.roi
+        own_dn = self.own_dn[waves.row_px - first_row, waves.column_px - first_column]
+        weight = wheel_waves.waves(waves.wheel_angle_rad, waves.orders, segment=waves.segment)
+        sway_dn = np.outer(weight @ self.found.relative_gain, own_dn) + (weight @ self.offset_dn)[:, None]
+        return replace(waves, sums_dn=waves.sums_dn - sway_dn)
+
+
+def with_waves(recording: ReducedRecording, fit: EdgeDelayFit | RowTimingFit) -> ReducedRecording:
+    """The recording whose contrast image and waves know what its fit found; waves are of use for maps alone."""
+    sway = _of_rows(recording, fit) if isinstance(fit, RowTimingFit) else _of_sums(recording, fit)
+    if sway is None:
+        return recording
+    return replace(recording, contrast=sway.image_of(recording), waves=sway.waves_of(recording))
 
 
 def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
@@ -36,6 +68,11 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
     fit
         Between two shutter events the gain of the rows is the fit's own.
     """
+    known = replace(recording, contrast=_of_rows(recording, fit).image_of(recording))
+    return replace(known, contrast=_noisier(known, fit))
+
+
+def _of_rows(recording: ReducedRecording, fit: RowTimingFit) -> _Sway:
     n_frames, sway = recording.trigger_ticks.size, fit.sway
     between = np.searchsorted(np.unique(recording.segment[fit.kept]), recording.segment)
     contrast_dn = fit.contrast_dn[np.minimum(between, fit.contrast_dn.size - 1)]
@@ -53,8 +90,7 @@ def by_rows(recording: ReducedRecording, fit: RowTimingFit) -> ReducedRecording:
         u_offset=columns[1],
     )
     covered_dn = _opening_dn(recording) - mean_dn * float(fit.harmonics[:, 0].real.mean())
-    known = _known(recording, found, offset_dn=offset * mean_dn, covered_dn=covered_dn)
-    return replace(known, contrast=_noisier(known, fit))
+    return _Sway(found=found, offset_dn=offset * mean_dn, own_dn=recording.pixel_maps["mean_dn"] - covered_dn)
 
 
 def _noisier(recording: ReducedRecording, fit: RowTimingFit) -> ContrastImage:
@@ -76,9 +112,14 @@ def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
     fit
         Whose levels are known.
     """
+    sway = _of_sums(recording, fit)
+    return recording if sway is None else replace(recording, contrast=sway.image_of(recording))
+
+
+def _of_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> _Sway | None:
     levels = fit.levels
     if levels is None:
-        return recording
+        return None
     fitted = np.flatnonzero(fit.kept)
     nearest = fitted[np.searchsorted((fitted[1:] + fitted[:-1]) / 2, np.arange(fit.kept.size))]
     n, u = levels.drift.shape[1], root(levels.covariance)
@@ -91,28 +132,8 @@ def by_sums(recording: ReducedRecording, fit: EdgeDelayFit) -> ReducedRecording:
         u_offset=levels.drift[nearest] @ u[:n] * (mask / pixels),  # an offset is alike in all pixels that are summed
     )
     covered_dn = _opening_dn(recording) - levels.step_dn / mask * float(fit.fraction.mean())
-    return _known(
-        recording, found, offset_dn=levels.relative_offset[nearest] * levels.step_dn / pixels, covered_dn=covered_dn
-    )
-
-
-def _known(recording: ReducedRecording, found: FoundInSums, *, offset_dn: Array, covered_dn: float) -> ReducedRecording:
-    """With an image rid of offsets, (n,), and of what the gain does to a pixel's level beside that of the covered opening.
-
-    So are sums with waves, where there are any.
-    """
-    image, own_dn = recording.contrast_image, recording.pixel_maps["mean_dn"] - covered_dn
-    by_gain, level = (complex(image.frame_weight @ curve) for curve in (found.relative_gain, offset_dn))
-    steady = replace(image, projection_dn=image.projection_dn - own_dn * by_gain - level, in_sums=found)
-    waves = recording.waves
-    if waves is not None:
-        first_row, _, first_column, _ = recording.opening.roi
-        own = own_dn[waves.row_px - first_row, waves.column_px - first_column]
-        orders = np.concatenate([waves.signal_orders, waves.quiet_orders])
-        weight = wheel_waves.waves(waves.wheel_angle_rad, orders, segment=waves.segment)
-        sway_dn = np.outer(weight @ found.relative_gain, own) + (weight @ offset_dn)[:, None]
-        waves = replace(waves, sums_dn=waves.sums_dn - sway_dn)
-    return replace(recording, contrast=steady, waves=waves)
+    offset_dn = levels.relative_offset[nearest] * levels.step_dn / pixels
+    return _Sway(found=found, offset_dn=offset_dn, own_dn=recording.pixel_maps["mean_dn"] - covered_dn)
 
 
 def _opening_dn(recording: ReducedRecording) -> float:

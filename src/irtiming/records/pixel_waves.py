@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.short_repr import short_repr
 
@@ -33,3 +35,8 @@ class PixelWaves:
     row_px: Ticks
     column_px: Ticks
     sums_dn: Array
+
+    @property
+    def orders(self) -> Ticks:
+        """Signal orders, then quiet ones, shape (s + q,)."""
+        return np.concatenate([self.signal_orders, self.quiet_orders])

@@ -126,12 +126,12 @@ def test_waves_of_pixels_are_rid_of_offset_and_own_levels(camera, still, row_fit
         row_px=row_px, column_px=column_px, sums_dn=weight @ values,
     )  # fmt: skip
     swayed = replace(_swayed(still, camera, brute_frames, own_dn=own_dn), waves=waves)
-    found = steady_image.by_fit(swayed, row_fit()).waves
+    found = steady_image.with_waves(swayed, row_fit()).waves
     expected = CONTRAST_DN * weight @ (GAIN[:, None] * (openness - openness.mean(axis=0))[:, row_px, column_px])
     before = np.abs(waves.sums_dn - expected).max()
     assert before > 1000
     np.testing.assert_allclose(found.sums_dn, expected, atol=0.05 * before)
-    assert steady_image.by_fit(replace(swayed, waves=None), row_fit()).waves is None
+    assert steady_image.with_waves(replace(swayed, waves=None), row_fit()).waves is None
 
 
 def test_what_is_not_known_of_a_gain_or_an_offset_is_what_another_one_does(camera, still, row_fit):
