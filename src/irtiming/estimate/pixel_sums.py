@@ -27,7 +27,7 @@ import numpy as np
 from irtiming.errors import EstimationError
 from irtiming.estimate import opening_in_image
 from irtiming.estimate.shared_residual import Trace
-from irtiming.inference import correlated_noise, drifting_levels, optimiser, variable_projection
+from irtiming.inference import correlated_noise, drifting_levels, optimiser, orthonormal, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
 from irtiming.physics import robust
@@ -197,12 +197,10 @@ class PixelSums:
     def trace(self, numbers: Mapping[str, float]) -> Trace:
         """Residuals over the noise along the wheel angle, and all that the recording's own fit can take from them."""
         there = self.projected(numbers)
-        scale = np.linalg.norm(there.at.jacobian, axis=0)
-        taken, _ = np.linalg.qr(np.hstack([there.basis, there.at.jacobian / np.where(scale > 0, scale, 1.0)]))
         return Trace(
             angle_rad=np.mod(self.passing(numbers).middle_rad, TURN),
             residual=there.at.residual,
-            taken=np.asarray(taken),
+            taken=orthonormal.of(np.hstack([there.basis, there.at.jacobian])).columns,
         )
 
 

@@ -20,6 +20,7 @@ from typing import Literal, TypeAlias, final
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.inference import orthonormal
 from irtiming.physics.covariance import inverse
 from irtiming.records.arrays import Array
 
@@ -194,5 +195,5 @@ def without_own(columns: Array, own: Array) -> Array:
     -------
     Shape (n, k), orthogonal to ``own``.
     """
-    basis, _ = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-300))
+    basis = orthonormal.of(own).columns
     return np.asarray(columns - basis @ (basis.T @ columns))
