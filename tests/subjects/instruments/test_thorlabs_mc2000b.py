@@ -151,7 +151,7 @@ def test_it_is_prepared_started_and_stopped():
         await chopper.stop()
         return prepared, early, turning
 
-    prepared, early, turning = _with(device, work, speed=20)
+    prepared, early, turning = _with(device, work, speed=8)
     assert (prepared.reference, prepared.output, prepared.is_enabled) == ("external-inner", "inner", False)
     assert prepared.input_hz == 300.0
     assert early.is_enabled
