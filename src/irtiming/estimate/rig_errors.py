@@ -122,9 +122,9 @@ def _of_tail(recordings: Sequence[ReducedRecording], rig: Rig) -> list[Finding]:
         Finding(
             code="window-tail-not-stated",
             severity="info",
-            what="rig.toml states no window_tail: that a share of 0 (u = "
-            f"{100 * usual.share.standard_uncertainty:g} %) comes after the window, over {1e3 * usual.time_constant_s:g} ms, is "
-            "taken for granted, which is in the budget of trigger_delay",
+            what="rig.toml states no window_tail: nothing is taken to come after the window, with u = "
+            f"{100 * usual.share.standard_uncertainty:.2g} % of all that the camera takes in, over "
+            f"{1e3 * usual.time_constant_s:g} ms, in the budget of trigger_delay",
             cure="measure it with a pulse of light, and state [camera] window_tail and window_tail_u; "
             "exposure_midpoint_delay does not depend on it",
         )

@@ -24,7 +24,10 @@ USUAL_CLOCK = Measured(0.0, 50e-6 / sqrt(3))
 """Relative error of an unmeasured crystal: within +-50 ppm, all alike."""
 
 USUAL_TAIL = WindowTail(share=Measured(0.0, 0.04 / sqrt(3)))
-"""Tail of an unmeasured window: a share within +-4 %, all alike, over 0.2 ms."""
+"""Tail of an unmeasured window: a share from 0 to 4 %, all alike, over 0.2 ms.
+
+No correction is made for it, so that its uncertainty is the root mean square about 0, not the spread about the mean of 2 %.
+"""
 
 EXACT_S = 1e-9
 """Standard uncertainty of an integration time that is stated as exact."""
