@@ -58,7 +58,11 @@ def light_of_pixels(sector: SectorFit, orders: Ticks, *, row_px: Ticks, column_p
     waves = np.exp(-1j * np.multiply.outer(every, points.angle_rad))
     border = blurred_sector.images(points, waves, blur=shape.blur, roi=roi)
     lit = [blurred_sector.with_glare(one, shape) for one in np.where(inside, even, border)]
-    ring = sector.ring * _even(every, sector.ring_angle_rad, reach)
+    astray = blurred_sector.astray_reach(shape, roi=roi)
+    ring = sector.ring * (
+        (1 - shape.glare) * _even(every, sector.ring_angle_rad, reach)
+        + shape.glare * _even(every, sector.ring_angle_rad, astray)
+    )
     light = ((1 - sector.plate) * np.array(lit) + ring)[:, *at]
     return LightOfPixels(
         harmonics=light[1:], share=light[0].real, angle_rad=angle[at], reach_rad=reach[at], is_inside=inside[at]

@@ -57,9 +57,13 @@ def beside(sector: SectorFit, summed: Mask, *, shift_rad: float) -> LightBeside 
         return None
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
     place = shift_rad - sector.ring_angle_rad[lit]
-    sigma = np.hypot(sector.shape.blur_px, _PIXEL_PX) / np.maximum(radius[lit], 1.0)
-    ends = _ends(sector.shape.opening_angle_rad, float(np.max(np.abs(place) + _REACH * sigma)))
-    before = np.array([ndtr((end - place) / sigma) for end in ends])
+    shape, away = sector.shape, np.maximum(radius[lit], 1.0)
+    sigma = np.hypot(shape.blur_px, _PIXEL_PX) / away
+    astray = np.hypot(sigma, shape.glare_px / away)
+    ends = _ends(shape.opening_angle_rad, float(np.max(np.abs(place) + _REACH * sigma)))
+    before = np.array([
+        (1 - shape.glare) * ndtr((end - place) / sigma) + shape.glare * ndtr((end - place) / astray) for end in ends
+    ])  # fmt: skip
     seen = sector.swept, sector.ring - sector.plate * sector.swept
     whole = np.sum(sector.contrast[summed[row0:row1, column0:column1]])
     plate, uneven = (np.diff(before @ one[lit]) / whole for one in seen)

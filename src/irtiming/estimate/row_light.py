@@ -96,9 +96,7 @@ def row_light(
         )
     return RowLight(
         row_px=row_px[lit], is_lit=lit, harmonics=harmonics[lit],
-        before=_of_pixels(
-            sector, row_px[lit], lights=[(sector.swept, sector.ring_angle_rad)], n_harmonics=n_harmonics
-        ),
+        before=_of_ring(sector, row_px[lit], light=sector.swept, n_harmonics=n_harmonics),
         powers=_powers(sector, row_px[lit], n_harmonics=n_harmonics),
     )  # fmt: skip
 
@@ -162,21 +160,28 @@ def shape_of(
 def _harmonics(sector: SectorFit, row_px: Ticks, *, n_harmonics: int) -> ComplexArray:
     """Light of the sector where it exceeds the plate's, and what the whole ring and single pixels add."""
     inside = sector_rows.harmonics(sector.shape, row_px, summed=sector.summed, roi=sector.roi, n_harmonics=n_harmonics)
-    lights = [
-        (sector.ring, sector.ring_angle_rad),
-        (sector.borrowed, sector.borrowed_angle_rad),
-        (sector.excess, sector.excess_angle_rad),
-    ]
-    return (1 - sector.plate) * inside + _of_pixels(sector, row_px, lights=lights, n_harmonics=n_harmonics)
+    ring = _of_ring(sector, row_px, light=sector.ring, n_harmonics=n_harmonics)
+    lights = [(sector.borrowed, sector.borrowed_angle_rad), (sector.excess, sector.excess_angle_rad)]
+    return (1 - sector.plate) * inside + ring + _of_pixels(sector, row_px, lights=lights, n_harmonics=n_harmonics)
+
+
+def _of_ring(sector: SectorFit, row_px: Ticks, *, light: Array, n_harmonics: int) -> ComplexArray:
+    """Light over the ring, (roi rows, roi columns), by row, of which the glare's share comes from farther round the axle."""
+    shape, lights = sector.shape, [(light, sector.ring_angle_rad)]
+    stays = _of_pixels(sector, row_px, lights=lights, n_harmonics=n_harmonics)
+    if shape.glare == 0:
+        return stays
+    astray = _of_pixels(sector, row_px, lights=lights, n_harmonics=n_harmonics, astray_px=shape.glare_px)
+    return (1 - shape.glare) * stays + shape.glare * astray
 
 
 def _of_pixels(
-    sector: SectorFit, row_px: Ticks, *, lights: Sequence[tuple[Array, Array]], n_harmonics: int
+    sector: SectorFit, row_px: Ticks, *, lights: Sequence[tuple[Array, Array]], n_harmonics: int, astray_px: float = 0.0
 ) -> ComplexArray:
-    """Such lights, (roi rows, roi columns), by row: in each pixel about its own angle, as wide as pixel and blur."""
+    """Such lights, (roi rows, roi columns), by row: in each pixel about its own angle, as wide as pixel, blur and glare."""
     rows = row_px - sector.roi[0]
     _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
-    blur_px = blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows]
+    blur_px = np.hypot(blurred_sector.blur_across_px(sector.shape, roi=sector.roi)[rows], astray_px)
     smear = blurred_sector.pixel_smear(radius[rows], blur_px=blur_px, order=1)
     waves = (pixel_waves.by_row(one[rows], angle[rows], smear=smear, n_harmonics=n_harmonics) for one, angle in lights)
     return np.asarray(sum(waves))

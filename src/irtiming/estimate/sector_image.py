@@ -153,12 +153,13 @@ APART = ("glare", "glare_px", "ring_inner_px", "ring_outer_px", "plate_reflectio
 class Sharp:
     """What the sector shows with a contrast of 1 and no glare, as if read at once, and what a point in each pixel's place does.
 
-    ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region. ``along_px`` is
-    the blur along the radius.
+    ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region. ``angle_rad`` is
+    the mean angle of even light as the wheel has it when it is read, ``along_px`` the blur along the radius.
     """
 
     sector: ComplexArray
     read: ComplexArray
+    angle_rad: Array
     point: ComplexArray
     radius: Array
     along_px: Array
@@ -168,12 +169,14 @@ class Sharp:
 class _Parts:
     """What the sector (complex) and the whole ring would show with a contrast of 1, turned back by each pixel's own phase.
 
-    ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast; ``swayed`` what
-    numbers that are not known of the camera's levels do, each by its standard uncertainty.
+    ``covered`` is how much of each pixel lies in the ring; ``seen`` is what was measured, turned likewise; ``size`` what a point
+    of light shows, DN over contrast; ``swayed`` what numbers that are not known of the camera's levels do, each by its standard
+    uncertainty.
     """
 
     lit: ComplexArray
-    ring: Array
+    ring: ComplexArray
+    covered: Array
     seen: ComplexArray
     size: Array
     swayed: tuple[ComplexArray, ...]
@@ -200,8 +203,8 @@ def fitted(
         full_dn=float(found[0]),
         plate=float(found[1] / found[0]),
         field=field / found[0],
-        coverage=solved.linear.cover / parts.size,
-        ring=np.maximum(parts.ring * view.good, 0.0),
+        coverage=_unmirrored(parts.covered, parts.lit.real / parts.size, numbers),
+        ring=np.maximum(parts.ring.real * view.good, 0.0),
     )
 
 
@@ -214,14 +217,18 @@ def change(
 
 
 def _linear(parts: _Parts, numbers: Mapping[str, float], view: View, *, u_dn: ComplexArray) -> Linear:
-    beside = parts.ring - parts.lit
     return Linear(
-        levels=np.array([parts.lit, beside, *parts.swayed]),
-        cover=parts.ring - numbers["plate_reflection"] * beside.real,
+        levels=np.array([parts.lit, parts.ring - parts.lit, *parts.swayed]),
+        cover=_unmirrored(np.asarray(parts.ring.real), np.asarray(parts.lit.real), numbers),
         basis=view.field,
         good=view.good,
         u_dn=u_dn,
     )
+
+
+def _unmirrored(ring: Array, lit: Array, numbers: Mapping[str, float]) -> Array:
+    """How much of the wheel's reflection goes where the wheel is cut out: less of it before a plate that mirrors, too."""
+    return ring - numbers["plate_reflection"] * (ring - lit)
 
 
 @final
@@ -282,9 +289,14 @@ def _sharp(
     for look, border in zip(looks, borders, strict=True):
         turn, row_turn = _turns(look, numbers)
         read = np.exp(2j * row_turn * view.rows)
-        point = look.smeared(places.middle_rad - turn - row_turn * view.rows, width_rad=places.smear_rad)
+        angle = places.middle_rad - turn - row_turn * view.rows
+        point = look.smeared(angle, width_rad=places.smear_rad)
         sector = np.where(places.inside, point / read, border)
-        found.append(Sharp(sector=sector, read=read, point=point, radius=places.radius, along_px=places.along_px))
+        found.append(
+            Sharp(
+                sector=sector, read=read, angle_rad=angle, point=point, radius=places.radius, along_px=places.along_px
+            )
+        )  # fmt: skip
     return found
 
 
@@ -294,10 +306,12 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     size = np.abs(made.point)
     back = made.point.conj() / size
     own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
+    ring = _ring(shape, numbers, radius=made.radius, blur_px=made.along_px)
     turned_back = back * np.exp(-1j * own)
     return _Parts(
         lit=sector * back,
-        ring=_ring(shape, numbers, radius=made.radius, blur_px=made.along_px) * size,
+        ring=_shown(look, made, shape, ring=ring, roi=view.roi) * back,
+        covered=ring[0] + ring[1],
         seen=look.projection * turned_back,
         size=size,
         swayed=tuple(one * turned_back for one in look.swayed),
@@ -313,8 +327,23 @@ def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
     return replace(look, turn_rad=look.turn_rad + own / 2)
 
 
-def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, blur_px: Array) -> Array:
-    """Share of the ring that the cutouts sweep in each pixel at these radii, blurred along them, shape (roi rows, columns)."""
+def _shown(
+    look: Look, made: Sharp, shape: SectorShape, *, ring: tuple[Array, Array], roi: tuple[int, int, int, int]
+) -> ComplexArray:
+    """What a ring of even light shows, of which what goes astray comes from farther round the axle."""
+    stays, astray = ring
+    if shape.glare == 0:
+        return stays * made.point
+    return stays * made.point + astray * look.smeared(
+        made.angle_rad, width_rad=blurred_sector.astray_reach(shape, roi=roi)
+    )
+
+
+def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, blur_px: Array) -> tuple[Array, Array]:
+    """Share of the ring that the cutouts sweep in each pixel at these radii, blurred along them, shape (roi rows, columns).
+
+    What stays where it is and what goes astray.
+    """
 
     def smeared(width_px: float) -> Array:
         width = np.hypot(blur_px, np.hypot(width_px, np.sqrt(1 / 12)))
@@ -323,8 +352,7 @@ def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, bl
         )
         return np.asarray(inner * outer)
 
-    ring = smeared(0.0)
-    return ring if shape.glare == 0 else (1 - shape.glare) * ring + shape.glare * smeared(shape.glare_px)
+    return (1 - shape.glare) * smeared(0.0), shape.glare * smeared(shape.glare_px)
 
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
@@ -344,11 +372,12 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
     share = weights / weights.sum()
+    stays, astray = _ring(shape, numbers, radius=places.radius, blur_px=places.along_px)
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
     return SeenContrast(
         light=np.asarray(light),
         sharp=np.asarray(without.real),
-        ring=_ring(shape, numbers, radius=places.radius, blur_px=places.along_px),
+        ring=stays + astray,
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),

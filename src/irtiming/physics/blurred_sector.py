@@ -88,6 +88,12 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
     return np.asarray(np.sqrt(blur_across_px(shape, roi=roi) ** 2 + _PIXEL_PX2) / np.maximum(away, 1.0))
 
 
+def astray_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
+    """The same of even light that goes astray, as far as the glare is wide, rad, shape (roi rows, roi columns)."""
+    _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
+    return np.asarray(np.hypot(angular_reach(shape, roi=roi), shape.glare_px / np.maximum(away, 1.0)))
+
+
 def blur_across_px(shape: SectorShape, *, roi: tuple[int, int, int, int], along: bool = False) -> Array:
     """Standard deviation of the blur across each pixel's radius, or ``along`` it, px, shape (roi rows, roi columns)."""
     down, right, _ = _directions((shape.axle_row_px, shape.axle_column_px), roi)

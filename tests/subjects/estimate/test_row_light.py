@@ -164,3 +164,20 @@ def test_a_tilted_camera_s_rows_see_the_light_that_was_counted(brute_bolometer):
     points = sector_points.light_points(camera.shape, n_harmonics=12)
     found = blurred_sector.row_harmonics(points, rows, blur_px=camera.blur_px, n_harmonics=12)
     np.testing.assert_allclose(found, expected[:, rows].T, atol=3e-4 * np.abs(expected[0]).max())
+
+
+def test_of_the_plates_light_glare_brings_some_from_farther_round(sector, bare):
+    """Oracle: by hand; of light L, r from the axle, a share g is smeared by the glare's width beside blur and pixel."""
+    light, angle, g, glare_px = np.zeros((36, 64)), np.zeros((36, 64)), 0.2, 4.0
+    light[10, 20], angle[10, 20] = 0.7, 0.3
+    ring = {"ring": light, "ring_angle_rad": angle, "swept": light}
+    glaring = replace(sector, shape=replace(sector.shape, glare=g, glare_px=glare_px))
+    alone = row_light(ROWS, glaring, n_harmonics=HARMONICS)
+    seen = row_light(ROWS, replace(glaring, **ring), n_harmonics=HARMONICS)
+    order, at = np.arange(HARMONICS + 1), int(np.flatnonzero(seen.row_px == 12)[0])
+    _, radius = blurred_sector.pixel_places(sector.shape, roi=sector.roi)
+    variances = (sector.shape.blur_px**2 + 1 / 12) + np.array([0.0, glare_px**2])[:, None]
+    stays, astray = 0.7 * np.exp(-0.3j * order) * np.exp(-variances * order**2 / (2 * radius[10, 20] ** 2))
+    np.testing.assert_allclose((seen.harmonics - alone.harmonics)[at], (1 - g) * stays + g * astray, atol=1e-10)
+    np.testing.assert_allclose(seen.before[at], (1 - g) * stays + g * astray, atol=1e-10)
+    assert abs(astray[6]) < 0.8 * abs(stays[6])

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
 from irtiming.estimate import contrast_look, sector_image
@@ -201,7 +202,9 @@ def test_a_pixel_exchanges_light_with_two_others(axis, away):
     sector = np.zeros((9, 9), complex)
     sector[4, 4] = 1 - 2j
     rest = np.zeros((9, 9))
-    sharp = sector_image.Sharp(sector=sector, read=rest[:, :1], point=rest, radius=rest, along_px=rest)
+    sharp = sector_image.Sharp(
+        sector=sector, read=rest[:, :1], angle_rad=rest, point=rest, radius=rest, along_px=rest
+    )  # fmt: skip
     expected = 0.88 * sector
     for side in (-away, away):
         expected += 0.06 * np.roll(sector, side, axis=axis)
@@ -212,11 +215,48 @@ def test_a_pixel_sees_the_ring_with_its_own_width():
     """Oracle: points within a pixel, each behind a blur of 0.7 px; a Gaussian as wide as a pixel stands for it."""
     radius = np.linspace(5, 35, 61)[None, :]
     numbers = {"ring_inner_px": 10.0, "ring_outer_px": 30.0}
-    shape = SimpleNamespace(glare=0.0)
-    found = sector_image._ring(shape, numbers, radius=radius, blur_px=np.full(radius.shape, 0.7))
+    shape = SimpleNamespace(glare=0.0, glare_px=6.0)
+    found, astray = sector_image._ring(shape, numbers, radius=radius, blur_px=np.full(radius.shape, 0.7))
     within = radius[..., None] + (np.arange(200) + 0.5) / 200 - 0.5
     exact = (ndtr((within - 10) / 0.7) * ndtr((30 - within) / 0.7)).mean(axis=-1)
     np.testing.assert_allclose(found, exact, atol=2e-3)
+    assert not astray.any()
+
+
+def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera, brute_rows, lag):
+    """Oracle: what points of light show on a fine grid, spread by a Gaussian of SciPy's; near the axle that is less."""
+    rows = brute_rows(camera)
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
+    view, numbers = _view(rows), _numbers(camera) | {"row_delay_s": 0.0, "glare": 0.08, "glare_px": 3.0}
+    shape = view.shape(numbers)
+    (sharp,) = sector_image.sharp([look], numbers, view=view)
+    ring = sector_image._ring(shape, numbers, radius=sharp.radius, blur_px=sharp.along_px)
+    shown = sector_image._shown(look, sharp, shape, ring=ring, roi=view.roi)
+    fine, beyond = 3, 12.0
+    row, column = (
+        np.arange(ends[0] - beyond, ends[-1] + beyond + 1, 1 / fine) for ends in (view.rows[:, 0], view.columns[0])
+    )
+    down, right = row[:, None] - shape.axle_row_px, column - shape.axle_column_px
+    radius, angle = np.hypot(down, right), np.arctan2(down, right) - shape.bisector_rad
+    there = (radius > numbers["ring_inner_px"]) & (radius < numbers["ring_outer_px"])
+    light = there * look.values(angle - numbers["turn_rad"] - look.turn_rad)
+    astray = gaussian_filter(light, fine * 3.0, mode="constant")
+    stays = gaussian_filter(light, fine * np.hypot(shape.blur_px, 12**-0.5), mode="constant")
+    at = np.ix_(*(_nodes_at(ends, beyond, fine) for ends in (view.rows[:, 0], view.columns[0])))
+    ringed = (sharp.radius > numbers["ring_inner_px"] + 2) & (sharp.radius < numbers["ring_outer_px"] - 2)
+    exact = 0.92 * stays[at] + 0.08 * astray[at]
+    as_if_straight = (ring[0] + ring[1]) * sharp.point
+    off, was = (
+        np.sqrt(np.mean(np.abs(one - exact)[ringed] ** 2)) / np.abs(look.table).mean()
+        for one in (shown, as_if_straight)
+    )
+    assert off < 0.0015
+    assert was > 0.004
+
+
+def _nodes_at(ends, beyond, fine):
+    """Nodes of the fine grid that are the middles of pixels."""
+    return np.round((ends - ends[0] + beyond) * fine).astype(int)
 
 
 def test_model_and_residual_are_the_measured_contrast(camera, brute_rows, lag):
