@@ -70,6 +70,8 @@ def of_window(estimate: Estimate) -> tuple[Finding, ...]:
 def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
     """Where a row seems to be read before the trigger: a doubt beyond what the uncertainty allows, since no camera can.
 
+    Of all rows that one counts which is the most standard uncertainties early: the earliest may be known worse than others.
+
     Parameters
     ----------
     estimate
@@ -79,16 +81,18 @@ def of_reading(estimate: Estimate, *, n_rows: int) -> tuple[Finding, ...]:
     """
     if "trigger_delay" not in estimate:
         return ()
-    places = (0, n_rows - 1) if "row_delay" in estimate else (0,)
+    places = range(n_rows) if "row_delay" in estimate else range(1)
     rows = mixed(estimate, {f"row {k}": {"trigger_delay": 1.0, "row_delay": float(k)} for k in places})
-    earliest, u = min(zip(rows.values.tolist(), rows.standard_uncertainties.tolist(), strict=True))
-    if earliest >= 0:
+    off = rows.values / rows.standard_uncertainties
+    earliest = int(np.argmin(off))
+    if off[earliest] >= 0:
         return ()
     return (
         Finding(
             code="rows-read-before-trigger",
-            severity="doubt" if earliest < -_CONTRADICTS * u else "warning",
-            what=f"rows would be read before the trigger, the first at {1e3 * earliest:.3f} ms",
+            severity="doubt" if off[earliest] < -_CONTRADICTS else "warning",
+            what=f"rows would be read before the trigger, row {earliest} at {1e3 * rows.values[earliest]:.3f} ms (u = "
+            f"{1e3 * rows.standard_uncertainties[earliest]:.3f} ms)",
             cure="check frame_number, [beams] whole_slots_between, [mask] centre_angle_deg, trigger_delay_time_set, the "
             "trigger's edge, and that application_slot holds edges 0 and 2",
         ),

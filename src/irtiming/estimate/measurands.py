@@ -40,7 +40,8 @@ class Reported:
     """Parameters with their covariance, what each source adds to each, bounds of those not determined, and doubts.
 
     ``profiled`` are those that are one sum of shared numbers; ``not_held`` is in words what no uncertainty holds;
-    ``midpoint_leads`` whether the middle of the window is to be reported before its start.
+    ``midpoint_leads`` whether the middle of the window is to be reported before its start, ``is_length_checked`` whether the
+    frames alone tell its length about as well as what is stated.
     """
 
     estimate: Estimate
@@ -50,6 +51,7 @@ class Reported:
     findings: tuple[Finding, ...] = ()
     not_held: tuple[str, ...] = ()
     midpoint_leads: bool = False
+    is_length_checked: bool = False
 
 
 @final
@@ -117,6 +119,7 @@ def of_window(joint: Joint, window: Window, *, degrees_of_freedom: float) -> Rep
         findings=trusted.findings,
         not_held=trusted.not_held,
         midpoint_leads=trusted.midpoint_leads,
+        is_length_checked=trusted.is_checked,
     )
 
 
@@ -297,11 +300,12 @@ def _with_known_memory(joint: Joint) -> Joint:
 @final
 @dataclass(frozen=True, kw_only=True)
 class _Trust:
-    """How far the stated length can be trusted: what to say of it, and whether the middle of the window comes first."""
+    """How far the stated length can be trusted: what to say of it, whether the middle comes first, and what frames say of it."""
 
     findings: tuple[Finding, ...] = ()
     not_held: tuple[str, ...] = ()
     midpoint_leads: bool = False
+    is_checked: bool = False
 
 
 def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -> _Trust:
@@ -312,9 +316,12 @@ def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -
     if by_frames is not None:
         length_s, u_s = abs(by_frames.value(WINDOW)), float(np.hypot(by_frames.u(WINDOW), u_stated_s or 0.0))
         if abs(length_s - stated_s) > _CONTRADICTS * u_s:
-            return _Trust(findings=(_contradicted(length_s, u_s, stated_s=stated_s),), midpoint_leads=True)
+            return _Trust(
+                findings=(_contradicted(length_s, u_s, stated_s=stated_s),), midpoint_leads=True, is_checked=True
+            )
+    is_fine = by_frames is not None and by_frames.u(WINDOW) <= 2 * max(u_middle_s, u_stated_s or 0.0)
     if u_stated_s is not None:
-        return _Trust()
+        return _Trust(is_checked=is_fine)
     if by_frames is None:
         what, within = (
             "the recordings' count_time is taken on trust, and half of its error is in trigger_delay; so is that nothing "
@@ -324,7 +331,6 @@ def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -
     else:
         what = "rig.toml states no u of the recordings' count_time: the wheel speeds confirm it"
         within = f" within u = {1e6 * by_frames.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
-    is_fine = by_frames is not None and by_frames.u(WINDOW) <= 2 * u_middle_s
     return _Trust(
         findings=(
             Finding(
@@ -336,6 +342,7 @@ def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -
         ),
         not_held=() if is_fine else ("integration time (count_time)",),
         midpoint_leads=by_frames is None,
+        is_checked=is_fine,
     )
 
 

@@ -15,7 +15,7 @@ _OF_EVENT = {
 }
 
 
-def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ...]:
+def of(recordings: Sequence[ReducedRecording], *, rig: Rig, is_length_checked: bool = False) -> tuple[Finding, ...]:
     """One finding that lists it, so that a person can look at each once more.
 
     At one wheel speed an angle that is wrong is a delay; several speeds tell the two apart, so that angles are then checked.
@@ -26,6 +26,8 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ..
         Their wheel speeds count.
     rig
         As measured by its owner.
+    is_length_checked
+        Whether the frames alone tell how long the camera integrates, about as well as what is stated.
     """
     several = speeds_differ([one.track.angular_frequency_rad_per_s for one in recordings])
     late = rig.latency or Latency()
@@ -36,7 +38,7 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig) -> tuple[Finding, ..
         "[beams] whole_slots_between (a height_mm by a ruler would check it)": not several
         and rig.light_gates.height_m is None,
         "[beams] half_separation_mm, height_difference_mm and lateral_offset_mm": not several,
-        "count_time": has_window and not several,
+        "count_time": has_window and not is_length_checked,
         "[latency]": bool(stated),
         "clock_frequency, where rotation_speed is wrong by as much": True,
         "trigger_delay_time_set": recordings[0].events is None,

@@ -64,13 +64,15 @@ _NOTHING_MORE = RigErrors()
 class Combination:
     """What fits of single recordings say together.
 
-    The joint fit, what a report shows of it, the result, and those of its parameters that are one sum of shared numbers.
+    The joint fit, what a report shows of it, the result, those of its parameters that are one sum of shared numbers, and whether
+    frames check the integration time that is stated.
     """
 
     joint: Joint
     joint_fit: JointFit
     result: Result
     profiled: tuple[Measurand, ...]
+    is_length_checked: bool
 
 
 @final
@@ -143,7 +145,7 @@ def _of_recordings(found: Combination, recordings: Sequence[ReducedRecording], r
         *scatter.of_triggers(fits, recordings),
         *frame_jitter.findings(scattering),
         *image_doubts.of_lens(rig.camera, recordings[0]),
-        *on_trust.of(recordings, rig=rig),
+        *on_trust.of(recordings, rig=rig, is_length_checked=found.is_length_checked),
     )
     delays = [replace(delay, file=one.file) for delay, one in zip(result.relative_delays, recordings, strict=True)]
     whole = replace(result, relative_delays=tuple(delays), findings=findings, delay_scatter=scattering)
@@ -192,7 +194,7 @@ def of_pixel_fits(
         *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
     return Combination(
-        joint=found, joint_fit=record, profiled=reported.profiled,
+        joint=found, joint_fit=record, profiled=reported.profiled, is_length_checked=reported.is_length_checked,
         result=_result(found, fits, reported=reported, rig=rig, findings=findings),
     )  # fmt: skip
 
@@ -315,8 +317,9 @@ def of_row_fits(
     )  # fmt: skip
     result = _result(found, fits, reported=reported, rig=rig, findings=findings)
     return Combination(
-        joint=found, joint_fit=record, result=replace(result, effective=effective), profiled=reported.profiled
-    )
+        joint=found, joint_fit=record, result=replace(result, effective=effective), profiled=reported.profiled,
+        is_length_checked=reported.is_length_checked,
+    )  # fmt: skip
 
 
 def _run_to_run(fits: Sequence[RowTimingFit]) -> Array:

@@ -135,6 +135,13 @@ def test_a_stated_length_that_frames_contradict_is_said():
         assert [one.code for one in found.findings] == codes
 
 
+@pytest.mark.parametrize(("u_s", "is_checked"), [(39e-6, True), (41e-6, False)])
+def test_frames_check_a_length_that_they_tell_half_as_well_as_it_is_stated(u_s, is_checked):
+    """Oracle: the rule by hand; the stated u is 20 us."""
+    found = _of_window(_window(stated=(250e-6, 20e-6), u_s=u_s), stated_s=250e-6, u_stated_s=20e-6)
+    assert (found.findings, found.is_length_checked) == ((), is_checked)
+
+
 def test_a_stated_length_that_no_frame_tells_is_half_in_the_start():
     """Oracle: by hand; u = 15 us of the count_time is 7.5 us of the start, nothing of the middle."""
     bare = _joint((), np.array([600e-6] * 4), np.diag([16e-12] * 4))

@@ -61,6 +61,13 @@ def test_what_one_speed_leaves_unchecked_is_listed_and_several_check_angles():
     assert "trigger_delay_time_set" in two.what
 
 
+def test_an_integration_time_that_frames_hardly_tell_stays_on_trust():
+    """Oracle: the rule; several speeds check angles, the window's length only where its corners show."""
+    two = [_recording(window_s=250e-6), _recording(window_s=250e-6, wheel_hz=5.0)]
+    assert "count_time" in on_trust.of(two, rig=RIG)[0].what
+    assert "count_time" not in on_trust.of(two, rig=RIG, is_length_checked=True)[0].what
+
+
 def test_a_ruler_checks_the_slots():
     """Oracle: one slot more moves the beam by some millimetres, which a ruler tells."""
     ruled = replace(RIG, light_gates=replace(RIG.light_gates, height_m=47e-3))

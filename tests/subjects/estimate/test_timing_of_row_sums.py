@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from geometry_by_hand import geometry_by_hand
 
-from irtiming.estimate import timing
+from irtiming.estimate import doubts, timing
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADES, timing_names
@@ -327,7 +327,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"six": SIX - 9e-3 * IS_EDGE}, "rows would be read before the trigger, the first at -6.700 ms"),
+        ({"six": SIX - 9e-3 * IS_EDGE}, "rows would be read before the trigger, row 0 at -6.700 ms"),
         ({"variance_inflation": 9.0}, "residuals of 1 of 1 recording are correlated.*widened by up to 3.0"),
         (
             {"row_delay": 61e-6},
@@ -361,6 +361,24 @@ def test_a_row_that_is_read_before_the_trigger_is_a_doubt(fits, geometry, sector
     six = np.array([delay_s] * 4 + [6e-3, t_row_s])
     found = _estimate(fits([six]), geometry(), replace(sector, row_delay_s=t_row_s), n_rows=36).findings
     assert [(one.code, one.severity) for one in found[1:]] == [("rows-read-before-trigger", "doubt")]
+
+
+@pytest.mark.parametrize(("of_rows", "worst"), [([-0.7, -0.0001], 0), ([0.0, -0.022], 79), ([0.5, -0.001], None)])
+def test_that_row_counts_which_is_surest_to_come_too_early(of_rows, worst):
+    """Oracle: by hand; row 0 at -0.7 ms, 7 u early, is a doubt, though row 79, at -0.708 ms, has a u of 0.41 ms: 1.7 u."""
+    estimate = Estimate(
+        names=("trigger_delay", "row_delay"), units=("s", "s"), values=1e-3 * np.array(of_rows),
+        covariance=np.diag([1e-4, 5e-6]) ** 2,
+    )  # fmt: skip
+    found = doubts.of_reading(estimate, n_rows=80)
+    if worst is None:
+        assert found == ()
+    else:
+        early_ms, u_ms = of_rows[0] + worst * of_rows[1], np.hypot(0.1, worst * 0.005)
+        assert found[0].what.startswith(
+            f"rows would be read before the trigger, row {worst} at {early_ms:.3f} ms (u = {u_ms:.3f} ms)"
+        )
+        assert found[0].severity == "doubt"
 
 
 def test_each_blackbody_has_a_time_constant_of_its_own(fits, geometry, sector):
