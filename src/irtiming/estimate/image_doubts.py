@@ -16,6 +16,8 @@ import numpy as np
 from scipy import special
 
 from irtiming.estimate.sector_limits import FARTHEST_CENTRE
+from irtiming.inference import lens_knowledge
+from irtiming.inference.lens_knowledge import LENS_NUMBERS
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
@@ -28,6 +30,12 @@ _SIGNIFICANCE = 1e-5  # a side is off as much as this by chance once in the life
 _ROWS_APART = 6.0  # standard uncertainties of a row delay where there is none: by chance never
 _ROW_DELAYS_APART = 4.0  # standard uncertainties between rows and pixels: by chance once in the life of a laboratory
 _OPENING_APART = 4.0  # standard uncertainties: by chance once in the life of a laboratory
+_LENS_APART = 4.0  # standard uncertainties of what is known beforehand: by chance once in the life of a laboratory
+_LENS_WORDS = (
+    "its distortion", "its focal length", "its centre, from row to row,", "its centre, from column to column,",
+    "the camera's tilt along rows", "the camera's tilt along columns",
+)  # fmt: skip
+"""Of LENS_NUMBERS and both tilts."""
 _PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
@@ -173,6 +181,35 @@ def of_opening(sector: SectorFit, stated: Measured) -> tuple[Finding, ...]:
             "covers a part of it, or opening_angle_deg is wrong; its middle is then not where centre_angle_deg has it, and the "
             "delay is wrong by as much",
             cure="look for a cable, a finger or an edge before the mask, and check [mask] opening_angle_deg",
+        ),
+    )
+
+
+def of_lens_found(sector: SectorFit, camera: CameraOptics) -> tuple[Finding, ...]:
+    """Where only a lens or a tilt that hardly is there explains the image: something else turns the phases of its pixels.
+
+    Parameters
+    ----------
+    sector
+        The opening in the image, with lens and tilt as they were found.
+    camera
+        Of rig.toml; what is not stated there is what cameras on such rigs have.
+    """
+    shape = sector.shape
+    known = lens_knowledge.knowledge(camera, image=(shape.image_rows, shape.image_columns))
+    off = known.off({name: sector.value(name) for name in (*LENS_NUMBERS, "keystone_row", "keystone_column")})
+    worst = int(np.argmax(np.abs(off)))
+    if abs(off[worst]) <= _LENS_APART:
+        return ()
+    return (
+        Finding(
+            code="lens-unlikely",
+            severity="doubt",
+            what=f"the contrast image is a blurred sector only behind an unlikely lens: {_LENS_WORDS[worst]} would be "
+            f"{abs(off[worst]):.0f} u off what was known beforehand; something else that turns the phases of the pixels may be "
+            "taken for it, and the delay is then wrong",
+            cure="check readout_mode (rows that are read one after the other look so where it says snapshot), [wheel] rotation, "
+            "that the image is not mirrored, and what [camera] states of the lens",
         ),
     )
 

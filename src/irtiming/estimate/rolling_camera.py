@@ -99,6 +99,7 @@ def _rows(recordings: Sequence[ReducedRecording], rig: Rig) -> FittedRows:
             findings=(
                 *one.findings,
                 *image_doubts.of_opening(view.sector, rig.mask_opening.opening_angle_rad),
+                *image_doubts.of_lens_found(view.sector, rig.camera),
                 *_at_once(view, recordings, fits=fits, model=bare, rig=rig),
             ),
         )

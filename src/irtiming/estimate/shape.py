@@ -69,6 +69,7 @@ def seen(
             doubts = (
                 *image_doubts.of_image(sector),
                 *image_doubts.of_opening(sector, rig.mask_opening.opening_angle_rad),
+                *image_doubts.of_lens_found(sector, rig.camera),
                 *image_doubts.of_rows(by_rows),
             )
         except EstimationError as error:
@@ -93,7 +94,8 @@ def _no_sector(error: EstimationError) -> Finding:
         code="no-sector",
         severity="doubt",
         what=f"{error}; the image therefore checks neither the mask's angle nor the rotation",
-        cure="check [wheel] rotation, that the image is not mirrored, focus, and that frames belong to their triggers",
+        cure="check readout_mode, [wheel] rotation, that the image is not mirrored, focus, and that frames belong to their "
+        "triggers",
     )
 
 

@@ -124,3 +124,22 @@ def test_an_opening_that_is_not_as_wide_as_its_mask_is_a_doubt(sector, beside_de
     stated = Measured(sector.shape.opening_angle_rad - np.radians(beside_deg), np.radians(u_stated_deg))
     found = image_doubts.of_opening(replace(sector, covariance=covariance), stated)
     assert [(one.code, one.severity) for one in found] == [("opening-not-as-wide", "doubt")] * is_doubt
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "says"),
+    [
+        ("distortion", -0.19, None),
+        ("distortion", -0.21, "its distortion would be 4 u off"),
+        ("lens_column_px", -0.11 * 64, "its centre, from column to column, would be 6 u off"),
+        ("keystone_row", np.radians(6.0) / 5.0, "the camera's tilt along rows would be 5 u off"),
+    ],
+)
+def test_a_lens_that_hardly_is_there_is_a_doubt(sector, name, value, says):
+    """Oracle: by hand; 0.05 of distortion, 2 % of 64 columns, and 1.2 deg of a focal length of 5 half diagonals are one u."""
+    usual = {"distortion": 0.0, "log_focal_length": np.log(5.0), "lens_row_px": 0.0, "lens_column_px": 0.0,
+             "keystone_row": 0.0, "keystone_column": 0.0}  # fmt: skip
+    shape = replace(sector.shape, image_columns=64, **(usual | {name: value}))
+    found = image_doubts.of_lens_found(replace(sector, shape=shape), CameraOptics())
+    assert [one.severity for one in found] == ([] if says is None else ["doubt"])
+    assert says is None or says in found[0].what
