@@ -33,6 +33,9 @@ _FIRST_BLUR_PX = 0.7
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
 _CUTOUT_MARGIN_PX = 1.5
+_LIT = (
+    0.97  # quantile of what pixels show: an opening is a thirtieth of its region at least, and a plate nearly all else
+)
 _PLAIN = LensTerms()
 
 
@@ -399,10 +402,13 @@ def _stood_in(value: Array, view: View) -> Array:
 
 
 def first_guess(look: Look, view: View) -> dict[str, float]:
-    """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast."""
+    """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast.
+
+    Of several such regions the largest is the opening: a wheel that mirrors the camera may swing as much beside it.
+    """
     told = view.good | ~view.good.any(axis=1, keepdims=True)  # dead rows show what those beside them do
     size = ndimage.median_filter(np.where(told, np.abs(look.projection), 0.0), 3)
-    mask = (size > 0.5 * np.quantile(size, 0.9)) & view.summed & told
+    mask = _largest((size > 0.5 * np.quantile(size, _LIT)) & view.summed & told)
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
     sense = -1.0 if view.mirrored else 1.0
     centre = _phase_centre(row, sense * column, -np.angle(look.projection[mask]))
@@ -427,6 +433,12 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
         "ring_outer_px": outer + _CUTOUT_MARGIN_PX,
         "plate_reflection": 0.5,
     }
+
+
+def _largest(mask: Mask) -> Mask:
+    """The largest of its connected regions."""
+    numbers, n = ndimage.label(mask, np.ones((3, 3)))
+    return np.asarray(numbers == 1 + np.argmax(np.bincount(numbers.ravel(), minlength=n + 1)[1:])) if n else mask
 
 
 def _phase_centre(row: Array, column: Array, phase: Array) -> Array:

@@ -11,6 +11,7 @@ from scipy.special import ndtr
 from irtiming.estimate import contrast_look, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import NUMBERS, View
+from irtiming.physics import blurred_sector
 from irtiming.physics.blur_shape import exchanged
 from irtiming.physics.wheel_angle import wheel_angle_rad
 
@@ -192,6 +193,34 @@ def test_first_guess_is_near(camera, brute_rows, mirror):
     assert guess["axle_column_px"] == pytest.approx(column, abs=1.0)
     assert guess["inner_radius_px"] == pytest.approx(camera.radii[0], abs=1.0)
     assert guess["outer_radius_px"] == pytest.approx(camera.radii[1], abs=1.0)
+    assert guess["bisector_rad"] == pytest.approx(camera.bisector_rad, abs=0.055)
+    assert guess["opening_angle_rad"] == pytest.approx(camera.opening_rad, abs=0.055)
+
+
+@pytest.mark.parametrize("beside", ["reflection", "plate"])
+def test_first_guess_is_of_the_opening_whatever_swings_beside_it(camera, brute_rows, lag, beside):
+    """Oracle: the camera's sector, to a pixel and three degrees; the wheel mirrors the camera, or a plate fills the view."""
+    (look,) = contrast_look.looks([brute_rows(camera)], camera.model, timing=lag)
+    view, numbers = _view(brute_rows(camera)), _numbers(camera)
+    angle, radius = blurred_sector.pixel_places(view.shape(numbers), roi=view.roi)
+    swings = look.values(angle - numbers["turn_rad"] - look.turn_rad)
+    highest, room = np.abs(swings).max(), 40
+    plate = np.where((radius > numbers["ring_inner_px"]) & (np.abs(angle) > 0.7), -0.25 * swings, 0.0)
+    shown = np.pad(
+        look.projection + (plate if beside == "plate" else 0.0), ((room, room), (0, 0)),
+        constant_values=0.25 * highest if beside == "plate" else 0.0,
+    )  # fmt: skip
+    if beside == "reflection":
+        shown[5:20, 5:25] = 0.9j * highest
+    row0, row1, column0, column1 = view.roi
+    wide = replace(
+        view, roi=(row0 - room, row1 + room, column0, column1), good=np.ones(shown.shape, bool),
+        summed=np.pad(view.summed, ((room, room), (0, 0)), constant_values=True),
+    )  # fmt: skip
+    guess = sector_image.first_guess(replace(look, projection=shown), wide)
+    assert guess["axle_row_px"] == pytest.approx(camera.axle[0], abs=1.0)
+    assert guess["axle_column_px"] == pytest.approx(camera.axle[1], abs=1.0)
+    assert guess["inner_radius_px"] == pytest.approx(camera.radii[0], abs=1.0)
     assert guess["bisector_rad"] == pytest.approx(camera.bisector_rad, abs=0.055)
     assert guess["opening_angle_rad"] == pytest.approx(camera.opening_rad, abs=0.055)
 
