@@ -411,7 +411,7 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
     mask = _largest((size > 0.5 * np.quantile(size, _LIT)) & view.summed & told)
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
     sense = -1.0 if view.mirrored else 1.0
-    centre = _phase_centre(row, sense * column, -np.angle(look.projection[mask]))
+    centre = _phase_centre(row, sense * column, np.asarray(-np.angle(look.projection[mask]), dtype=float))
     down, across = row - centre[0], sense * column - centre[1]
     middle = float(np.arctan2(down.mean(), across.mean()))
     radius = np.hypot(down, across)

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError, ReductionError
-from irtiming.records.arrays import Mask
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening, ReducedRecording
@@ -58,21 +57,28 @@ def reduce(
         clipping.refuse(recording, reduced.opening.mask)
     reduced = replace(reduced, findings=(*reduced.findings, *motion_filter.findings(recording)))
     if before is not None:
-        _refuse_moved(recording, reduced.opening.mask, before.mask)
+        _refuse_another(recording, reduced.opening, before)
     return period.refined(reduced)
 
 
-def _refuse_moved(recording: Recording, mask: Mask, before: Mask) -> None:
-    """Refuse an opening that lies elsewhere than before.
+def _refuse_another(recording: Recording, opening: Opening, before: Opening) -> None:
+    """Refuse an opening that lies elsewhere than before, or is of another size.
 
-    Masks of an opening in its place differ by some pixels of their border, which move their middle by a part of a pixel.
+    Masks of an opening in its place differ by some pixels of their border, which move their middle by a part of a pixel; then
+    that of the first recording is taken for all.
     """
-    (row, column), (row_before, column_before) = (np.argwhere(one).mean(axis=0) for one in (mask, before))
+    (row, column), (row_before, column_before) = (np.argwhere(one.mask).mean(axis=0) for one in (opening, before))
     if np.hypot(row - row_before, column - column_before) > _MOVED_PX:
         raise ReductionError(
             f"{recording.name}: the middle of the opening lies in row {row:.1f}, column {column:.1f}, in the recordings before "
             f"in row {row_before:.1f}, column {column_before:.1f}; all must be of one camera in one place: it or the mask was "
             "moved, or it is another camera; analyse them apart"
+        )
+    if opening.roi != before.roi:
+        raise ReductionError(
+            f"{recording.name}: the opening has {opening.mask.sum()} pixels, {before.mask.sum()} in the recordings before; all "
+            "must show the same one: check that type and readout_mode are those of the camera, and that neither focus nor "
+            "temperatures differ; else analyse them apart"
         )
 
 
