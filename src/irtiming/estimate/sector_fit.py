@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from irtiming.estimate import sector_best, sector_image, sector_images, sector_limits, sector_weighed
+from irtiming.estimate import sector_best, sector_guess, sector_images, sector_limits, sector_weighed
 from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
 from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import SeenContrast, View
@@ -147,7 +147,7 @@ def _from(
 
 
 def _first_guess(images: Images) -> dict[str, float]:
-    return sector_image.first_guess(images.seen[0], images.view) | images.lens.start
+    return sector_guess.first_guess(images.seen[0], images.view) | images.lens.start
 
 
 def _as_it_is(images: Images, best: Best, *, start: SectorFit | None) -> SectorFit:

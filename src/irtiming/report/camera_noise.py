@@ -4,6 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from irtiming.physics.camera import camera
+from irtiming.physics.covariance import inverse
 from irtiming.records.analysis import Analysis
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.report.meanings import delay_name
@@ -13,24 +15,32 @@ OF_CAMERA = ("integration_time", "time_constant", "row_delay")
 
 
 def noise(analysis: Analysis) -> Estimate:
-    """Of the mean over all recordings and the four wheel edges, recordings being independent of each other.
+    """Of all recordings and wheel edges together, were there no other error: the least that any weighing of them could have.
+
+    Recordings are independent of each other; their four edges are of one delay, and what a frame keeps of the one before is one
+    number, too.
 
     Returns
     -------
-    The delay and the camera's other parameters that all fits have; values are the means of the fits.
+    The delay and the camera's other parameters that all fits have.
     """
     fits = [fit.estimate for fit in analysis.fits]
     beside = [name for name in OF_CAMERA if all(name in fit for fit in fits)]
-    numbers = [fit.pick(*EDGE_DELAYS, *beside) for fit in fits]
-    to_mean = np.zeros((1 + len(beside), 4 + len(beside)))
-    to_mean[0, :4], to_mean[1:, 4:] = 0.25, np.eye(len(beside))
-    covariance = np.sum([one.covariance for one in numbers], axis=0) / len(numbers) ** 2
-    return Estimate(
-        names=(delay_name(analysis.best), *beside),
-        units=("s",) * (1 + len(beside)),
-        values=to_mean @ np.mean([one.values for one in numbers], axis=0),
-        covariance=to_mean @ covariance @ to_mean.T,
+    memory = camera(analysis.camera_type, analysis.readout_mode).memory.PARAMETER
+    shared = [*beside, *([memory] if all(memory in fit for fit in fits) else [])]
+    design = np.zeros((4 + len(shared), 1 + len(shared)))
+    design[:4, 0], design[4:, 1:] = 1.0, np.eye(len(shared))
+    numbers = [fit.pick(*EDGE_DELAYS, *shared) for fit in fits]
+    weighed = [design.T @ inverse(one.covariance) for one in numbers]
+    covariance = inverse(np.sum([weight @ design for weight in weighed], axis=0))
+    values = covariance @ np.sum([weight @ one.values for weight, one in zip(weighed, numbers, strict=True)], axis=0)
+    whole = Estimate(
+        names=(delay_name(analysis.best), *shared),
+        units=("s", *numbers[0].units[4:]),
+        values=values,
+        covariance=covariance,
     )
+    return whole.pick(*whole.names[: 1 + len(beside)])
 
 
 def u_of_sum(found: Estimate, weights: Mapping[str, float]) -> float:

@@ -8,7 +8,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from irtiming.estimate import contrast_look, sector_image
+from irtiming.estimate import contrast_look, sector_guess, sector_image
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import NUMBERS, View
 from irtiming.physics import blurred_sector
@@ -187,7 +187,7 @@ def test_first_guess_is_near(camera, brute_rows, mirror):
     """Oracle: the camera's sector, to a pixel and three degrees; before any lag is known, from a mirrored image too."""
     rows = brute_rows(camera, noise_dn=5.0, mirror=mirror)
     (look,) = contrast_look.looks([rows], camera.model, timing=camera.timing | {"time_constant": 1e-4})
-    guess = sector_image.first_guess(look, _view(rows, mirrored=mirror))
+    guess = sector_guess.first_guess(look, _view(rows, mirrored=mirror))
     column = 63 - camera.axle[1] if mirror else camera.axle[1]
     assert guess["axle_row_px"] == pytest.approx(camera.axle[0], abs=1.0)
     assert guess["axle_column_px"] == pytest.approx(column, abs=1.0)
@@ -217,7 +217,7 @@ def test_first_guess_is_of_the_opening_whatever_swings_beside_it(camera, brute_r
         view, roi=(row0 - room, row1 + room, column0, column1), good=np.ones(shown.shape, bool),
         summed=np.pad(view.summed, ((room, room), (0, 0)), constant_values=True),
     )  # fmt: skip
-    guess = sector_image.first_guess(replace(look, projection=shown), wide)
+    guess = sector_guess.first_guess(replace(look, projection=shown), wide)
     assert guess["axle_row_px"] == pytest.approx(camera.axle[0], abs=1.0)
     assert guess["axle_column_px"] == pytest.approx(camera.axle[1], abs=1.0)
     assert guess["inner_radius_px"] == pytest.approx(camera.radii[0], abs=1.0)

@@ -169,9 +169,7 @@ def noise(analysis: Analysis) -> Table:
         columns=heads("quantity", "u from noise alone"),
         align="lr",
         rows=tuple(rows),
-        note=t(
-            "Of the mean over all recordings and wheel edges; the budget adds the rig’s angles and the opening’s shape."
-        ),
+        note=t("Of all recordings and wheel edges together; the budget adds the rig’s angles and the opening’s shape."),
     )
 
 
