@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 
 from irtiming.physics import robust
+from irtiming.physics.covariance import hac_covariance
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
@@ -28,6 +29,7 @@ _CORNERS = tuple(
 _FRAMES_PER_NUMBER = 3
 _FAR = 6.0  # standard uncertainties, which take for noise what waves of higher order leave; by chance never
 _OUTLIER = 6.0
+_SWAYS = 8  # of a part: what sways not faster moves a wave as a whole, in so many pieces that their scatter is known
 _OF_SLOPE = 0.75 * 12**0.5
 """Of a straight line through evenly spread points: u of its rise from the first part to the last, over u of its middle."""
 
@@ -79,7 +81,10 @@ def _without_corners(light: Array, angle: Array, *, known: Ticks) -> Array:
 
 
 def _phase(light: Array, angle: Array) -> tuple[complex, float]:
-    """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part."""
+    """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part.
+
+    A gain that sways mixes waves: where frames visit the wheel's angles in a slow pattern, all that it leaves is alike for long.
+    """
     columns = passing_wave.waves(angle, _ORDERS)
     kept = np.ones(light.size, bool)
     at = passing_wave.place(_ORDERS)
@@ -88,11 +93,14 @@ def _phase(light: Array, angle: Array) -> tuple[complex, float]:
         left = light - columns @ found
         usual = robust.spread(left[kept])
         kept = np.abs(left) <= _OUTLIER * usual
-    variance = float(np.sum(left[kept] ** 2)) / max(1, int(kept.sum()) - columns.shape[1])
-    covariance = np.linalg.pinv(columns[kept].T @ columns[kept])[at, at] * variance
+    normal = np.linalg.pinv(columns[kept].T @ columns[kept])
+    n_left = max(1, int(kept.sum()) - columns.shape[1])
+    white = float(np.sum(left[kept] ** 2)) / n_left * np.trace(normal[at, at])
+    moved = (columns[kept] @ normal[:, at]) * left[kept, None]
+    swayed = np.trace(hac_covariance(moved, n_neighbours=kept.sum() // _SWAYS, is_circular=False)) * kept.sum() / n_left
     wave = complex(*(found[at] * (1, -1)))
     size = max(abs(wave), float(np.finfo(float).tiny))
-    return wave or 1.0, float(np.sqrt(np.trace(covariance) / 2)) / size / PASSING
+    return wave or 1.0, float(np.sqrt(max(white, swayed) / 2)) / size / PASSING
 
 
 def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding, ...]:

@@ -92,3 +92,15 @@ def test_a_run_that_visits_the_angles_once_has_no_parts(step):
 def test_a_short_run_has_no_parts():
     """Oracle: by hand; too few frames for four fits."""
     assert steadiness.lateness(_light(_angle(200)), _angle(200)) is None
+
+
+def test_a_gain_that_sways_over_a_slow_pattern_of_angles_is_no_lateness():
+    """Oracle: what sways is when no edge passes; 0.2526 turns a frame come back to an angle's neighbour after four frames."""
+    frames = np.arange(1200)
+    angle = TURN * 0.2526 * frames
+    doubted = 0
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        sway = sum(0.01 * np.sin(TURN * k * frames / 1200 + random.uniform(0, TURN)) for k in range(4, 16, 2))
+        doubted += bool(_found(_light(angle, seed=seed) * (1 + sway), angle))
+    assert doubted == 0
