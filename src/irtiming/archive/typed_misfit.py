@@ -19,7 +19,8 @@ from irtiming.errors import ArchiveError, IrTimingError
 LARGEST = 1e12
 _LONGEST = 60
 _FIRST = {"model_type": 0, "extra_forbidden": 1}  # a misspelt key is rather that than missing
-_UNITS = ("mm", "deg", "rad")
+_UNITS = ("mm", "deg", "rad", "us")
+_BOUNDS = ("gt", "ge", "lt", "le")
 _KINDS = {
     "int": "a whole number", "float": "a number", "finite": "a finite number", "bool": "true or false", "string": "text",
     "list": "a list", "dict": "a table, such as {Name = value}", "literal": "text",
@@ -118,10 +119,22 @@ def _words(annotation: Any) -> tuple[str, ...]:
     return args if get_origin(annotation) is Literal else next((words for one in args if (words := _words(one))), ())
 
 
+def _within(annotation: Any) -> list[FieldInfo]:
+    """What the types say that an annotation is made of, such as the limits of an optional number or of a list's entries."""
+    own = [one for one in getattr(annotation, "__metadata__", ()) if isinstance(one, FieldInfo)]
+    return own + [found for part in get_args(annotation) for found in _within(part)]
+
+
+def _extra(field: FieldInfo) -> dict[str, Any]:
+    """What a field states of its limits and its cure."""
+    return field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+
+
 def _says(sort: str, place: _Place, kind: FileKind) -> str:
     """What is wrong with the value at a place, and what it must be."""
     field, key = place.field, str(place.keys[-1])
-    extra = field.json_schema_extra if field and isinstance(field.json_schema_extra, dict) else {}
+    stated = [] if field is None else [field, *_within(field.annotation)]
+    extra = dict(item for one in reversed(stated) for item in _extra(one).items())
     example = f'"{field.examples[0]}"' if field and field.examples else ""
     if sort == "missing":
         write = f"write {key} = {example}" if example else kind.missing
@@ -130,8 +143,9 @@ def _says(sort: str, place: _Place, kind: FileKind) -> str:
         return _unknown(key, place, kind)
     bounds = {
         name: bound
-        for one in (field.metadata if field else ())
-        for name in ("gt", "ge", "le")
+        for info in reversed(stated)
+        for one in info.metadata
+        for name in _BOUNDS
         if (bound := getattr(one, name, None)) is not None
     }
     if sort.startswith(("greater", "less", "finite")):
@@ -156,6 +170,9 @@ def _limits(value: float, bounds: Mapping[str, float], *, unit: str, stated: Map
     if "limit" in stated:
         return str(stated["limit"])
     hint = stated.get("hint", ", check the unit" if unit else "")
+    if "lt" in bounds:
+        lowest = f"{bounds['ge']:g} or more" if "ge" in bounds else f"more than {bounds.get('gt', 0):g}"
+        return f"it must be {lowest} and less than {bounds['lt']:g}{unit}{hint}"
     if "gt" in bounds and value <= bounds["gt"]:
         return f"it must be greater than {bounds['gt']:g}"
     least, most = bounds.get("ge", bounds.get("gt", 0)), bounds.get("le", LARGEST)

@@ -89,6 +89,24 @@ def test_a_wrong_lens_is_refused(tmp_path: Path, text: str, message: str) -> Non
         read_rig(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[latency]\napplication_gate_us = 11936.1", "-10000 to 10000 us: a latency in microseconds"),
+        ("[latency]\ntrigger_us = -20000", "trigger_us = -20000 us; it must be from -10000 to"),
+        ("[camera]\nwindow_tail = 1.5", "window_tail = 1.5; it must be 0 or more and less than 1: a share"),
+        ("[camera]\nframe_memory = -1", "frame_memory = -1; it must be more than -1 and less than 1: the share"),
+    ],
+)
+def test_the_limits_of_an_optional_number_are_stated(tmp_path: Path, text: str, message: str) -> None:
+    """Oracle: a number above its upper limit is not below its lower one; the limits and hints of the model."""
+    path = tmp_path / "rig.toml"
+    path.write_text(f"{RIG}\n{text}\n")
+    with pytest.raises(GeometryError) as error:
+        read_rig(path)
+    assert message in str(error.value)
+
+
 def test_a_written_rig_is_the_rig(tmp_path: Path) -> None:
     """Oracle: reading back; numbers agree to one part in 10^14."""
     (tmp_path / "rig.toml").write_text(RIG.replace("1e-4", "[0, 1e-4, 2e-4, 3e-4]"))
