@@ -9,6 +9,7 @@ from scipy import special
 
 from irtiming.archive import layout
 from irtiming.archive.finding import warning_at
+from irtiming.physics import edge_motion
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 _FEWEST_FRAMES = 50
 _HARMONICS = 3
 _SIGNIFICANCE = 1e-6
-_ALONG = 0.5
 _LEAST_TURN_RAD = 0.05
 """From tile to tile, of an angle that goes round twice a turn: less is an axle forty tiles away, or no picture of a wheel."""
 
@@ -99,27 +99,12 @@ def _left(model: "Array", values: "Array") -> "Array":
 
 
 def _rotation(first: "ComplexArray", rig: Rig) -> Iterator[Finding]:
-    """Complain where edges move against the stated rotation.
-
-    A pixel further along the edges' way sees them later: its harmonic is turned back. The mean turn from tile to tile, weighted
-    by the light in both, is the direction in which they move, downwards and to the right positive.
-    """
-    right = complex(np.sum(np.conj(first[:, :-1]) * first[:, 1:]))
-    down = complex(np.sum(np.conj(first[:-1]) * first[1:]))
-    across, downwards = -np.angle(right), -np.angle(down)
-    length = math.hypot(across, downwards)
-    if length < _LEAST_TURN_RAD:
-        return
-    phi = rig.mask_opening.centre_angle_rad.value
-    sign = 1.0 if rig.wheel.rotation == "clockwise" else -1.0
-    if sign * (math.cos(phi) * downwards - math.sin(phi) * across) / length > -_ALONG:
-        return
-    sideways = "to the right" if across > 0 else "to the left"
-    way = sideways if abs(across) > abs(downwards) else "down" if downwards > 0 else "up"
-    stated = f"[wheel] rotation = '{rig.wheel.rotation}' with [mask] centre_angle_deg = {math.degrees(phi):.4g}"
-    yield warning_at(
-        layout.FRAMES.path,
-        f"shows edges that move {way}",
-        code="rotation-contradicted",
-        cure=f"{stated} means the other way: correct one of them, or the image is mirrored",
-    )
+    """Complain where edges move against the stated rotation."""
+    found = edge_motion.contradiction(first, rig, least_turn_rad=_LEAST_TURN_RAD)
+    if found is not None:
+        yield warning_at(
+            layout.FRAMES.path,
+            f"shows edges that move {found.way}",
+            code="rotation-contradicted",
+            cure=f"{found.stated} means the other way: correct one of them, or the image is mirrored",
+        )

@@ -56,7 +56,7 @@ def searched(
     free = [name for name in NUMBERS if name not in stays]
     found = sector_search.searched(Misfit(at=images.at, sharp=images.sharp), begin, free=free, gain=gain, slopes=slopes)
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
-    sector_limits.check(numbers, images.name)
+    sector_limits.check(numbers, images.name, sense=images.sense)
     clusters = _clusters(images, numbers, residual.size)
     return Best(
         numbers=numbers,

@@ -13,7 +13,8 @@ from irtiming.estimate.sector_image import Fitted, SeenContrast, Sharp, View
 from irtiming.estimate.sector_search import Place
 from irtiming.inference import lens_knowledge
 from irtiming.inference.lens_knowledge import N_KNOWN, LensKnowledge
-from irtiming.physics import blurred_sector
+from irtiming.physics import blurred_sector, edge_motion
+from irtiming.physics.edge_motion import Contradiction
 from irtiming.physics.light.row_sum import Timing
 from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ReducedRecording
@@ -37,7 +38,8 @@ _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie be
 class Images:
     """Contrast images, one per wheel speed, the region, and uncertainties along (real) and across each pixel's phase, DN.
 
-    ``lens`` is what is known of it beforehand, ``name`` that of the first recording.
+    ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``sense`` what the edges' way says against
+    the stated rotation.
     """
 
     seen: list[Look]
@@ -45,6 +47,7 @@ class Images:
     u_dn: list[ComplexArray]
     lens: LensKnowledge
     name: str
+    sense: Contradiction | None = None
 
     def residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
         """What is known of the numbers beforehand, shape (N_PRIORS,), and then the misfit of all images."""
@@ -117,7 +120,15 @@ def of(
         u_dn=[u + np.zeros(good.shape) for u in u_dn],
         lens=lens,
         name=first.name,
+        sense=_sense(seen[0].projection, rig),
     )
+
+
+def _sense(projection: ComplexArray, rig: Rig) -> Contradiction | None:
+    """What the edges' way says against the stated rotation, by the pixels of more than half contrast."""
+    size = np.abs(projection)
+    in_light = np.where(size > 0.5 * np.quantile(size, 0.9), projection, 0.0)
+    return edge_motion.contradiction(in_light, rig, least_turn_rad=1 / max(size.shape))
 
 
 def _swayed(look: Look, known: SectorFit, *, view: View) -> Look:

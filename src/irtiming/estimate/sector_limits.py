@@ -9,17 +9,20 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.sector_image import GLARE_PX
 from irtiming.inference.lens_knowledge import U_BLUR_GROWTH, U_GLARE
 from irtiming.physics import lens
+from irtiming.physics.edge_motion import Contradiction
 from irtiming.records.arrays import Array
 
 _U_GLARE_WIDTH = 0.7  # prior: of the width's logarithm
 _RING_MARGIN_PX = 2.0  # how far, roughly, a cutout reaches beyond the opening
 _AT_LIMIT = 1e-3  # of the distortion
+_LEAST_RADIAL_PX, _NARROWEST_RAD = 3.0, 0.1
+_FARTHEST_OFF = 0.3  # of the outer radius: how far the middle of the opening's arcs may lie beside the axle
 
 FARTHEST_CENTRE = 0.2
 """Of the image's width: lens centres are off its middle by a tenth of that."""
 
 
-def check(numbers: Mapping[str, float], name: str) -> None:
+def check(numbers: Mapping[str, float], name: str, *, sense: Contradiction | None = None) -> None:
     """Refuse what is no annular sector about the axle.
 
     Parameters
@@ -28,6 +31,8 @@ def check(numbers: Mapping[str, float], name: str) -> None:
         Of the sector, where its search ended.
     name
         Of the recording.
+    sense
+        What the edges' way says against the stated rotation, if it does: then that is why no sector was found.
 
     Raises
     ------
@@ -35,16 +40,41 @@ def check(numbers: Mapping[str, float], name: str) -> None:
         If it is none.
     """
     inner, outer, angle = (numbers[one] for one in ("inner_radius_px", "outer_radius_px", "opening_angle_rad"))
-    off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"]))
-    if not (outer - inner > 3 and 0.1 < angle < np.pi and off < 0.3 * outer):
+    off, most_off = float(np.hypot(numbers["offset_row_px"], numbers["offset_column_px"])), _FARTHEST_OFF * outer
+    if not (outer > inner and angle > 0):
+        what = "no radii and no angle fit the contrast image"
+    elif not outer - inner > _LEAST_RADIAL_PX:
+        what = f"from its inner to its outer radius it would be {outer - inner:.1f} px, more than {_LEAST_RADIAL_PX:g} must be"
+    elif not _NARROWEST_RAD < angle < np.pi:
+        least = np.degrees(_NARROWEST_RAD)
+        what = f"it would be {np.degrees(angle):.1f} deg wide, from {least:.1f} to 180 deg must be"
+    elif not off < most_off:
+        what = f"its centre would lie {off:.1f} px beside the axle, at most {most_off:.1f} px can be"
+    else:
+        return
+    _refuse_sense(name, sense)
+    raise EstimationError(
+        f"{name}: the opening does not look like an annular sector about the axle: {what}; the whole opening must be in view, "
+        "sharp, and covered by the wheel alone, the image not mirrored, and [wheel] rotation as the camera sees it"
+    )
+
+
+def _refuse_sense(name: str, sense: Contradiction | None) -> None:
+    if sense is not None:
         raise EstimationError(
-            f"{name}: the opening does not look like an annular sector about the axle: radii {inner:.1f} .. "
-            f"{outer:.1f} px, {np.degrees(angle):.1f} deg wide, centre {off:.1f} px beside the axle; the whole opening "
-            "must be in view, sharp, and covered by the wheel alone"
+            f"{name}: the image shows edges that move {sense.way}; {sense.stated} means the other way: correct one of them, or "
+            "the image is mirrored"
         )
 
 
-def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name: str, columns: int) -> None:
+def check_lens(
+    numbers: Mapping[str, float],
+    known: Mapping[str, float],
+    *,
+    name: str,
+    columns: int,
+    sense: Contradiction | None = None,
+) -> None:
     """Refuse what only a lens that there is not would show: such a search has found no sector, and would go on for long.
 
     Parameters
@@ -57,6 +87,8 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name
         Of the recording.
     columns
         Of the image.
+    sense
+        As for `check`.
 
     Raises
     ------
@@ -68,6 +100,7 @@ def check_lens(numbers: Mapping[str, float], known: Mapping[str, float], *, name
     beside, most = float(np.hypot(down, right)), FARTHEST_CENTRE * columns
     if distortion >= least and beside <= most:
         return
+    _refuse_sense(name, sense)
     what = (
         f"its distortion would be {distortion:.4f} over half a diagonal, at least {least:.4f} can be"
         if distortion < least

@@ -10,7 +10,7 @@ from scipy import ndimage
 from scipy.special import ndtr
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import image_doubts, row_fit, sector_best, sector_fit, sector_image, sector_limits
+from irtiming.estimate import image_doubts, row_fit, sector_best, sector_fit, sector_image, sector_images, sector_limits
 from irtiming.estimate.row_light import SHAPE_NUMBERS, row_light
 from irtiming.estimate.sector_search import Slopes
 from irtiming.physics import blurred_sector
@@ -229,6 +229,24 @@ def test_a_slit_is_no_sector(brute_bolometer, brute_rows, rig_with):
         match="counted: the opening does not look like an annular sector about the axle: .* the whole opening must be",
     ):
         sector_fit.fit([brute_rows(slit, noise_dn=6.0)], slit.model, rig=rig_with(), timing=AT_ONCE)
+
+
+@pytest.mark.parametrize(
+    ("mirror", "rotation", "way"),
+    [
+        (False, "clockwise", ""),
+        (True, "clockwise", "left"),
+        (False, "counterclockwise", "right"),
+        (True, "counterclockwise", ""),
+    ],
+)
+def test_the_image_says_against_which_rotation_it_is(brute_rows, camera, lag, rig_with, mirror, rotation, way):
+    """Oracle: the opening stands above the axle, so that a clockwise wheel moves edges to the right, mirrored to the left."""
+    rig = rig_with(mirrored=rotation == "counterclockwise")
+    rows = brute_rows(camera, noise_dn=6.0, mirror=mirror)
+    sense = sector_images.of([rows], camera.model, rig=rig, timing=lag, known=None).sense
+    assert (sense.way if sense else "") == (f"to the {way}" if way else "")
+    assert sense is None or sense.stated == f"[wheel] rotation = '{rotation}' with [mask] centre_angle_deg = -90"
 
 
 def _over_half_width(k, camera):

@@ -6,6 +6,7 @@ import pytest
 
 from irtiming.errors import EstimationError
 from irtiming.estimate import sector_limits
+from irtiming.physics.edge_motion import Contradiction
 
 
 @pytest.mark.parametrize(
@@ -43,3 +44,38 @@ def test_what_is_no_sector_is_refused(change, is_one):
     numbers["offset_column_px"] = 0.0
     with nullcontext() if is_one else pytest.raises(EstimationError, match="does not look like an annular sector"):
         sector_limits.check(numbers, "run")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"opening_angle_rad": -1e-9}, "no radii and no angle fit"),
+        ({"inner_radius_px": 31.0}, "no radii and no angle fit"),
+        ({"inner_radius_px": 28.0}, "it would be 2.0 px, more than 3 must be"),
+        ({"opening_angle_rad": 0.09}, "it would be 5.2 deg wide, from 5.7 to 180 deg must be"),
+        ({"offset_row_px": 9.1}, "its centre would lie 9.1 px beside the axle, at most 9.0 px can be"),
+    ],
+)
+def test_a_refusal_states_what_cannot_be(change, words):
+    """Oracle: by hand; an angle below zero, or an inner radius beyond the outer one, is no number of an opening."""
+    numbers = {"inner_radius_px": 10.0, "outer_radius_px": 30.0, "opening_angle_rad": 1.0, "offset_row_px": 0.0}
+    with pytest.raises(EstimationError, match=words):
+        sector_limits.check(numbers | change | {"offset_column_px": 0.0}, "run")
+
+
+@pytest.mark.parametrize(
+    "refused",
+    [
+        sector_limits.check,
+        lambda numbers, name, sense: sector_limits.check_lens(numbers, numbers, name=name, columns=64, sense=sense),
+    ],
+    ids=["sector", "lens"],
+)
+def test_a_contradicted_rotation_is_why_there_is_no_sector(refused):
+    """Oracle: where edges move against the stated rotation, the refusal says that instead of what else does not fit."""
+    sense = Contradiction(way="up", stated="[wheel] rotation = 'clockwise' with [mask] centre_angle_deg = 0")
+    numbers = dict.fromkeys(("inner_radius_px", "outer_radius_px", "opening_angle_rad", "offset_row_px"), 1.0)
+    numbers |= {"offset_column_px": 0.0, "distortion": -1.0, "lens_row_px": 0.0, "lens_column_px": 0.0}
+    words = "run: the image shows edges that move up; .* = 0 means the other way: correct one of them, or the image is mirrored"
+    with pytest.raises(EstimationError, match=words):
+        refused(numbers, "run", sense=sense)
