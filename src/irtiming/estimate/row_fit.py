@@ -6,6 +6,7 @@ from typing import final
 
 import numpy as np
 
+from irtiming.errors import about
 from irtiming.estimate import frame_steps, harmonic_data, row_sway, row_timing
 from irtiming.estimate.harmonic_data import HarmonicData, packed
 from irtiming.estimate.row_light import SHAPE_NUMBERS, RowLight
@@ -85,7 +86,7 @@ def fit(
     EstimationError
         If the rows show nothing that turns with the wheel.
     """
-    with one_thread():
+    with one_thread(), about(rows.name):
         return _fit(rows, wheel, light=light, start=start)
 
 
@@ -101,7 +102,7 @@ def with_shape_effect(
     changes
         Derivatives of the light to the sector's numbers, shape (n_shape, n_row, M + 1); see `row_light.changes`.
     """
-    with one_thread():
+    with one_thread(), about(rows.name):
         task = _task(rows, wheel, light, before=found)
         at = row_timing.solve(task.data, task.model, start=found.timing, held=found.held)
         return replace(found, shape_effect=_shape_effect(task, at, changes))

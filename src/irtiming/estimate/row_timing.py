@@ -104,17 +104,24 @@ def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, .
     found = [_minimum(data, model, start=start, held=held)[0] for start in starts]
     possible = [one for one in found if abs(one.values[memory.PARAMETER]) < 1]
     if not possible:
-        raise EstimationError(_no_share(model.step_rad))
+        least = min((one.values[memory.PARAMETER] for one in found), key=abs)
+        raise EstimationError(_no_share(least, step_rad=model.step_rad))
     lowest = min(possible, key=lambda one: round(one.at.deviance, 3))  # of equal ones that from the least share
     return replace(lowest, n_steps=sum(one.n_steps for one in found))
 
 
-def _no_share(step_rad: float) -> str:
-    """Why there is no share of the frame before, where the wheel turns by ``step_rad`` from trigger to trigger."""
-    what = "the row sums fit only if each frame holds more of the one before than of its own light"
+def _no_share(least: float, *, step_rad: float) -> str:
+    """Why ``least`` can be no share of the frame before, where the wheel turns by ``step_rad`` from trigger to trigger."""
+    what = (
+        f"the row sums fit only if each frame holds {least:.3g} of the frame before, a share that must be between -1 and 1: the "
+        "fit has not found when the rows are read"
+    )
     half_turns = 2 * step_rad / TURN
     if abs(half_turns - round(half_turns)) > _ALIKE:
-        return what
+        return (
+            f"{what}; check that every frame belongs to its trigger (frame_number), that the triggers reached the camera, that "
+            "rig.toml is that of this rig, and that the camera's noise filter is off; then record again"
+        )
     return (
         f"{what}; the wheel turns by {half_turns:.4f} half turns from frame to frame, so that the frame before shows nearly the "
         "same: how much of it a frame holds cannot be determined; record at another wheel speed or frame rate (irtiming plan)"

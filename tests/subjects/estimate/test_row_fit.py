@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from irtiming.errors import EstimationError
 from irtiming.estimate import row_fit, row_light
 from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, shape_of
 from irtiming.inference.optimiser import minimise
@@ -106,6 +107,13 @@ def test_model_and_fractions_are_the_openness_of_the_rows(camera, exact, light, 
     np.testing.assert_allclose(at_angles(fit.harmonics, fit.wheel_angle_rad).T, fit.model, atol=1e-12)
     np.testing.assert_allclose(fit.fraction - fit.model, fit.residual, atol=1e-12)
     assert np.all((fit.wheel_angle_rad >= 0) & (fit.wheel_angle_rad < TURN))
+
+
+def test_a_refusal_is_about_its_recording(camera, exact, light):
+    """Oracle: by hand; rows that never change show no wheel, and of several recordings the message says which."""
+    dark = replace(exact, rows=replace(exact.rows, row_sum_dn=np.full_like(exact.rows.row_sum_dn, 5000.0)))
+    with pytest.raises(EstimationError, match=f"^{exact.name}: the row sums do not change with the wheel"):
+        row_fit.fit(dark, camera.model, light=light)
 
 
 def test_set_delay_is_taken_off(camera, truth, light, brute_rows):

@@ -195,8 +195,12 @@ def test_almost_no_noise_is_no_trouble(noise):
 @pytest.mark.parametrize(("half_turns", "alike"), [(1.0033, True), (3.996, True), (0.6, False)])
 def test_frames_that_show_the_same_are_named_as_the_cause(half_turns, alike):
     """Oracle: by hand; two cutouts look the same after half a turn, or after any number of them."""
-    said = row_timing._no_share(half_turns * TURN / 2)
+    said = row_timing._no_share(-1.2345, step_rad=half_turns * TURN / 2)
+    assert said.startswith(
+        "the row sums fit only if each frame holds -1.23 of the frame before, a share that must be between"
+    )
     assert (f"turns by {half_turns:.4f} half turns from frame to frame" in said) == alike
+    assert said.endswith("(irtiming plan)" if alike else "and that the camera's noise filter is off; then record again")
 
 
 def test_a_given_start_is_used():
