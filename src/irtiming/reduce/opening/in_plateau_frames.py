@@ -245,11 +245,16 @@ def _changing_pixels(swing: Array, correct: Correction, name: str) -> Mask:
     """Pixels whose value swings with the wheel: those of the opening."""
     quiet, loud = float(np.median(swing)), _loud(swing)
     seeds = mask_shape.largest_part(swing > 0.6 * loud)
-    if loud < 4 * quiet + 1 or seeds.sum() < 30:
+    n_seeds, least_dn = int(seeds.sum()), 4 * quiet + 1
+    if loud < least_dn or n_seeds < 30:
+        what = (
+            f"vary by {loud:.1f} DN (standard deviation), at least {least_dn:.1f} DN must be, the others vary by {quiet:.1f} DN"
+            if loud < least_dn
+            else f"that vary side by side are {n_seeds}, at least 30 must be"
+        )
         raise ReductionError(
-            f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), the others by "
-            f"{quiet:.1f}, and {seeds.sum()} pixels vary together (at least 30 must, 4 times more than the others); "
-            "check that the camera sees mask and blackbody and that they differ by some kelvin"
+            f"{name}: no opening found: the liveliest pixels {what}; check that the camera sees mask "
+            "and blackbody and that they differ by some kelvin"
         )
     return seeds & ~correct.bad
 

@@ -85,7 +85,7 @@ def look(recording: Recording, wheel_angle_rad: Array, *, correct: Correction) -
     Raises
     ------
     ReductionError
-        If most frames have no known angle or are blank.
+        If most frames have no known angle or are blank, or all are equal.
     """
     n_frames = recording.frames.shape[0]
     drawn = np.array(indices(recording.frames.shape))
@@ -104,6 +104,11 @@ def look(recording: Recording, wheel_angle_rad: Array, *, correct: Correction) -
         )
     if not alive.all():
         raw, picked = raw[alive], picked[alive]
+    if all(np.array_equal(frame, raw[0]) for frame in raw[1:]):  # the second one ends this, but for a frozen camera
+        raise ReductionError(
+            f"{recording.name}: all {len(raw)} sample frames are equal, pixel by pixel: camera or transfer sent one frame again "
+            "and again; check the trigger and that the camera is live, and record again"
+        )
     rim = np.ones(raw.shape[1:], bool)
     rim[_RIM_PX:-_RIM_PX, _RIM_PX:-_RIM_PX] = False
     dead = dead_rows.of(correct.bad)

@@ -68,11 +68,16 @@ def outline(sample: SampleFrames, good: Mask, *, threshold_level: float, name: s
     amplitude = np.hypot(ndimage.uniform_filter(harmonic.real, 3), ndimage.uniform_filter(harmonic.imag, 3))
     loud = float(np.quantile(amplitude, 0.995))
     seeds = mask_shape.largest_part(amplitude > 0.6 * loud)
-    if loud < _NOISES * noise + 1e-9 or seeds.sum() < _FEWEST_SEEDS:
+    n_seeds, least_dn = int(seeds.sum()), _NOISES * noise + 1e-9
+    if loud < least_dn or n_seeds < _FEWEST_SEEDS:
+        what = (
+            f"swing by {loud:.1f} DN with the wheel, at least {least_dn:.1f} DN must be, {_NOISES:g} times the noise"
+            if loud < least_dn
+            else f"that swing with the wheel side by side are {n_seeds}, at least {_FEWEST_SEEDS} must be"
+        )
         raise ReductionError(
-            f"{name}: no opening found: the liveliest pixels swing by {loud:.1f} DN with the wheel, the noise is {noise:.1f} DN, "
-            f"and {seeds.sum()} pixels swing together (at least {_FEWEST_SEEDS} must, {_NOISES:.0f} times more than the noise); "
-            "check that the shutter is open, that the camera sees mask and blackbody and that they differ by some kelvin"
+            f"{name}: no opening found: the liveliest pixels {what}; check that the shutter is open, that the camera "
+            "sees mask and blackbody and that they differ by some kelvin"
         )
     near = _box(seeds)
     nearby, interior = _contrast(harmonic[near], seeds[near])

@@ -59,3 +59,13 @@ def test_too_few_frames_that_show_something_are_refused(n_unknown, n_blank, word
     angle = np.where(np.arange(60) < n_unknown, np.nan, 0.1 * np.arange(60))
     with pytest.raises(ReductionError, match=words):
         look(_recording(frames), angle, correct=_flat())
+
+
+def test_frames_that_are_all_equal_are_refused():
+    """Oracle: by hand; one frame of noise sixty times, as of a camera that has stopped; one other will do."""
+    frames = np.repeat(np.random.default_rng(1).integers(4990, 5011, (1, 12, 16)).astype(np.uint16), 60, axis=0)
+    angle = 0.1 * np.arange(60)
+    with pytest.raises(ReductionError, match="all 60 sample frames are equal, pixel by pixel"):
+        look(_recording(frames), angle, correct=_flat())
+    frames[59, 5, 5] += 1
+    assert len(look(_recording(frames), angle, correct=_flat()).raw) == 60

@@ -110,9 +110,21 @@ def test_noise_alone_is_no_opening(looked_at):
     _, angles = looked_at
     noise = 5000 + np.random.default_rng(6).normal(0, 5, (angles.size, 60, 80))
     with pytest.raises(
-        ReductionError, match=r"a: no opening found: the liveliest pixels swing by .* check that the shutter"
+        ReductionError,
+        match=r"a: no opening found: the liveliest pixels swing by .* at least .* the noise; check that the shutter",
     ):
         outline(_sample(noise, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
+
+
+def test_a_refusal_states_the_bound_that_is_not_met():
+    """Oracle: by hand; three by three pixels swing by 300 DN, far more than noise, but are fewer than 30."""
+    angles = np.linspace(0, 40, 240)
+    frames = 5000 + np.random.default_rng(6).normal(0, 1, (angles.size, 60, 80))
+    frames[:, 20:23, 30:33] += 300 * np.cos(2 * angles)[:, None, None]
+    with pytest.raises(
+        ReductionError, match=r"pixels that swing with the wheel side by side are \d+, at least 30 must be"
+    ):
+        outline(_sample(frames, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
 
 
 def test_an_image_that_is_turned_upside_down_has_its_outline_turned(looked_at):
