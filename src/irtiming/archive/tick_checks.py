@@ -220,7 +220,7 @@ def _lost_frames(contents: "Contents") -> Iterator[Finding]:
             layout.FRAME_NUMBER.path,
             f"leaves out {n_lost} of {triggers.size} triggers, the first is {first}: lost frames",
             code="frames-lost",
-            cure="check the link to the camera; the analysis goes on without them",
+            cure="check the link to the camera; lost frames are left out",
         )
 
 

@@ -25,6 +25,7 @@ from irtiming.archive.signal_checks import check_signal
 from irtiming.archive.tick_checks import check_ticks, duration
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
+from irtiming.records.recording import FEWEST_FRAMES
 from irtiming.records.rig import Rig
 from irtiming.units import counted
 
@@ -71,6 +72,7 @@ def verify(path: str | Path, *, progress: Progress | None = None, rig: Rig | Non
     findings += consistency.check(contents)
     findings += check_ticks(contents)
     findings += check_lines(contents)
+    findings += _too_few(contents)
     findings += _what_a_photon_detector_needs(contents)
     whole = None if stored_shape is None else FileFrames(path, shape=stored_shape, kept=kept)
     findings += _of_frames(Path(path), contents, whole=whole, progress=progress, rig=rig)
@@ -178,6 +180,17 @@ def _of_frames(
         if field is layout.FRAMES and not surveyed.dead_frames.size:
             yield from check_signal(contents, surveyed.tiles_dn, rig=rig)
     yield from _of_reference(path, contents)
+
+
+def _too_few(contents: Contents) -> Iterator[Finding]:
+    shape = contents[layout.FRAMES]
+    if shape is not None and shape[0] < FEWEST_FRAMES:
+        yield warning_at(
+            layout.FRAMES.path,
+            f"has {counted(int(shape[0]), 'frame')}, at least {FEWEST_FRAMES} are needed: analyse refuses the recording",
+            code="frames-few",
+            cure="record a whole measurement (irtiming plan)",
+        )
 
 
 def _of_survey(surveyed: FrameSurvey, field: Field, *, bit_depth: int) -> Iterator[Finding]:

@@ -39,6 +39,7 @@ from irtiming.physics.wheel import TURN, exposed_fraction
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.estimate import EDGE_DELAYS, DriftingLevels, EdgeDelayFit, Estimate
+from irtiming.records.recording import FEWEST_FRAMES
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
@@ -68,7 +69,6 @@ _NEIGHBOURS = 15
 _GAP_SEARCH = 81  # delays over the scan: closer together than the shortest gap in the slots is long
 _DROPPED_SHARE = 0.05
 _LARGEST_SPREAD = 0.1  # of the step
-_FEWEST_FRAMES = 100
 
 
 @final
@@ -361,10 +361,10 @@ def _inside_track(given: PixelSums) -> PixelSums:
     quarter_s = TURN / 4 / given.angular_frequency_rad_per_s
     trials = np.linspace(-quarter_s, quarter_s, _GAP_SEARCH)
     inside = np.all([np.isfinite(given.angle(float(trial))) for trial in trials], axis=0)
-    if inside.sum() < _FEWEST_FRAMES:
+    if inside.sum() < FEWEST_FRAMES:
         raise EstimationError(
             f"{given.reduced.name}: {inside.sum()} frames lie a quarter turn inside the recorded wheel, at least "
-            f"{_FEWEST_FRAMES} must; record the wheel's edges from before the first to after the last frame"
+            f"{FEWEST_FRAMES} must; record the wheel's edges from before the first to after the last frame"
         )
     return replace(given, kept=inside)
 

@@ -18,6 +18,8 @@ ReadoutMode = Literal["snapshot", "rolling"]
 TimestampClock = Literal["camera", "computer"]
 USUAL_READOUT: Mapping[CameraType, ReadoutMode] = {"photon": "snapshot", "microbolometer": "rolling"}
 """How cameras of a type are read where it is not stated."""
+FEWEST_FRAMES = 100
+"""With fewer frames that show the wheel no timing is determined."""
 
 
 class FrameStack(Protocol):

@@ -7,14 +7,13 @@ import numpy as np
 
 from irtiming.errors import EstimationError, ReductionError
 from irtiming.records.choices import Choices
-from irtiming.records.recording import Recording
+from irtiming.records.recording import FEWEST_FRAMES, Recording
 from irtiming.records.reduced import Opening, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.reduce import clipping, motion_filter, pixel_sums, row_sums, suspicions
 from irtiming.reduce.events import period
 from irtiming.reduce.wheel import wheel_angles
 
-_FEWEST_FRAMES = 100
 _MOVED_PX = 1.0
 
 
@@ -45,9 +44,9 @@ def reduce(
         If the recording cannot be reduced; the message says why.
     """
     wheel_angles.refuse_lost_timestamps(recording)
-    if recording.frames.shape[0] < _FEWEST_FRAMES:
+    if recording.frames.shape[0] < FEWEST_FRAMES:
         raise ReductionError(
-            f"{recording.name}: {recording.frames.shape[0]} frames, at least {_FEWEST_FRAMES} are needed; record a whole "
+            f"{recording.name}: {recording.frames.shape[0]} frames, at least {FEWEST_FRAMES} are needed; record a whole "
             "measurement (irtiming plan)"
         )
     is_instant = (recording.camera_type, recording.readout_mode) == ("photon", "snapshot")

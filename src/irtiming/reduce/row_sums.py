@@ -10,7 +10,7 @@ from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
-from irtiming.records.recording import Recording
+from irtiming.records.recording import FEWEST_FRAMES, Recording
 from irtiming.records.reduced import Opening, ReducedRecording, RowSums, ShutterEvent
 from irtiming.records.rig import Rig
 from irtiming.reduce import drift, frame_pass, nonuniformity, remarks, shutter, steadiness
@@ -27,8 +27,6 @@ from irtiming.reduce.shutter import Watch
 from irtiming.reduce.shutter_judge import ShutterJudge
 from irtiming.reduce.wheel import frame_angles
 from irtiming.reduce.wheel.frame_angles import FrameAngles
-
-_FEWEST_FRAMES = 100
 
 
 @final
@@ -154,10 +152,10 @@ def _dropped(
     if harvest.rows.hopeless_row_px.size:
         found.append(remarks.rows_left_out(recording, harvest.rows.hopeless_row_px))
     kept = int(harvest.kept.sum())
-    if kept < _FEWEST_FRAMES:
+    if kept < FEWEST_FRAMES:
         raise ReductionError(
             f"{recording.name}: {kept} of {outside.size} frames show the scene over {SHORTEST} frames and more, at least "
-            f"{_FEWEST_FRAMES} must ({outside.sum()} outside the control slots, {judge.zone.sum()} at shutter events, "
+            f"{FEWEST_FRAMES} must ({outside.sum()} outside the control slots, {judge.zone.sum()} at shutter events, "
             f"{lone.sum()} single bad ones); record longer, or switch the camera's own correction off"
         )
     return (*found, *remarks.lost_frames(recording))

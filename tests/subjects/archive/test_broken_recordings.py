@@ -79,6 +79,22 @@ def test_triggers_that_far_outnumber_frames(broken):
     assert broken(lambda file: halve(file, keep=True))["triggers-outnumber-frames"].severity == "warning"
 
 
+@pytest.mark.parametrize(("n_frames", "is_enough"), [(3, False), (99, False), (100, True)])
+def test_too_few_frames_to_analyse(broken, n_frames, is_enough):
+    """Oracle: the reduction asks for a hundred frames; nothing that is said of fewer promises an analysis."""
+
+    def cut(file):
+        _put(file, f"{CAMERA}/data", file[f"{CAMERA}/data"][()][:n_frames])
+        _put(file, f"{CAMERA}/frame_number", np.arange(n_frames))
+
+    found = broken(cut)
+    assert ("frames-few" in found) == (not is_enough)
+    assert is_enough or found["frames-few"].what == (
+        f"has {n_frames} frames, at least 100 are needed: analyse refuses the recording"
+    )
+    assert "goes on" not in found["frames-lost"].cure
+
+
 def test_frames_without_signal(broken):
     """Oracle: frames of noise and a slow drift alone, as of a blackbody at the wheel's temperature."""
 

@@ -32,7 +32,7 @@ def test_the_program_of_the_page_writes_a_sound_recording(made):
 def test_the_recording_of_the_page_holds_what_the_program_put_in(made):
     """Oracle: the numbers in the page's program."""
     recording = reader.read(made)
-    assert recording.frames.shape == (50, 60, 80)
+    assert recording.frames.shape == (120, 60, 80)
     assert recording.integration_time_s == 250e-6
     assert recording.rotation_speed_hz == 3.0
     assert recording.nonuniformity is not None

@@ -247,15 +247,13 @@ def _changing_pixels(swing: Array, correct: Correction, name: str) -> Mask:
     seeds = mask_shape.largest_part(swing > 0.6 * loud)
     n_seeds, least_dn = int(seeds.sum()), 4 * quiet + 1
     if loud < least_dn or n_seeds < 30:
-        what = (
-            f"vary by {loud:.1f} DN (standard deviation), at least {least_dn:.1f} DN must be, the others vary by {quiet:.1f} DN"
-            if loud < least_dn
-            else f"that vary side by side are {n_seeds}, at least 30 must be"
-        )
-        raise ReductionError(
-            f"{name}: no opening found: the liveliest pixels {what}; check that the camera sees mask "
-            "and blackbody and that they differ by some kelvin"
-        )
+        cure = "check that the camera sees mask and blackbody and that they differ by some kelvin"
+        if loud < least_dn:
+            raise ReductionError(
+                f"{name}: no opening found: the liveliest pixels vary by {loud:.1f} DN (standard deviation), at least "
+                f"{least_dn:.1f} DN must be, as the others vary by {quiet:.1f} DN; {cure}"
+            )
+        raise ReductionError(f"{name}: no opening found: {n_seeds} pixels side by side vary, at least 30 must; {cure}")
     return seeds & ~correct.bad
 
 

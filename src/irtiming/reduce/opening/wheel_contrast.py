@@ -70,14 +70,14 @@ def outline(sample: SampleFrames, good: Mask, *, threshold_level: float, name: s
     seeds = mask_shape.largest_part(amplitude > 0.6 * loud)
     n_seeds, least_dn = int(seeds.sum()), _NOISES * noise + 1e-9
     if loud < least_dn or n_seeds < _FEWEST_SEEDS:
-        what = (
-            f"swing by {loud:.1f} DN with the wheel, at least {least_dn:.1f} DN must be, {_NOISES:g} times the noise"
-            if loud < least_dn
-            else f"that swing with the wheel side by side are {n_seeds}, at least {_FEWEST_SEEDS} must be"
-        )
+        cure = "check that the shutter is open, that the camera sees mask and blackbody and that they differ by some kelvin"
+        if loud < least_dn:
+            raise ReductionError(
+                f"{name}: no opening found: the liveliest pixels swing by {loud:.1f} DN with the wheel, at least {least_dn:.1f} "
+                f"DN must be, {_NOISES:g} times the noise; {cure}"
+            )
         raise ReductionError(
-            f"{name}: no opening found: the liveliest pixels {what}; check that the shutter is open, that the camera "
-            "sees mask and blackbody and that they differ by some kelvin"
+            f"{name}: no opening found: {n_seeds} pixels side by side swing with the wheel, at least {_FEWEST_SEEDS} must; {cure}"
         )
     near = _box(seeds)
     nearby, interior = _contrast(harmonic[near], seeds[near])

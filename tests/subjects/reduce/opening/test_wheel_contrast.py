@@ -122,7 +122,7 @@ def test_a_refusal_states_the_bound_that_is_not_met():
     frames = 5000 + np.random.default_rng(6).normal(0, 1, (angles.size, 60, 80))
     frames[:, 20:23, 30:33] += 300 * np.cos(2 * angles)[:, None, None]
     with pytest.raises(
-        ReductionError, match=r"pixels that swing with the wheel side by side are \d+, at least 30 must be"
+        ReductionError, match=r"no opening found: \d+ pixels side by side swing with the wheel, at least 30 must;"
     ):
         outline(_sample(frames, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
 
