@@ -167,8 +167,19 @@ Laboratory = Annotated[
 Json = Annotated[Path | None, typer.Option("--json", help="Write the list of files there.", metavar="OUT")]
 
 
+_FIELDS = {
+    "clock_ppm": ("clock_relative_error",),
+    "lateral_offset_mm": ("lateral_offset_m",),
+    "tilt_deg": ("tilt_about_row_rad", "tilt_about_column_rad"),
+    "lens_centre_px": ("lens_centre_row_px", "lens_centre_column_px"),
+    "blur_turn_deg": ("blur_turn_rad",),
+}
+"""Of `Defects`, that options give whose names are not theirs."""
+
+
 @in_options
 def simulate(
+    context: typer.Context,
     out_dir: OutDir,
     camera: Camera = "photon",
     readout: Readout = None,
@@ -246,6 +257,9 @@ def simulate(
     from irtiming.session.simulation import simulate as make_recordings
     from irtiming.twin.defects import Defects
 
+    typed = {
+        name for name in context.params if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"
+    }
     defects = filled(
         Defects,
         {**given, "distortion": None},  # always that of the lens
@@ -266,6 +280,7 @@ def simulate(
         rotation="counterclockwise" if counterclockwise else "clockwise",
         roll_rad=math.radians(roll_deg),
         mask_offset_m=None if mask_offset_mm is None else mask_offset_mm * 1e-3,
+        asked=frozenset(field for name in typed for field in _FIELDS.get(name, (name, f"{name}_s"))),
     )
     if json is not None:
         require_suffix(json, "JSON")

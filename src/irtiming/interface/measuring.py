@@ -88,5 +88,5 @@ def simulate(folder: str | Path, *, progress: Progress | None = None, **wishes: 
     """
     of_camera, of_order, of_defects = sorted_into(wishes, CameraOrder, SimulationOrder, Defects)
     own: dict[str, Any] = {"camera": CameraOrder(**of_camera), "defects": Defects(**of_defects)} | of_order
-    order = SimulationOrder(folder=Path(folder), **own)
+    order = SimulationOrder(folder=Path(folder), **{"asked": frozenset(wishes)} | own)
     return simulation.simulate(order, progress=progress)

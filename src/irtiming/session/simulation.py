@@ -1,9 +1,9 @@
 """Recordings of a simulated camera on a simulated rig, with the truth beside them."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import final, get_args
+from typing import Any, final, get_args
 
 from irtiming.archive import writer
 from irtiming.archive.json_file import json_text, make_folder, write_atomically
@@ -38,6 +38,7 @@ _TIMES_S = {
 }
 """The shortest that each time may be; the longest is a second."""
 
+_BLURS = ("blur_rows_px", "blur_columns_px")  # that of the order where they are not stated
 _SLOWEST_HZ, _FASTEST_HZ = 1e-2, 1e5
 _LAG_ONLY = (
     "time_constant_s", "scene_time_constant_s", "substrate_temperature_k", "blackbody_temperature_k",
@@ -112,7 +113,8 @@ class CameraOrder:
 class SimulationOrder:
     """What a person wants simulated: a rig whose imperfections the ``seed`` draws, and runs at all speeds with all delays.
 
-    ``force`` replaces recordings of those names, and the rig that the folder tells of.
+    ``asked`` are the names of what a ``laboratory`` does not draw although it has its usual value here: fields of `Defects`,
+    ``blur_px`` and ``distortion``. ``force`` replaces recordings of those names, and the rig that the folder tells of.
     """
 
     folder: Path
@@ -131,6 +133,7 @@ class SimulationOrder:
     lost_frames: int = 0
     defects: Defects = field(default_factory=Defects)
     laboratory: bool = False
+    asked: frozenset[str] = frozenset()
     free_running: FreeEvent | None = None
     force: bool = False
 
@@ -233,8 +236,15 @@ def _drawn(order: SimulationOrder) -> SimulatedRig:
         scene = replace(scene, mask=replace(scene.mask, centre_x_m=order.mask_offset_m, centre_y_m=0.0))
     if order.laboratory:
         scene = with_wheel_speed(scene, order.wheel_hz[0], frame_hz=order.frame_hz, samples=order.frames)
-        return in_laboratory(replace(rig, scene=scene), seed=order.seed, asked=order.defects)
+        return in_laboratory(replace(rig, scene=scene), seed=order.seed, asked=_asked(order))
     return replace(rig, scene=with_defects(scene, order.defects))
+
+
+def _asked(order: SimulationOrder) -> dict[str, Any]:
+    """Defects that a laboratory does not draw: those with another value than none, and those that were asked for anyhow."""
+    names = {*order.asked, *(_BLURS if "blur_px" in order.asked else ())}
+    said = {field.name: getattr(order.defects, field.name) for field in fields(Defects)}
+    return {name: value for name, value in said.items() if name in names or value != getattr(Defects(), name)}
 
 
 def _nominal(order: SimulationOrder) -> Scene:

@@ -1,8 +1,9 @@
 """A rig as a laboratory has it: every defect at once, drawn at random, and what its owner knows of them."""
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import final
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, final
 
 import numpy as np
 
@@ -200,7 +201,7 @@ def known(rig: SimulatedRig, *, seed: int, knowledge: Knowledge | None = None) -
     return replace(rig, measured=measured)
 
 
-def in_laboratory(rig: SimulatedRig, *, seed: int, asked: Defects | None = None) -> SimulatedRig:
+def in_laboratory(rig: SimulatedRig, *, seed: int, asked: Mapping[str, Any] | None = None) -> SimulatedRig:
     """The rig with every defect at once, and what its owner knows of them.
 
     Parameters
@@ -210,12 +211,9 @@ def in_laboratory(rig: SimulatedRig, *, seed: int, asked: Defects | None = None)
     seed
         Of the rig.
     asked
-        Defects that are not drawn: where these are not none.
+        Fields of `Defects` that are not drawn, with their values, none among them.
     """
-    drawn, none = draw_defects(rig.scene, seed=seed), Defects()
-    if asked is not None:
-        said = {field.name: getattr(asked, field.name) for field in fields(Defects)}
-        drawn = replace(drawn, **{name: value for name, value in said.items() if value != getattr(none, name)})
+    drawn = replace(draw_defects(rig.scene, seed=seed), **(asked or {}))
     scene = with_defects(with_self_correction(rig.scene, seed=seed), drawn)
     return known(replace(rig, scene=scene), seed=seed)
 

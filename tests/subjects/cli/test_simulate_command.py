@@ -99,6 +99,24 @@ def test_a_laboratory_is_drawn_but_for_what_is_asked(tmp_path: Path) -> None:
     assert all(word in written for word in ("[latency]", "[clock]", "lateral_offset_u_mm", "application_gate_u_us"))
 
 
+def test_a_laboratory_without_what_was_asked_to_be_none(tmp_path: Path) -> None:
+    """Oracle: the options; a value that is none anyhow is asked for all the same, and all else is as the seed draws it."""
+    lab = (*_SMALL, "--laboratory", "--seed", "1")
+    none = (
+        "--glare", "0", "--tilt-deg", "0", "0", "--late-trigger", "0 us", "--clock-ppm", "0", "--lateral-offset-mm", "0",
+        "--lens-centre-px", "0", "0", "--distortion", "0", "--blur-px", "0.7", "--blur-growth", "0",
+    )  # fmt: skip
+    drawn, asked = _simulate(tmp_path / "drawn", *lab), _simulate(tmp_path / "asked", *lab, *none)
+    moved = {name for name, value in asked.items() if value != drawn[name] and "beta" not in name}  # of the beams
+    assert moved == {
+        "glare_share", "tilt_about_row_rad", "tilt_about_column_rad", "late_trigger_s", "clock_relative_error",
+        "lateral_offset_m", "lens_centre_row_px", "lens_centre_column_px", "distortion", "blur_rows_px", "blur_columns_px",
+        "blur_growth",
+    }  # fmt: skip
+    assert {asked[name] for name in moved if not name.startswith("blur_")} == {0}
+    assert (asked["blur_rows_px"], asked["blur_columns_px"], asked["blur_growth"]) == (0.7, 0.7, 0)
+
+
 def test_photon_camera_is_the_default(tmp_path: Path) -> None:
     """Oracle: an integration time of 250 us unless said, a delay that was said."""
     assert _simulate(tmp_path / "a", *_SMALL)["integration_time_s"] == 250e-6

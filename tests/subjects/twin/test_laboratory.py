@@ -74,7 +74,7 @@ def test_what_is_asked_for_is_not_drawn() -> None:
     """Oracle: the asked numbers in the scene, the others as without asking."""
     rig = twin.draw(microbolometer_scene(64, 80), seed=3)
     drawn = defects_of(in_laboratory(rig, seed=3).scene)
-    asked = defects_of(in_laboratory(rig, seed=3, asked=Defects(filter_share=0.42)).scene)
+    asked = defects_of(in_laboratory(rig, seed=3, asked={"filter_share": 0.42}).scene)
     assert asked == replace(drawn, filter_share=0.42)
 
 
