@@ -37,7 +37,28 @@ def test_orders_are_told_with_their_ripple():
     rows = {row[0]: row[1:] for row in section.orders(_calibration(ripple=True)).rows}
     assert rows["1"] == ("400.0 ± 1.4", "29°", "30.0 ± 1.4")
     assert rows["7"][0] == "50.0 ± 1.4"
-    assert rows["7"][2].endswith("(may be chance)")
+    assert rows["7"][2].endswith("(by itself may be chance)")
+
+
+@pytest.mark.parametrize(
+    ("chance", "stands_out", "verdict"),
+    [
+        (6e-4, True, "0.0006: there is a ripple, and orders that are not marked are part of it."),
+        (6e-4, False, "0.0006: there is a ripple, although no order by itself stands out of the noise."),
+        (0.3, True, "0.3: single orders stand out of the noise only."),
+        (0.3, False, "0.3: no ripple is found."),
+    ],
+)
+def test_a_p_value_is_no_probability_of_the_ripple(chance, stands_out, verdict):
+    """Oracle: a p-value is how probable as much is where there is none; sentence and marks of the table say the same."""
+    wheel = _calibration(ripple=True)
+    each = wheel.ripple.order_chance if stands_out else np.ones(51)
+    wheel = replace(wheel, ripple=replace(wheel.ripple, chance=chance, order_chance=each))
+    said = f"Noise alone would make all orders together as large with a probability of {verdict}"
+    assert section.orders(wheel).note.endswith(said)
+    assert section.slots_caption(wheel).endswith(said)
+    is_marked = [row[3].endswith("(by itself may be chance)") for row in section.orders(wheel).rows]
+    assert all(is_marked) == (not stands_out)
 
 
 def test_one_speed_separates_nothing():

@@ -66,14 +66,11 @@ def slots_caption(wheel: WheelCalibration | None) -> str:
                 "single wheel speed, the low ones least. Recordings at another speed separate them."
             )
         )
-    return known + (
-        t(
-            "Orange: speed ripple that repeats every turn, separated from the slots by its fall with the square of "
-            "the speed, at the slowest speed; pale where it may be chance. All orders together are chance with "
-            "probability {chance:.1g}.",
-            chance=wheel.ripple.chance,
-        )
+    orange = t(
+        "Orange: speed ripple that repeats every turn, separated from the slots by its fall with the square of the speed, at "
+        "the slowest speed; pale where an order by itself may be chance. "
     )
+    return known + orange + _as_a_whole(wheel.ripple)
 
 
 def speed(analysis: Analysis) -> "Figure":
@@ -170,11 +167,9 @@ def orders(wheel: WheelCalibration) -> Table:
     note = t("The largest of {n} orders; order k has k waves to a turn.", n=amplitude.size - 1)
     if wheel.ripple is not None:
         note += t(
-            " Ripple: of the wheel's angle, at {speed:.3g} Hz; it falls with the square of the speed. "
-            "All orders of it together are chance with probability {chance:.1g}.",
+            " Ripple: of the wheel's angle, at {speed:.3g} Hz; it falls with the square of the speed. ",
             speed=wheel.ripple.reference_speed_hz,
-            chance=wheel.ripple.chance,
-        )
+        ) + _as_a_whole(wheel.ripple)
     return Table(
         title=t("Deviations by order"),
         columns=heads("order k", "amplitude (µrad)", "phase", "speed ripple (µrad)"),
@@ -189,13 +184,30 @@ def ripple_is_clear(ripple: SpeedRipple) -> Mask:
     return np.asarray(ripple.order_chance * (ripple.order_chance.size - 1) < _RARE)
 
 
+def _as_a_whole(ripple: SpeedRipple) -> str:
+    """Whether there is a ripple, which all orders together may show where none of them does by itself."""
+    is_there, stands_out = ripple.chance < _RARE, bool(ripple_is_clear(ripple)[1:].any())
+    if is_there:
+        verdict = (
+            t("there is a ripple, and orders that are not marked are part of it.")
+            if stands_out
+            else t("there is a ripple, although no order by itself stands out of the noise.")
+        )
+    else:
+        verdict = t("single orders stand out of the noise only.") if stands_out else t("no ripple is found.")
+    chance = t(
+        "Noise alone would make all orders together as large with a probability of {chance:.1g}: ", chance=ripple.chance
+    )
+    return chance + verdict
+
+
 def _ripple(wheel: WheelCalibration, order: int) -> str:
     if wheel.ripple is None:
         return t("not separable")
     n_slots = wheel.slot_deviation_rad.size
     amplitude = float(slot_orders.amplitude_rad(wheel.ripple.deviation_rad)[order])
     u = float(slot_orders.u_amplitude_rad(wheel.ripple.order_variance_rad2, n_slots)[order])
-    return _with_u(amplitude, u) + ("" if ripple_is_clear(wheel.ripple)[order] else t(" (may be chance)"))
+    return _with_u(amplitude, u) + ("" if ripple_is_clear(wheel.ripple)[order] else t(" (by itself may be chance)"))
 
 
 def _mrad(angle_rad: float) -> str:
