@@ -9,7 +9,7 @@ from irtiming.cli.options import filled, in_options
 from irtiming.cli.screen import say
 from irtiming.errors import UnitError
 from irtiming.records.application import Program, StampKind
-from irtiming.units import seconds
+from irtiming.units import counted, seconds
 
 app = typer.Typer(name="apply", help="Apply a result to frames of the same camera.", no_args_is_help=True)
 
@@ -88,7 +88,7 @@ def time(
     wanted = filled(StampsWanted, given, source=stamps)
     found = apply_time(TimeOrder(result=result, stamps=wanted, out=out, rows=_rows(rows), series=tuple(series or ())))
     n_frames, n_rows = found.events.time_s.size, found.rows_px.size
-    say(f"{out}: times of {n_frames} frames, {n_rows} rows each, in {found.events.scale}")
+    say(f"{out}: times of {counted(n_frames, 'frame')}, {counted(n_rows, 'row')} each, in {found.events.scale}")
     for remark in found.events.remarks:
         say(f"note: {remark}")
 

@@ -240,7 +240,7 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
             code="frames-wild",
             severity="warning",
             recording=fit.name,
-            what=f"{counted(fit.n_dropped, 'frame')} left out as outliers or at the ends",
+            what=f"{counted(fit.n_dropped, 'frame')} left out: outlying, or at the ends of the recording",
         )
         for fit in fits
         if fit.n_dropped

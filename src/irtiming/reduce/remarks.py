@@ -79,7 +79,10 @@ def rows_left_out(recording: Recording, row_px: Ticks, *, instead: str = "") -> 
         What is done in their place, if anything.
     """
     rows = ", ".join(str(row) for row in row_px)
-    what = f"image rows {rows} left out{instead}: they have too few live pixels, or are copies of a row beside them"
+    if len(row_px) == 1:
+        what = f"image row {rows} left out{instead}: it has too few live pixels, or is a copy of a row beside it"
+    else:
+        what = f"image rows {rows} left out{instead}: they have too few live pixels, or are copies of a row beside them"
     return doubt(code="rows-left-out", recording=recording, what=what)
 
 
@@ -92,7 +95,10 @@ def shutter_closed(recording: Recording, event: ShutterEvent) -> Finding:
         Where it was, and when.
     """
     first, last = event.first_frame, event.end_frame - 1
-    what = f"the shutter is closed in frames {first} to {last}: dropped with the frames around them"
+    if first == last:
+        what = f"the shutter is closed in frame {first}: dropped with the frames around it"
+    else:
+        what = f"the shutter is closed in frames {first} to {last}: dropped with the frames around them"
     return doubt(code="shutter-closed", recording=recording, what=what)
 
 

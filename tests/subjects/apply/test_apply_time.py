@@ -43,7 +43,7 @@ def test_times_of_a_recording_are_trigger_plus_set_delay_plus_delay(tmp_path, ha
     recording = hand_made()
     status, said, _ = told("apply", "time", result, recording, "--out", tmp_path / "times.csv")
     assert status == 0
-    assert "times of 20 frames, 1 rows each" in said
+    assert "times of 20 frames, 1 row each" in said
     found = _lines(tmp_path / "times.csv")
     for n, line in enumerate(found):
         trigger_s = (7_000_000 + 16_384_000 + 1_622_016 * n) / CLOCK_HZ + 0.025

@@ -253,7 +253,9 @@ def test_outliers_and_correlation_are_told(fits, geometry):
     """Oracle: the numbers that the fits hold."""
     fit = replace(fits([4e-4])[0], n_dropped=7, variance_inflation=9.0)
     texts = _texts(_combined([fit], geometry(), integration_time_s=250e-6))
-    assert any("run 0: 7 frames left out" in text for text in texts)
+    assert "run 0: 7 frames left out: outlying, or at the ends of the recording" in texts
+    one = _texts(_combined([replace(fit, n_dropped=1)], geometry(), integration_time_s=250e-6))
+    assert "run 0: 1 frame left out: outlying, or at the ends of the recording" in one
     assert any("widened by up to 3.0" in text for text in texts)
 
 
