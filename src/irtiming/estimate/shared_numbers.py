@@ -266,8 +266,9 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
         In the same order; the errors of one sector are common to all fits that used it.
     """
     errors = []
-    for g, sector in enumerate({id(sector): sector for sector in sectors}.values()):
-        for m, (source, error) in enumerate(_image_parts(sector)):
+    each = list({id(sector): sector for sector in sectors}.values())
+    for g, sector in enumerate(each):
+        for name, source, error in _image_parts(sector):
             effects = [
                 dict(zip(fit.estimate.names, (fit.shape_effect @ error).tolist(), strict=True))
                 if own is sector and fit.shape_effect is not None
@@ -275,17 +276,24 @@ def image_errors(fits: Sequence[RecordingFit], sectors: Sequence[SectorFit]) -> 
                 for fit, own in zip(fits, sectors, strict=True)
             ]
             errors.append(
-                SharedNumber(name=f"image {g} {m}", unit="1", effects=effects, u=1.0, source=source, kind="A")
-            )
+                SharedNumber(
+                    name=name if len(each) == 1 else f"{name} of image {g + 1}",
+                    unit="1", effects=effects, u=1.0, source=source, kind="A",
+                )
+            )  # fmt: skip
     return errors
 
 
-def _image_parts(sector: SectorFit) -> list[tuple[str, Array]]:
-    """Independent errors of the sector's numbers, (n_shape,) each, in standard uncertainties, and who owes them."""
+def _image_parts(sector: SectorFit) -> list[tuple[str, str, Array]]:
+    """Independent errors of the sector's numbers: a name, who owes them, and the error (n_shape,) in standard uncertainties."""
     whole, at = sector.covariance, [k for k, name in enumerate(sector.names) if name in _OF_CAMERA]
     own = whole[np.ix_(at, at)]
     by_camera = whole[:, at] @ generalised_inverse(own, flat=1e-10) @ whole[at]
     rest = whole - by_camera
     rest[at, :] = rest[:, at] = 0.0
     parts = ((sources.IMAGE, root(rest)), (sources.LENS, root(by_camera)))
-    return [(source, error) for source, errors in parts for error in errors.T if error.any()]
+    return [
+        (f"{source}, combination {m}", source, error)
+        for source, errors in parts
+        for m, error in enumerate((error for error in errors.T if error.any()), start=1)
+    ]

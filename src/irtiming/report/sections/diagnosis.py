@@ -77,6 +77,14 @@ def fitted(found: Diagnosis) -> Table:
             "Errors of the rig are counted in the standard uncertainties that rig.toml states, and so is their "
             "distance from none; a number of a recording is as far from none as its own uncertainty says. Deviance "
             "gained: by having it."
+        )
+        + (
+            t(
+                " A combination is one of several errors of the opening's numbers in the image that are independent of each "
+                "other."
+            )
+            if any(", combination " in one.name for one in found.fitted)
+            else ""
         ),
     )
 
