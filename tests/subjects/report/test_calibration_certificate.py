@@ -38,6 +38,21 @@ def _text(element) -> str:
     return " ".join(element.text_content().split())
 
 
+@pytest.mark.parametrize(
+    ("place", "language", "words"),
+    [
+        ({"temperature": "23 C", "temperature_u_k": 0.5}, "en", "(23.0 ± 1.0) °C (k = 2)"),
+        ({"temperature": "23 C", "temperature_u_k": 0.06}, "de", "(23,00 ± 0,12) °C (k = 2)"),
+        ({"temperature": "23 C", "temperature_u_k": None}, "en", "23 °C"),
+        ({"humidity_percent": 45.0, "humidity_u_percent": 2.5}, "en", "(45.0 ± 5.0) % (k = 2) relative humidity"),
+    ],
+)
+def test_the_air_has_its_expanded_uncertainty(analysis: Analysis, place, language, words) -> None:
+    """Oracle: by hand; ± stands before expanded uncertainties on the whole page, twice the standard ones, to two digits."""
+    told = sheet(analysis, place=place, certificate={"language": language})
+    assert words in conditions.environment(told).replace("\u202f", " ")
+
+
 def test_the_headline_has_value_u_and_k(analysis: Analysis) -> None:
     """Oracle: the hand-made result: 400 us with u = 30 us, k = 2.00, so U = 60 us; five relative delays but the reference."""
     found = _page(analysis)

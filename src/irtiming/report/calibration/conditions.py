@@ -4,11 +4,14 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from irtiming.archive.result_model import Input
+from irtiming.records.choices import Language
 from irtiming.report.calibration.content import MeasuredItem, Sheet
 from irtiming.report.calibration.numbers import plain, with_unit
 from irtiming.report.language import localised, translated
+from irtiming.report.rounding import fixed, places
 from irtiming.units import ZERO_CELSIUS_K
 
+_NORMAL_K = 2.0
 PLACES = {
     "laboratory": "in the laboratory",
     "customer": "at the customer's",
@@ -68,19 +71,24 @@ def of(sheet: Sheet, one: MeasuredItem) -> list[tuple[str, str]]:
 
 
 def environment(sheet: Sheet) -> str:
-    """Air around the rig, as stated."""
+    """Air around the rig, with expanded uncertainties where standard ones are stated: k = 2, as of a normal distribution."""
     place, texts = sheet.form.place, []
     if place.temperature is not None:
-        u = f" ± {place.temperature_u_k:g}" if place.temperature_u_k else ""
-        air = localised(f"{place.temperature - ZERO_CELSIUS_K:.4g}{u}", sheet.language)
-        texts.append(with_unit(f"({air})" if u else air, "°C"))
+        celsius = float(f"{place.temperature - ZERO_CELSIUS_K:.6f}")
+        texts.append(_with_expanded(celsius, place.temperature_u_k, unit="°C", language=sheet.language))
     if place.humidity_percent is not None:
-        u = f" ± {place.humidity_u_percent:g}" if place.humidity_u_percent else ""
-        share = localised(f"{place.humidity_percent:g}{u}", sheet.language)
-        texts.append(
-            f"{with_unit(f'({share})' if u else share, '%')} {translated('relative humidity', sheet.language)}"
-        )
+        share = _with_expanded(place.humidity_percent, place.humidity_u_percent, unit="%", language=sheet.language)
+        texts.append(f"{share} {translated('relative humidity', sheet.language)}")
     return ", ".join([*texts, *([place.other] if place.other else [])])
+
+
+def _with_expanded(value: float, u: float | None, *, unit: str, language: Language) -> str:
+    """Value ± U, both to the second digit of U; the value as stated where no uncertainty is."""
+    if not u:
+        return with_unit(localised(f"{value:.4g}", language), unit)
+    expanded = _NORMAL_K * u
+    both = " ± ".join(fixed(one, places(expanded)) for one in (value, expanded))
+    return f"{with_unit(f'({localised(both, language)})', unit)} (k = {_NORMAL_K:g})"
 
 
 def _each(values: Iterable[Any], written: Callable[[Any], str]) -> str:
