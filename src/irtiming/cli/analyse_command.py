@@ -79,8 +79,9 @@ def analyse(
 ) -> None:
     """Timing of a camera from its recordings, with uncertainties.
 
-    Of a snapshot photon camera the trigger delay; of a rolling microbolometer camera trigger delay, time constant and row
-    delay. Every choice is made automatically and shown in the report; the options take it over.
+    Trigger delay of any camera; time constant too where pixels lag behind the scene (microbolometer cameras), row delay where
+    rows are read one after the other (rolling readout). Every choice is made automatically and shown in the report; the options
+    take it over.
     """
     given = locals()
     low, high = _numbers(slope_limits, 2, "--slope-limits")

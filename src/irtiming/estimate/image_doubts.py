@@ -261,8 +261,8 @@ def of_rows(sector: SectorFit) -> tuple[Finding, ...]:
             code="rows-not-at-once",
             severity="doubt",
             what=f"each row of the image shows the wheel {1e6 * sector.row_delay_s:.2f} us after the one above it (u = "
-            f"{1e6 * sector.u_row_delay_s:.2f} us), but readout_mode says that all are read at once: delay and time constant are "
-            "those of no row",
+            f"{1e6 * sector.u_row_delay_s:.2f} us), but readout_mode says that all are read at once: the timing found "
+            "is that of no row",
             cure="write rolling as readout_mode if the camera reads row by row; else look for what moves the image: a tilt",
         ),
     )
