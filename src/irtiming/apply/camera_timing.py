@@ -76,6 +76,7 @@ class CameraTiming:
     ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
     delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
     each is one; ``frame_scatter_s`` is by how much the camera itself is late or early from frame to frame, a standard deviation.
+    ``stated_window_u_s`` is what rig.toml states of the integration time that the recordings state, 0 where it states nothing.
     ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
     other results share. ``not_in_uncertainty`` are the result's own words.
     """
@@ -85,6 +86,7 @@ class CameraTiming:
     event: FrameEvent = "trigger"
     scatter: Scatter | None = None
     frame_scatter_s: float = 0.0
+    stated_window_u_s: float = 0.0
     shared_u: tuple[float, ...] = ()
     two_constants: TwoConstants | None = None
     substrate_temperature_k: float | None = None
@@ -237,12 +239,18 @@ def of_result(result: Result) -> CameraTiming:
         event=result.frame_event,
         scatter=_scatter(result),
         frame_scatter_s=(result.delay_scatter and result.delay_scatter.standard_deviation) or 0.0,
+        stated_window_u_s=_stated_window_u_s(result),
         shared_u=tuple(_shared_u(result, name) for name in found),
         two_constants=two,
         substrate_temperature_k=substrate_k,
         not_in_uncertainty=tuple(result.not_in_uncertainty),
         simulated=result.simulated,
     )
+
+
+def _stated_window_u_s(result: Result) -> float:
+    stated = [one.value for one in result.rig.values if one.name == "camera.integration_time_u"]
+    return max((one for one in stated if isinstance(one, float) and 0 < one <= _LONGEST_S), default=0.0)
 
 
 def _require_plausible(names: tuple[str, ...], values: Array, u: Array) -> None:

@@ -236,7 +236,7 @@ def _android(given: HandOver) -> str:
         "sign": "SENSOR_TIMESTAMP = stamp + sensor_timestamp_minus_stamp_ns; positive: later than the stamp",
         "sensor_timestamp_minus_stamp_ns": round(1e9 * begin.value_s),
         "sensor_timestamp_minus_stamp_u_ns": 1e9 * begin.u_s,
-        "SENSOR_EXPOSURE_TIME": round(1e9 * (given.integration_s or 0.0)),
+        "SENSOR_EXPOSURE_TIME": round(1e9 * (given.integration.value_s if given.integration else 0.0)),
         "SENSOR_ROLLING_SHUTTER_SKEW": round(1e9 * abs(given.readout.value_s)),
         "SENSOR_ROLLING_SHUTTER_SKEW_u_ns": 1e9 * given.readout.u_s,
         "rows_from_the_bottom_up": given.readout.value_s < 0,
@@ -253,8 +253,8 @@ def _opencv(given: HandOver) -> str:
         ("readout", given.readout),
     ):  # fmt: skip
         lines += [f"{name}_s: {_float(number.value_s)}", f"u_{name}_s: {_float(number.u_s)}"]
-    if given.integration_s is not None:
-        lines.append(f"integration_time_s: {_float(given.integration_s)}")
+    if given.integration is not None:
+        lines.append(f"integration_time_s: {_float(given.integration.value_s)}")
     if given.validity is not None:
         lines.append(f"time_constant_s: {_float(given.validity.time_constant_s)}")
     notes = [*_common(given, given.middle_row, "the middle of the image"), "sign: positive is later than the stamp"]

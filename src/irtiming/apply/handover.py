@@ -58,7 +58,7 @@ class HandOver:
     first_row: Number
     middle_row: Number
     exposure_start: Number | None
-    integration_s: float | None
+    integration: Number | None
     row_delay: Number
     readout: Number
     rows: int | None
@@ -112,16 +112,12 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
     tau_s = camera.estimate.value("time_constant") if camera.has_lag else 0.0
     row = Number(value_s=camera.row_delay_s, u_s=camera.estimate.u("row_delay") if camera.row_delay_s else 0.0)
     n_rows = conditions.rows or 0
-    window_s = None
-    if "start" in moments:
-        both = [float(camera.offset_s(moments[name], np.zeros(1))[0]) for name in ("start", "end")]
-        window_s = both[1] - both[0]
     return HandOver(
         event=camera.event,
         first_row=after_stamp(moments["effective"], 0.0),
         middle_row=after_stamp(moments["effective"], middle),
         exposure_start=after_stamp(moments["start"], 0.0) if "start" in moments else None,
-        integration_s=window_s,
+        integration=_window(camera, moments["start"], moments["end"]) if "start" in moments else None,
         row_delay=row,
         readout=Number(value_s=n_rows * row.value_s, u_s=n_rows * row.u_s),
         rows=conditions.rows,
@@ -133,6 +129,15 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         frame_period_s=conditions.frame_period_s,
         not_in_uncertainty=(*camera.not_in_uncertainty, *_untold(camera)),
         simulated=camera.simulated,
+    )
+
+
+def _window(camera: CameraTiming, start: Moment, end: Moment) -> Number:
+    """Length of the integration, as found or as the recordings state it."""
+    row, name = np.zeros(1), "integration_time"
+    length_s = float(camera.offset_s(end, row)[0] - camera.offset_s(start, row)[0])
+    return Number(
+        value_s=length_s, u_s=camera.estimate.u(name) if name in camera.estimate else camera.stated_window_u_s
     )
 
 

@@ -15,6 +15,7 @@ from irtiming.report.rounding import significant, uncertainty_text
 COVERAGE_PERCENT = 95.45
 """Probability with which value ± U holds the measurand: that of two standard deviations of a normal distribution."""
 
+_MANY = 1000  # degrees of freedom beyond which their number says nothing
 _LIKE_INFINITE = 1e6  # degrees of freedom from which Student's t is a normal distribution
 _HALVES = ("trigger_delay_falling", "trigger_delay_rising")
 
@@ -147,9 +148,11 @@ def expanded_text(u: float, degrees_of_freedom: float, *, unit: str = "s") -> tu
 
 
 def freedom_text(degrees_of_freedom: float) -> str:
-    """Degrees of freedom as text: ``"3"``, ``"12.4"``, ``"∞"``."""
+    """Degrees of freedom as text: ``"3"``, ``"12.4"``, ``"∞"``; ``"> 1000"`` where they change k no more."""
     if _is_infinite(degrees_of_freedom):
         return "∞"
+    if degrees_of_freedom > _MANY:
+        return f"> {_MANY:g}"
     return f"{degrees_of_freedom:.0f}" if degrees_of_freedom >= 100 else decimal(f"{degrees_of_freedom:.3g}")
 
 

@@ -9,6 +9,7 @@ from irtiming.records.arrays import Array
 from irtiming.records.pixel_maps import LineMeans, PixelMaps
 from irtiming.records.reduced import Region
 from irtiming.report import sheet
+from irtiming.report.rounding import in_unit, time_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -113,9 +114,8 @@ def _rows(maps: PixelMaps) -> tuple[float, float]:
 
 
 def _heading(maps: PixelMaps) -> str:
-    rows = f"row delay by the map {1e6 * maps.row_delay_s:.3f} ± {1e6 * maps.u_row_delay_s:.3f} µs, by the fit " + (
-        f"{1e6 * maps.fitted_row_delay_s:.3f} µs"
-    )
+    fitted = in_unit(maps.fitted_row_delay_s, maps.u_row_delay_s, unit_s=1e-6)
+    rows = f"row delay by the map {time_text(maps.row_delay_s, maps.u_row_delay_s)}, by the fit {fitted} µs"
     strays = f"{int(maps.is_deviating.sum())} deviate, {int(maps.is_dead.sum())} dead"
     return f"{maps.delay_name.replace('_', ' ').capitalize()} of {maps.n_pixels} pixels ({strays}); {rows}"
 

@@ -54,13 +54,14 @@ def time_text(value_s: float, u_s: float | None = None) -> str:
 
 
 def value_text(value: float, u: float | None = None, *, unit: str = "s") -> str:
-    """A number with its standard uncertainty: a time as `time_text` gives it, a share in per cent."""
+    """A number with its standard uncertainty: a time as `time_text` gives it, an angle in µrad, a share in per cent."""
     if unit == "s":
         return time_text(value, u)
+    factor, name = (1e-6, "µrad") if unit == "rad" else (1e-2, "%")
     if u is None or not isfinite(u) or u <= 0:
-        return with_unit(decimal(f"{100 * value:.6g}").replace("-", _MINUS), "%")
-    decimals = places(100 * u)
-    return with_unit(f"{fixed(100 * value, decimals)} ± {fixed(100 * u, decimals)}", "%")
+        return with_unit(decimal(f"{value / factor:.6g}").replace("-", _MINUS), name)
+    decimals = places(u / factor)
+    return with_unit(f"{fixed(value / factor, decimals)} ± {fixed(u / factor, decimals)}", name)
 
 
 def uncertainty_text(u_s: float) -> str:

@@ -75,10 +75,11 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
             f"Something that oscillates {significant(given.validity.frequency_hz)} times a second is shown 1 % too small; "
             "faster, it is shown smaller still."
         )
-    elif given.integration_s is not None:
+    elif given.integration is not None:
+        window = time_text(given.integration.value_s, given.integration.u_s)
         yield (
-            f"It is a mean over {time_text(given.integration_s)}: an edge that moves by 1 px in a millisecond is smeared over "
-            f"{significant(1e3 * given.integration_s)} px."
+            f"It is a mean over {window}: an edge that moves by 1 px in a millisecond is smeared over "
+            f"{significant(1e3 * given.integration.value_s)} px."
         )
     if given.frames_back is not None:
         back = time_text(given.frames_back.value_s, given.frames_back.u_s)

@@ -13,6 +13,7 @@ from made_up_result import BOLOMETER, COOLED, made_up_result
 
 from irtiming.apply import camera_timing, export, handover
 from irtiming.archive.result_file import write_result
+from irtiming.archive.result_model import RigValue
 from irtiming.errors import EstimationError, UnitError
 from irtiming.records.application import Program
 from irtiming.session import hand_over
@@ -283,9 +284,13 @@ def test_a_rolling_camera_in_plain_words(tmp_path):
 
 
 def test_a_cooled_camera_in_plain_words(tmp_path):
-    """Oracle: by hand; a window of 250 us about 525 us."""
+    """Oracle: by hand; a window of 250 us about 525 us, with the uncertainty that rig.toml states."""
     words = _explained(tmp_path, made_up_result("photon", "snapshot", COOLED))
     assert "Your frame shows the world as it was 525.00 ± 0.30 µs after the trigger edge." in words
-    assert "It is a mean over 250 µs" in words
+    assert "It is a mean over 250 µs:" in words
+    stated = made_up_result("photon", "snapshot", COOLED)
+    values = [RigValue(name="camera.integration_time_u", value=7.4e-6, unit="s")]
+    stated = stated.model_copy(update={"rig": stated.rig.model_copy(update={"values": values})})
+    assert "It is a mean over 250.0 ± 7.4 µs:" in _explained(tmp_path, stated)
     old = made_up_result("microbolometer", "snapshot", {"trigger_delay": (2e-3, 1e-5), "time_constant": (5e-3, 1e-5)})
     assert "3.000 ± 0.014 ms before the trigger edge" in _explained(tmp_path, old)

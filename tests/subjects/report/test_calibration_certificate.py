@@ -53,6 +53,15 @@ def test_the_air_has_its_expanded_uncertainty(analysis: Analysis, place, languag
     assert words in conditions.environment(told).replace("\u202f", " ")
 
 
+@pytest.mark.parametrize(("u_s", "words"), [(None, "250 µs"), (7.4e-6, "250 µs ± 15 µs (k = 2)")])
+def test_an_integration_time_has_the_digits_of_its_uncertainty(analysis: Analysis, u_s, words) -> None:
+    """Oracle: by hand; twice the 7.4 us that rig.toml states, and no more digits than that has."""
+    rig = replace(analysis.rig, camera=replace(analysis.rig.camera, integration_time_u_s=u_s))
+    told = sheet(replace(analysis, rig=rig))
+    found = dict(conditions.of(told, told.results[0]))["integration time as stated"]
+    assert found.replace("\u202f", " ") == words
+
+
 def test_the_headline_has_value_u_and_k(analysis: Analysis) -> None:
     """Oracle: the hand-made result: 400 us with u = 30 us, k = 2.00, so U = 60 us; five relative delays but the reference."""
     found = _page(analysis)

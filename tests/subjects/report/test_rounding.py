@@ -38,6 +38,21 @@ def test_an_uncertainty_alone_has_two_digits(u_s, text):
 
 
 @pytest.mark.parametrize(
+    ("value", "u", "unit", "text"),
+    [
+        (142.8e-6, 134.5e-6, "rad", "140 ± 130 µrad"),
+        (-1.4e-3, 2e-5, "rad", "−1400 ± 20 µrad"),
+        (0.0123, 0.00034, "1", "1.230 ± 0.034 %"),
+        (3.2e-6, 1.1e-7, "s", "3.20 ± 0.11 µs"),
+        (5e-6, None, "rad", "5 µrad"),
+    ],
+)
+def test_any_number_has_two_digits_of_its_uncertainty(value, u, unit, text):
+    """Oracle: the GUM's 7.2.6 by hand; angles in urad, shares in per cent."""
+    assert rounding.value_text(value, u, unit=unit).replace("\u202f", " ") == text
+
+
+@pytest.mark.parametrize(
     ("value", "text"), [(123.4, "120"), (0.0999, "0.10"), (9.96, "10"), (0.0, "0"), (1.0, "1.0"), (0.00123, "0.0012")]
 )
 def test_significant_digits_count_from_the_first(value, text):

@@ -6,7 +6,7 @@ from typing import Any
 from irtiming.archive.result_model import Input
 from irtiming.records.choices import Language
 from irtiming.report.calibration.content import MeasuredItem, Sheet
-from irtiming.report.calibration.numbers import plain, with_unit
+from irtiming.report.calibration.numbers import plain, stated, with_unit
 from irtiming.report.language import localised, translated
 from irtiming.report.rounding import fixed, places
 from irtiming.units import ZERO_CELSIUS_K
@@ -61,13 +61,28 @@ def of(sheet: Sheet, one: MeasuredItem) -> list[tuple[str, str]]:
         ("image, rows × columns", _each([i.image for i in inputs], lambda image: f"{image.rows} × {image.columns}")),
         ("region of interest, rows; columns", _each([tuple(i.roi) for i in inputs], _region)),
         ("frame rate", numbers([1 / i.frame_period if i.frame_period else None for i in inputs], "Hz")),
-        ("integration time as stated", "–" if result.camera != "photon" else numbers([i.integration_time for i in inputs], "s")),
+        ("integration time as stated", _window(one, sheet)),
         ("bits per pixel", _each([i.bit_depth for i in inputs], str)),
         ("blackbody", _each([i.blackbody_temperature for i in inputs], lambda k: _celsius(k, sheet))),
         ("chopper wheel", numbers([i.rotation_speed for i in inputs], "Hz")),
         ("delays set in the trigger generator", _each([i.trigger_delay_time_set for i in inputs], lambda s: _set(s, sheet))),
         ("recordings; frames used", f"{len(inputs)}; {sum(_used(i) for i in inputs)}"),
     ]  # fmt: skip
+
+
+def _window(one: MeasuredItem, sheet: Sheet) -> str:
+    """That of a photon camera, with the expanded uncertainty where rig.toml states a standard one."""
+    if one.result.camera != "photon":
+        return "–"
+    stated_u = [each.value for each in one.result.rig.values if each.name == "camera.integration_time_u"]
+    expanded = max((_NORMAL_K * u for u in stated_u if isinstance(u, float)), default=0.0)
+
+    def text(window_s: float) -> str:
+        if expanded <= 0:
+            return plain(window_s, "s", language=sheet.language)
+        return f"{' ± '.join(stated(window_s, expanded, language=sheet.language))} (k = {_NORMAL_K:g})"
+
+    return _each([each.integration_time for each in one.result.inputs], text)
 
 
 def environment(sheet: Sheet) -> str:

@@ -96,7 +96,7 @@ def _as_time_and_angle(result: Result) -> list[tuple[str, str, str, str, str]]:
         ),
         (
             "  " + t("angle"),
-            t("{angle:.1f} ± {u:.1f} µrad", angle=1e6 * angle, u=1e6 * u_angle),
+            value_text(angle, u_angle, unit="rad"),
             "–",
             "–",
             t("mask and cutout edges, over ω"),

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _NO_SHARE = 1e-8
+_LEAST_PERCENT = 1e-3  # a ratio whose uncertainty is smaller is stated in ppm
 _MOST_NAMED = 8
 
 
@@ -90,9 +91,8 @@ def _sensitivity(line: budget_of.Line) -> tuple[str, str]:
     if line.measured is None or line.sensitivity is None:
         return "–", "–"
     u, unit = line.measured
-    scale, shown = {"m": (1e-3, "mm"), "s": (US, "µs"), "rad": (1e-3, "mrad"), "1": (1e-6, "ppm")}.get(
-        unit, (1.0, unit)
-    )
+    ratio = (1e-6, "ppm") if u < _LEAST_PERCENT else (1e-2, "%")
+    scale, shown = {"m": (1e-3, "mm"), "s": (US, "µs"), "rad": (1e-3, "mrad"), "1": ratio}.get(unit, (1.0, unit))
     return with_unit(significant(u / scale), shown), with_unit(
         significant(line.sensitivity * scale / US), f"µs/{shown}"
     )
