@@ -90,8 +90,8 @@ def findings(found: DelayScatter) -> tuple[Finding, ...]:
         Finding(
             code="delay-scatters",
             severity="warning",
-            what=f"the delay scatters from frame to frame with a standard deviation of {1e6 * found.standard_deviation_s:.3g} us "
-            f"(u = {1e6 * found.u_s:.2g} us); the result is that of the mean frame",
+            what=f"the delay scatters from frame to frame with a standard deviation of {1e6 * found.standard_deviation_s:.3g} µs "
+            f"(u = {1e6 * found.u_s:.2g} µs); the result is that of the mean frame",
             cure="a single frame is exposed earlier or later by as much; see whether the camera waits for a clock of its own, or "
             "whether software makes its triggers",
         ),

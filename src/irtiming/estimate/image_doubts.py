@@ -151,8 +151,8 @@ def _of_row_delay(fits: Sequence[RowTimingFit], sector: SectorFit) -> list[Findi
         Finding(
             code="row-delays-disagree",
             severity="doubt",
-            what=f"row delay by the row sums {1e6 * row_delay:.3f} us, by the phases of the pixels "
-            f"{1e6 * sector.row_delay_s:.3f} us: they differ by {apart / u:.1f} u",
+            what=f"row delay by the row sums {1e6 * row_delay:.3f} µs, by the phases of the pixels "
+            f"{1e6 * sector.row_delay_s:.3f} µs: they differ by {apart / u:.1f} u",
             cure="focus the camera on the mask; a lens that distorts or a camera that was moved may be the cause, too",
         )
     ]
@@ -260,8 +260,8 @@ def of_rows(sector: SectorFit) -> tuple[Finding, ...]:
         Finding(
             code="rows-not-at-once",
             severity="doubt",
-            what=f"each row of the image shows the wheel {1e6 * sector.row_delay_s:.2f} us after the one above it (u = "
-            f"{1e6 * sector.u_row_delay_s:.2f} us), but readout_mode says that all are read at once: the timing found "
+            what=f"each row of the image shows the wheel {1e6 * sector.row_delay_s:.2f} µs after the one above it (u = "
+            f"{1e6 * sector.u_row_delay_s:.2f} µs), but readout_mode says that all are read at once: the timing found "
             "is that of no row",
             cure="write rolling as readout_mode if the camera reads row by row; else look for what moves the image: a tilt",
         ),

@@ -84,7 +84,7 @@ def _row_clock(maps: PixelMaps, delays: MappedDelays, clock: RowClock) -> list[F
         p_value, row, off_s = map_patterns.p_value_of_straight_rows(delays, clock)
         if p_value > _SIGNIFICANCE:
             return []
-        uneven = [f"row {row} is off the straight line of the others by {1e6 * off_s:+.2f} us"]
+        uneven = [f"row {row} is off the straight line of the others by {1e6 * off_s:+.2f} µs"]
     return [
         Finding(
             code="row-clock-not-even",
@@ -96,7 +96,7 @@ def _row_clock(maps: PixelMaps, delays: MappedDelays, clock: RowClock) -> list[F
 
 
 def _later(one: ReadoutPattern) -> str:
-    return f"{1e6 * abs(one.later_s):.2f} us {'later' if one.later_s > 0 else 'earlier'} (u = {1e6 * one.u_later_s:.2f} us)"
+    return f"{1e6 * abs(one.later_s):.2f} µs {'later' if one.later_s > 0 else 'earlier'} (u = {1e6 * one.u_later_s:.2f} µs)"
 
 
 def _unexplained(maps: PixelMaps) -> list[Finding]:

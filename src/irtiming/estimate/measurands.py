@@ -330,7 +330,7 @@ def _trusted(by_frames: Estimate | None, window: Window, *, u_middle_s: float) -
         )
     else:
         what = "rig.toml states no u of the recordings' count_time: the wheel speeds confirm it"
-        within = f" within u = {1e6 * by_frames.u(WINDOW):.2g} us, half of which is not in u of trigger_delay"
+        within = f" within u = {1e6 * by_frames.u(WINDOW):.2g} µs, half of which is not in u of trigger_delay"
     return _Trust(
         findings=(
             Finding(
@@ -350,8 +350,8 @@ def _contradicted(length_s: float, u_s: float, *, stated_s: float) -> Finding:
     return Finding(
         code="integration-time-contradicted",
         severity="doubt",
-        what=f"the corners of the sums say {1e6 * length_s:.1f} us of integration (u = {1e6 * u_s:.1f} us), their count_time "
-        f"says {1e6 * stated_s:.1f} us",
+        what=f"the corners of the sums say {1e6 * length_s:.1f} µs of integration (u = {1e6 * u_s:.1f} µs), their count_time "
+        f"says {1e6 * stated_s:.1f} µs",
         cure="trigger_delay counts on the latter, exposure_midpoint_delay on neither",
     )
 

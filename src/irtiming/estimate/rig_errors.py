@@ -246,7 +246,7 @@ def _of_registers(tracks: Sequence[WheelTrack], given: Latency | None) -> list[F
             code="gates-late-apart",
             severity="doubt",
             what=f"the gates seem {'further' if late_s > 0 else 'less far'} apart the faster the wheel turns: edges of the "
-            f"{first} are {1e6 * abs(late_s):.2g} us later against those of the {second} than rig.toml says",
+            f"{first} are {1e6 * abs(late_s):.2g} µs later against those of the {second} than rig.toml says",
             cure="measure both gates' latencies (irtiming latency gates) and state them in [latency]",
         )
     ]
@@ -295,7 +295,7 @@ def _of_offset(beams: LightGates, *, several: bool) -> list[Finding]:
         beside = (
             "; several wheel speeds distinguish it from a delay"
             if several
-            else ", and 0.1 mm is about 2 mrad: 100 us at a wheel speed of 3 Hz"
+            else ", and 0.1 mm is about 2 mrad: 100 µs at a wheel speed of 3 Hz"
         )
         return [
             Finding(

@@ -316,7 +316,7 @@ def _findings(
                 severity="warning",
                 what=f"the constants of substrate and scene are not separated: blackbodies from {kelvin[0]:.1f} K to "
                 f"{kelvin[-1]:.1f} "
-                f"K with u = {scatter:.2g} us of each time constant allow a share of the scene in the exchange of heat "
+                f"K with u = {scatter:.2g} µs of each time constant allow a share of the scene in the exchange of heat "
                 f"of {allowed[0]:.2f} to {allowed[-1]:.2f} (2 u)",
                 cure=f"{cure}; record wider apart, or longer",
             )

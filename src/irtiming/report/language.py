@@ -17,6 +17,9 @@ from irtiming.records.words import require_word
 from irtiming.report.catalogue import catalogue
 
 _NUMBER, _WORD = re.compile(r"[0-9]+(?:\.[0-9]+)?"), re.compile(r"[a-z]{2,}")
+_HYPHEN = re.compile(
+    r"(?<![\w.,-])-(?=\d)"
+)  # that stands for a minus sign: before a number, and not within a word or a day
 _NARROW = "\N{NARROW NO-BREAK SPACE}"
 _language: ContextVar[Language] = ContextVar("language", default="en")
 
@@ -92,7 +95,8 @@ def day(when: date, to: Language) -> str:
 
 
 def localised(text: str, to: Language) -> str:
-    """A number as text with the decimal mark of a language, and in German a space before %."""
+    """A number as text with the decimal mark of a language, a true minus sign, and in German a space before %."""
+    text = _HYPHEN.sub("\N{MINUS SIGN}", text)
     return re.sub(r"(?<=\d)%", f"{_NARROW}%", text.replace(".", ",")) if to == "de" else text
 
 

@@ -149,4 +149,4 @@ def bound_text(bound: Bound) -> str:
 
 def _short(value_s: float) -> str:
     factor, unit = time_unit(value_s)
-    return with_unit(decimal(f"{value_s / factor:.3g}").replace("-", "−"), unit)
+    return with_unit(decimal(f"{value_s / factor:.3g}"), unit)

@@ -29,7 +29,7 @@ def fixed(value: float, decimals: int) -> str:
     text = f"{round(value, decimals):.{max(decimals, 0)}f}"
     if not text.strip("-0."):
         text = text.lstrip("-")
-    return decimal(text).replace("-", _MINUS)
+    return decimal(text)
 
 
 def significant(value: float, *, digits: int = 2) -> str:
@@ -47,7 +47,7 @@ def time_text(value_s: float, u_s: float | None = None) -> str:
     """
     if u_s is None or not isfinite(u_s) or u_s <= 0:
         factor, unit = time_unit(value_s)
-        return with_unit(decimal(f"{value_s / factor:.6g}").replace("-", _MINUS), unit)
+        return with_unit(decimal(f"{value_s / factor:.6g}"), unit)
     factor, unit = time_unit(max(abs(value_s), u_s))
     decimals = places(u_s / factor)
     return with_unit(f"{fixed(value_s / factor, decimals)} ± {fixed(u_s / factor, decimals)}", unit)
@@ -59,7 +59,7 @@ def value_text(value: float, u: float | None = None, *, unit: str = "s") -> str:
         return time_text(value, u)
     factor, name = (1e-6, "µrad") if unit == "rad" else (1e-2, "%")
     if u is None or not isfinite(u) or u <= 0:
-        return with_unit(decimal(f"{value / factor:.6g}").replace("-", _MINUS), name)
+        return with_unit(decimal(f"{value / factor:.6g}"), name)
     decimals = places(u / factor)
     return with_unit(f"{fixed(value / factor, decimals)} ± {fixed(u / factor, decimals)}", name)
 
@@ -75,7 +75,7 @@ def uncertainty_text(u_s: float) -> str:
 def in_unit(value_s: float, u_s: float, *, unit_s: float) -> str:
     """Value in a given unit, without its name, to the place of the second digit of its uncertainty."""
     if not isfinite(u_s) or u_s <= 0:
-        return decimal(f"{value_s / unit_s:.6g}").replace("-", _MINUS)
+        return decimal(f"{value_s / unit_s:.6g}")
     return fixed(value_s / unit_s, places(u_s / unit_s))
 
 

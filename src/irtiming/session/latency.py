@@ -54,7 +54,7 @@ class GatesOrder:
         if self.exchanged and self.place_u_rad is None:
             raise EstimationError(
                 "{exchanged} wants {place_u_rad}: by how much the beams may stand elsewhere after the exchange; 1 um at 47 mm "
-                "from the axle is 0.02 mrad, and at 3 Hz that is 1 us",
+                "from the axle is 0.02 mrad, and at 3 Hz that is 1 µs",
                 "exchanged",
                 "place_u_rad",
             )

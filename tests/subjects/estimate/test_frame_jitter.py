@@ -85,7 +85,7 @@ def test_a_camera_whose_delay_scatters_is_told_so_and_its_result_holds(scatterin
     assert abs(found.variance_s2 - scene.timing.jitter_s**2) < 4 * found.u_s2
     told = next(one for one in analysis.best.findings if one.code == "delay-scatters")
     assert told.severity == "warning"
-    assert f"{1e6 * found.variance_s2**0.5:.3g} us" in told.what
+    assert f"{1e6 * found.variance_s2**0.5:.3g} µs" in told.what
     estimate = analysis.best.estimate
     off_s = estimate.value("row_delay") - scene.timing.row_delay_s
     assert abs(off_s) < 3 * estimate.u("row_delay")
@@ -111,7 +111,7 @@ def test_recordings_are_weighed_and_chance_is_no_scatter(monkeypatch):
     monkeypatch.setattr(frame_jitter, "scatter", lambda recording, fit: next(given))
     sure = frame_jitter.of_all([None] * 2, [None] * 2)
     (told,) = frame_jitter.findings(sure)
-    assert "27.2 us (u = 1.6 us)" in told.what
+    assert "27.2 µs (u = 1.6 µs)" in told.what
     unsure = frame_jitter.of_all([None] * 2, [None] * 2)
     assert frame_jitter.findings(unsure) == ()
     assert (unsure.standard_deviation_s, unsure.u_s) == (0.0, 0.0)

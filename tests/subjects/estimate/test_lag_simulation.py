@@ -160,7 +160,7 @@ def test_a_mask_without_pixels_is_refused():
 def test_a_time_constant_below_one_step_is_refused():
     """Oracle: 200 angles of 1/3 s in ten steps each are 166.7 us."""
     short = LagTiming(trigger_delay_s=0.0, row_delay_s=0.0, time_constant_s=150e-6)
-    with pytest.raises(EstimationError, match=r"150\.0 us with 200 angles per turn: a simulation step, 166\.7 us"):
+    with pytest.raises(EstimationError, match=r"150\.0 µs with 200 angles per turn: a simulation step, 166\.7 µs"):
         simulate(crossings(_mask(), MODEL, wheel=WHEEL), short, samples=200, angular_frequency_rad_per_s=OMEGA)
 
 

@@ -221,7 +221,7 @@ def test_gates_that_are_late_apart_show_at_several_speeds(late_s, stated, gate):
     found = rig_errors.of(_recordings(rates_hz, late_s=late_s), fits, rig=rig, geometry=_geometry()).findings
     texts = [one.what for one in found if one.code == "gates-late-apart"]
     assert len(texts) == (gate is not None)
-    assert all(f"edges of the {gate} are {1e6 * abs(late_s):.2g} us later" in text for text in texts)
+    assert all(f"edges of the {gate} are {1e6 * abs(late_s):.2g} µs later" in text for text in texts)
     one = rig_errors.of(_recordings((3.0,), late_s=late_s), fits[:1], rig=rig, geometry=_geometry()).findings
     common = _recordings(rates_hz, late_s=late_s, register_hz=5.0)
     pooled = rig_errors.of(common, fits, rig=rig, geometry=_geometry()).findings

@@ -331,7 +331,7 @@ def test_two_recordings_that_disagree_are_told(fits, geometry, sector):
         ({"variance_inflation": 9.0}, "residuals of 1 of 1 recording are correlated.*widened by up to 3.0"),
         (
             {"row_delay": 61e-6},
-            r"row delay by the row sums 60.000 us, by the phases of the pixels 61.000 us: they differ by 7.1 u",
+            r"row delay by the row sums 60.000 µs, by the phases of the pixels 61.000 µs: they differ by 7.1 u",
         ),
         (
             {"u_edge": None, "six": SIX + 2e-4 * np.array([1, -1, 1, -1, 0, 0])},

@@ -23,7 +23,7 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.choices import Language
 from irtiming.records.frame_events import FrameEvent
 from irtiming.report import catalogue, certificate, event_words, language, sheet
-from irtiming.report.language import day, decimal, finding_title, several, t, translated, writing_in
+from irtiming.report.language import day, decimal, finding_title, localised, several, t, translated, writing_in
 from irtiming.report.meanings import SIGN
 from results_by_hand import english_words_in
 
@@ -108,6 +108,21 @@ def test_numbers_in_a_text_have_the_decimal_mark_of_the_language() -> None:
     with writing_in("de"):
         assert t("{part:.1f} of {file}", part=2.5, file="a.nxs") == "2,5 of a.nxs"
     assert t("{part:.1f} of {file}", part=2.5, file="a.nxs") == "2.5 of a.nxs"
+
+
+@pytest.mark.parametrize(
+    ("text", "english", "german"),
+    [
+        ("-47.2", "\N{MINUS SIGN}47.2", "\N{MINUS SIGN}47,2"),
+        ("-0.89 (-1.5)", "\N{MINUS SIGN}0.89 (\N{MINUS SIGN}1.5)", "\N{MINUS SIGN}0,89 (\N{MINUS SIGN}1,5)"),
+        ("+0.5", "+0.5", "+0,5"),
+        ("2e-13", "2e-13", "2e-13"),
+        ("3-5", "3-5", "3-5"),
+    ],
+)
+def test_a_number_has_a_true_minus_sign(text: str, english: str, german: str) -> None:
+    """Oracle: by hand (ISO 80000-1); hyphens within a range, a day or an exponent stay."""
+    assert (localised(text, "en"), localised(text, "de")) == (english, german)
 
 
 def test_days_and_findings() -> None:

@@ -143,8 +143,8 @@ def simulate(
     lag_rad = angular_frequency_rad_per_s * timing.time_constant_s
     if not lag_rad * STEPS_PER_SAMPLE * samples > TURN:
         raise EstimationError(
-            f"a time constant of {1e6 * timing.time_constant_s:.1f} us with {samples} angles per turn: a simulation step, "
-            f"{1e6 * TURN / (STEPS_PER_SAMPLE * samples * angular_frequency_rad_per_s):.1f} us, must be shorter than the time "
+            f"a time constant of {1e6 * timing.time_constant_s:.1f} µs with {samples} angles per turn: a simulation step, "
+            f"{1e6 * TURN / (STEPS_PER_SAMPLE * samples * angular_frequency_rad_per_s):.1f} µs, must be shorter than the time "
             "constant; sample the turn more finely"
         )
     advance = angular_frequency_rad_per_s * (timing.trigger_delay_s + mask.row_px * timing.row_delay_s)

@@ -125,7 +125,7 @@ def _region(roi: tuple[int, ...]) -> str:
 
 
 def _celsius(kelvin: float, sheet: Sheet) -> str:
-    return with_unit(localised(f"{kelvin - ZERO_CELSIUS_K:.2f}".replace("-", "−"), sheet.language), "°C")
+    return with_unit(localised(f"{kelvin - ZERO_CELSIUS_K:.2f}", sheet.language), "°C")
 
 
 def _set(delay_s: float, sheet: Sheet) -> str:

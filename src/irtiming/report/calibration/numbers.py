@@ -23,7 +23,7 @@ def stated(value: float, expanded: float, *, language: Language) -> tuple[str, s
     """
     factor, unit = time_unit(max(abs(value), expanded))
     if not (isfinite(expanded) and expanded > 0):
-        return with_unit(localised(f"{value / factor:.6g}".replace("-", "−"), language), unit), "–"
+        return with_unit(localised(f"{value / factor:.6g}", language), unit), "–"
     decimals = places(expanded / factor)
     both = (fixed(one / factor, decimals) for one in (value, expanded))
     first, second = (with_unit(localised(text, language), unit) for text in both)
@@ -33,7 +33,7 @@ def stated(value: float, expanded: float, *, language: Language) -> tuple[str, s
 def plain(size: float, unit: str, *, language: Language) -> str:
     """A size that was chosen, with no more digits than it needs: ``"25 ms"``, ``"30.303 Hz"``."""
     factor, unit = time_unit(size) if unit == "s" else (1.0, unit)
-    return with_unit(localised(f"{size / factor:.6g}".replace("-", "−"), language), unit)
+    return with_unit(localised(f"{size / factor:.6g}", language), unit)
 
 
 def small(size: float, unit: str, *, language: Language, digits: int = 3) -> str:

@@ -101,7 +101,7 @@ def correlation(one: MeasuredItem, language: Language) -> dict[str, Any] | None:
 
 
 def _coefficient(r: float | None, language: Language) -> str:
-    return "–" if r is None else localised(f"{r:+.3f}".replace("-", "−"), language)
+    return "–" if r is None else localised(f"{r:+.3f}", language)
 
 
 def rig(result: Result, language: Language) -> list[dict[str, str]]:
@@ -122,7 +122,7 @@ def _as_stated(value: float, unit: str, language: Language) -> str:
     """With the digits that people write."""
     if unit == "s":
         return plain(value, unit, language=language)
-    return with_unit(localised(f"{value:.9g}".replace("-", "−"), language), unit)
+    return with_unit(localised(f"{value:.9g}", language), unit)
 
 
 def files(one: MeasuredItem) -> list[dict[str, str]]:

@@ -339,7 +339,7 @@ def _profile(axes: "Axes", profile: Profile) -> None:
     for place in _in_u(profile, np.array(ends)):
         axes.plot([place, place], [0, 1], color=sheet.RED, linewidth=1)
         axes.annotate(
-            decimal(f"{place:+.2f}").replace("-", "−"),
+            decimal(f"{place:+.2f}"),
             (place, 0),
             xytext=(-3 if place < 0 else 3, 3),
             textcoords="offset points",

@@ -160,7 +160,7 @@ def beside_the_truth(analysis: Analysis, truth_s: dict[str, float]) -> Table:
                 cells += [t("not determined"), "–"]
                 continue
             value, u = ours[name]
-            cells += [time_text(value, u), decimal(f"{(value - truth_s[name]) / u:+.1f}").replace("-", "−")]
+            cells += [time_text(value, u), decimal(f"{(value - truth_s[name]) / u:+.1f}")]
         rows.append((SYMBOLS.get(name, name), *cells))
     methods = [method_name(analysis.best.method), t("as published")][: len(results)]
     return Table(

@@ -46,7 +46,7 @@ def constants(found: TwoConstantsResult) -> Table:
         words = what(name, found)
         if name in names:
             value, u = float(found.estimate.values[k]), float(found.estimate.standard_uncertainties[k])
-            moved = [decimal(f"{1e6 * one:+.1f}").replace("-", "−") for one in change[k]]
+            moved = [decimal(f"{1e6 * one:+.1f}") for one in change[k]]
             rows.append((label(name), time_text(value, u), budget.expanded_text(u, inf)[0], *moved, words))
         else:
             rows.append(
