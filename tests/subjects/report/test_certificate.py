@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -43,6 +44,17 @@ def test_verdict_and_warnings_come_before_every_table(page):
     )
     assert verdict < warnings < table
     assert page.index("3 frames lost") < table
+
+
+def test_a_wide_table_scrolls_and_is_whole_on_paper(page):
+    """Oracle: the page; each table stands in a region with its title that scrolls, also by keyboard, and is not cut in print."""
+    regions = re.findall(r'<div class="scroll" tabindex="0" role="region" aria-label="([^"]*)">\s*<table>', page)
+    titles = re.findall(r'<figcaption class="title">([^<]*)</figcaption>', page)
+    assert len(titles) > 5
+    assert regions == titles
+    in_print = page[page.index("@media print") : page.index("</style>")]
+    assert ".scroll { overflow: visible;" in in_print
+    assert "td.r { white-space: normal; }" in in_print
 
 
 def test_a_warning_cannot_smuggle_markup(page):
