@@ -13,17 +13,20 @@ from irtiming.report import event_words
 from irtiming.report.blocks import Table, of_tables
 from irtiming.report.meanings import METHOD_NAMES, SIGN, has_pixel_sums
 from irtiming.report.meanings import event as event_text
-from irtiming.report.result import warnings
+from irtiming.report.result import doubts
 from irtiming.report.sections import parameters, relative_delays, two_constants, uncertainty
 from irtiming.report.verdict import verdict
 
+_STYLES = {"error": "bold red", "doubt": "bold magenta", "warning": "yellow"}
+
 
 def print_result(analysis: Analysis, console: Console) -> None:
-    """Verdict and warnings first, then the parameters, the relative delays and the budget."""
+    """Verdict, doubts and warnings first, then the parameters, the relative delays and the budget."""
     event = event_words.event_of(analysis)
     console.print(f"[bold]{escape(event_words.text(verdict(analysis).sentence, event))}[/bold]")
-    for text in warnings(analysis):
-        console.print(f"[yellow]warning:[/yellow] {escape(text)}", highlight=False)
+    for one in doubts(analysis):
+        text = escape(event_words.text(one.sentence(), event))
+        console.print(f"[{_STYLES[one.severity]}]{one.severity}:[/] {text}", highlight=False)
     separate = [] if analysis.two_constants is None else [_first(two_constants.constants(analysis.two_constants), 3)]
     delays = _first(relative_delays.combined_delays(analysis), 5)
     ours = replace(delays, rows=tuple(row for row in delays.rows if row[1] != "–"), note=relative_delays.note(analysis))

@@ -17,7 +17,7 @@ from irtiming.cli.screen import say
 from irtiming.errors import one_line
 from irtiming.records.finding import Finding
 
-_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "doubt": "bold yellow", "error": "bold red"}
+_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "doubt": "bold magenta", "error": "bold red"}
 
 
 def verify(

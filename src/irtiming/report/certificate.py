@@ -58,7 +58,7 @@ def page(analysis: Analysis, *, created: datetime | None = None) -> str:
 
 def _warned(one: Finding, analysis: Analysis) -> Warned:
     text = event_words.text(one.sentence(), event_words.event_of(analysis), said_in="en")
-    return Warned(text=text, title=finding_title(one.code, language()))
+    return Warned(text=text, title=finding_title(one.code, language()), is_doubt=one.severity == "doubt")
 
 
 def sections(analysis: Analysis) -> tuple[Section, ...]:

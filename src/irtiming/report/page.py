@@ -16,7 +16,8 @@ from irtiming.report.sections.inputs import versions
 class Verdict:
     """The answer: the numbers in large type, the sentence that says what they are, and what to know beside them.
 
-    ``number`` is the first, ``outside`` what its uncertainty does not hold; ``further`` are those that stand below it.
+    ``number`` is the first, ``outside`` what its uncertainty does not hold, ``doubted`` that it is in doubt, where it is;
+    ``further`` are those that stand below it.
     """
 
     number: str
@@ -24,15 +25,20 @@ class Verdict:
     remarks: tuple[str, ...]
     further: tuple[str, ...] = ()
     outside: str = ""
+    doubted: str = ""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Warned:
-    """What a reader should know, in one sentence of the program; ``title`` says it first in another language than English."""
+    """What a reader should know, in one sentence of the program; ``title`` says it first in another language than English.
+
+    ``is_doubt``: a number may be wrong by more than its uncertainty says.
+    """
 
     text: str
     title: str = ""
+    is_doubt: bool = False
 
 
 @final

@@ -82,13 +82,15 @@ def _result(analysis: Analysis) -> dict[str, Any]:
 
 
 def warnings(analysis: Analysis) -> tuple[str, ...]:
-    """Findings that a person should know of, one sentence each."""
+    """Findings that a person should know of, doubts before warnings, one sentence each."""
     return tuple(event_words.text(one.sentence(), event_words.event_of(analysis)) for one in doubts(analysis))
 
 
 def doubts(analysis: Analysis) -> tuple[Finding, ...]:
-    """Findings that a person should know of."""
-    return tuple(one for one in analysis.findings if one.severity in ("warning", "doubt", "error"))
+    """Findings that a person should know of: errors, then doubts, then warnings."""
+    order = ("error", "doubt", "warning")
+    found = [one for one in analysis.findings if one.severity in order]
+    return tuple(sorted(found, key=lambda one: order.index(one.severity)))
 
 
 def _core(analysis: Analysis, chosen: Result) -> dict[str, Any]:

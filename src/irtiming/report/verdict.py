@@ -28,10 +28,21 @@ def verdict(analysis: Analysis) -> Verdict:
     return Verdict(
         number=numbers[0],
         outside=outside.behind(result.not_in_uncertainty) if names[0] in found else "",
+        doubted=t("in doubt: may be wrong by more than its uncertainty says") if _n_doubts(analysis) else "",
         further=tuple(numbers[1:]),
-        sentence=_sentence(analysis, names, found=found, bounds=bounds),
+        sentence=_sentence(analysis, names, found=found, bounds=bounds) + _in_doubt(analysis),
         remarks=tuple(text for text in _remarks(analysis, names, found=found) if text),
     )
+
+
+def _n_doubts(analysis: Analysis) -> int:
+    return sum(one.severity == "doubt" for one in analysis.findings)
+
+
+def _in_doubt(analysis: Analysis) -> str:
+    """That findings doubt the numbers; empty where none does."""
+    number = _n_doubts(analysis)
+    return t(" In doubt: {doubts} below.", doubts=several(number, "doubt")) if number else ""
 
 
 def _sentence(

@@ -12,8 +12,10 @@ import pytest
 
 from irtiming.records.choices import Choices
 from irtiming.records.estimate import Estimate
+from irtiming.records.finding import Finding
 from irtiming.report import certificate
 from irtiming.report import result as result_of
+from irtiming.report.language import writing_in
 from irtiming.report.verdict import verdict as verdict_of
 
 
@@ -44,6 +46,40 @@ def test_verdict_and_warnings_come_before_every_table(page):
     )
     assert verdict < warnings < table
     assert page.index("3 frames lost") < table
+
+
+_DOUBT = Finding(code="edges-disagree", severity="doubt", what="the edges disagree", cure="look at the wheel")
+
+
+@pytest.mark.parametrize(
+    ("written_in", "heading", "under", "after"),
+    [
+        (
+            "en",
+            "1 doubt: a number may be wrong by more than its",
+            "in doubt: may be wrong by more than its",
+            "In doubt: 1 doubt below.",
+        ),
+        (
+            "de",
+            "1 Zweifel: eine Zahl kann um mehr falsch sein",
+            "zweifelhaft: kann um mehr",
+            "Zweifelhaft: 1 Zweifel, siehe unten.",
+        ),
+    ],
+)
+def test_a_doubt_is_told_from_a_warning(analysis, written_in, heading, under, after):
+    """Oracle: by hand; it stands first, is counted apart, and the number in large type and the headline are qualified by it."""
+    doubted = replace(analysis, best=replace(analysis.best, findings=(*analysis.best.findings, _DOUBT)))
+    report = certificate.report(doubted, written_in=written_in)
+    warned = report.page.index("2 warnings" if written_in == "en" else "2 Warnungen")
+    assert report.page.index(f'<small class="doubt">{under}') < report.page.index(f"<h2>{heading}") < warned
+    assert report.page.index("the edges disagree") < warned
+    with writing_in(written_in):
+        assert verdict_of(doubted).sentence.endswith(after)
+    assert report.result["headline"].endswith("In doubt: 1 doubt below.")
+    assert report.result["warnings"][0].startswith("the edges disagree")
+    assert '<small class="doubt">' not in certificate.page(analysis)
 
 
 def test_a_wide_table_scrolls_and_is_whole_on_paper(page):

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from irtiming.archive import result_file
 from irtiming.cli.result_table import print_result
+from irtiming.records.finding import Finding
 from irtiming.report import certificate
 from irtiming.report import result as result_of
 from irtiming.report.verdict import verdict
@@ -82,6 +83,16 @@ def test_the_terminal_shows_verdict_parameters_and_budget(any_camera):
     places = [text.index(f"\n  {name} ") for name in any_camera.best.estimate.names]
     assert places == sorted(places)
     assert text.index("warning:") < text.index("Timing of the camera") < text.index("Uncertainty budget")
+
+
+def test_the_terminal_tells_doubts_from_warnings(any_camera):
+    """Oracle: by hand; a doubt stands before every warning, under its own word, and the sentence above names it."""
+    doubt = Finding(code="edges-disagree", severity="doubt", what="the edges disagree")
+    best = replace(any_camera.best, findings=(*any_camera.best.findings, doubt))
+    screen = io.StringIO()
+    print_result(replace(any_camera, best=best), Console(file=screen, width=140))
+    text = " ".join(screen.getvalue().split())
+    assert text.index("In doubt: 1 doubt") < text.index("doubt: the edges disagree") < text.index("warning:")
 
 
 def test_relative_delays_keep_their_own_files(rolling):
