@@ -76,6 +76,7 @@ class CameraTiming:
     ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
     delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
     each is one; ``frame_scatter_s`` is by how much the camera itself is late or early from frame to frame, a standard deviation.
+    ``frame_periods_s`` are those of the recordings, each once, where they differ, else empty.
     ``stated_window_u_s`` is what rig.toml states of the integration time that the recordings state, 0 where it states nothing.
     ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
     other results share. ``not_in_uncertainty`` are the result's own words.
@@ -86,6 +87,7 @@ class CameraTiming:
     event: FrameEvent = "trigger"
     scatter: Scatter | None = None
     frame_scatter_s: float = 0.0
+    frame_periods_s: tuple[float, ...] = ()
     stated_window_u_s: float = 0.0
     shared_u: tuple[float, ...] = ()
     two_constants: TwoConstants | None = None
@@ -239,6 +241,7 @@ def of_result(result: Result) -> CameraTiming:
         event=result.frame_event,
         scatter=_scatter(result),
         frame_scatter_s=(result.delay_scatter and result.delay_scatter.standard_deviation) or 0.0,
+        frame_periods_s=_periods(result) if _period(result) is None else (),
         stated_window_u_s=_stated_window_u_s(result),
         shared_u=tuple(_shared_u(result, name) for name in found),
         two_constants=two,
@@ -246,6 +249,18 @@ def of_result(result: Result) -> CameraTiming:
         not_in_uncertainty=tuple(result.not_in_uncertainty),
         simulated=result.simulated,
     )
+
+
+def _periods(result: Result) -> tuple[float, ...]:
+    return tuple(
+        sorted({one.frame_period for one in result.inputs if one.frame_period and 0 < one.frame_period <= _LONGEST_S})
+    )
+
+
+def _period(result: Result) -> float | None:
+    """From frame to frame, as good as the same in all recordings; None where it is not."""
+    periods = _periods(result)
+    return sum(periods) / len(periods) if periods and periods[-1] < _SAME_PERIOD * periods[0] else None
 
 
 def _stated_window_u_s(result: Result) -> float:
@@ -320,7 +335,6 @@ def _scatter(result: Result) -> Scatter | None:
 
 def _conditions(result: Result) -> Conditions:
     images = {(one.image.rows, one.image.columns) for one in result.inputs if one.image is not None}
-    periods = {one.frame_period for one in result.inputs if one.frame_period and 0 < one.frame_period <= _LONGEST_S}
     windows = {
         one.integration_time for one in result.inputs if one.integration_time and 0 < one.integration_time <= _LONGEST_S
     }
@@ -335,7 +349,7 @@ def _conditions(result: Result) -> Conditions:
         integration_time_s=windows.pop() if len(windows) == 1 else None,
         rows=rows,
         columns=columns,
-        frame_period_s=sum(periods) / len(periods) if periods and max(periods) < _SAME_PERIOD * min(periods) else None,
+        frame_period_s=_period(result),
     )
 
 

@@ -304,6 +304,8 @@ def _common(given: HandOver, event: Number, where: str) -> Iterator[str]:
             f"lag up to {given.validity.frequency_hz:.2f} Hz, where amplitudes lose 1 % and the shift "
             f"{1e6 * given.validity.shift_s:.0f} us"
         )
+    if given.not_counted:
+        yield f"not counted, as the recordings' frame periods differ: {given.not_counted}, of the frame before"
     for words in given.not_in_uncertainty:
         yield f"not in the uncertainties: {_plain(words)}"
 

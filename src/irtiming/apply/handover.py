@@ -7,7 +7,7 @@ within a time constant. For a motion of angular frequency omega the lag shifts b
 tau and damps by :math:`1/\sqrt{1 + (\omega\tau)^2}`; `Validity` says up to which frequency both stay within one per cent.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import final
 
@@ -17,6 +17,7 @@ from irtiming.apply.camera_timing import CameraTiming, Moment
 from irtiming.errors import EstimationError
 from irtiming.records.frame_events import FrameEvent
 
+_SAME_RATE = 0.01
 _DAMPING = 0.01
 
 
@@ -51,7 +52,7 @@ class HandOver:
     ``exposure_start`` is the start of integration of row 0, None where pixels lag. ``readout`` is from the reading of
     row 0 to that of one past the last row, negative from the bottom up; 0 for a snapshot camera. ``frames_back`` is by how much
     earlier the share of the frame before makes the effective moment, None where the result has no such share or no one frame
-    period, without which it is unknown; then ``not_in_uncertainty`` names it.
+    period, without which it is unknown; then ``not_counted`` names that share.
     """
 
     event: FrameEvent
@@ -69,6 +70,7 @@ class HandOver:
     serial_number: str
     frame_period_s: float | None
     not_in_uncertainty: tuple[str, ...]
+    not_counted: str
     simulated: bool
 
     @property
@@ -77,7 +79,9 @@ class HandOver:
         return self.row_delay.value_s != 0
 
 
-def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_latency_u_s: float = 0.0) -> HandOver:
+def of_camera(
+    camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_latency_u_s: float = 0.0, frame_hz: float | None = None
+) -> HandOver:
     """What a camera's timing is for other programs.
 
     Parameters
@@ -86,19 +90,19 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         As its result states it.
     stamp_latency_s, stamp_latency_u_s
         By how much later than the event, such as the trigger edge, the frames are stamped, and its standard uncertainty; s.
+    frame_hz
+        At which the camera is used, for a share of the frame before where the recordings have several frame rates, Hz.
 
     Raises
     ------
     EstimationError
-        If the camera is rolling and its result does not say how many rows it has, or if each frame holds a share of the one
-        before, which lies at no one time before it.
+        If the camera is rolling and its result does not say how many rows it has, if each frame holds a share of the one
+        before, which lies at no one time before it, or if no recording has that frame rate.
     """
+    if frame_hz is not None:
+        camera = _at_rate(camera, frame_hz)
     conditions = camera.conditions
-    if conditions.frame_period_s is None and (camera.response.recursive_filter or camera.response.pixel_memory):
-        raise EstimationError(
-            "each frame holds a share of the one before, and the result's recordings have frame periods that differ: when a "
-            "frame was like the scene depends on the period; analyse recordings of one frame rate, or use irtiming apply time"
-        )
+    _require_one_period(camera)
     moments = {one.name: one for one in camera.moments(conditions.frame_period_s)}
     if camera.row_delay_s and conditions.rows is None:
         raise EstimationError("the result does not say how many rows the image has; analyse the recordings anew")
@@ -127,8 +131,22 @@ def of_camera(camera: CameraTiming, *, stamp_latency_s: float = 0.0, stamp_laten
         camera=conditions.model,
         serial_number=conditions.serial_number,
         frame_period_s=conditions.frame_period_s,
-        not_in_uncertainty=(*camera.not_in_uncertainty, *_untold(camera)),
+        not_in_uncertainty=camera.not_in_uncertainty,
+        not_counted=_not_counted(camera),
         simulated=camera.simulated,
+    )
+
+
+def _require_one_period(camera: CameraTiming) -> None:
+    response = camera.response
+    if camera.conditions.frame_period_s is not None or not (response.recursive_filter or response.pixel_memory):
+        return
+    rates = f" ({_rates(camera)})" if camera.frame_periods_s else ""
+    raise EstimationError(
+        f"each frame holds a share of the one before, and the result's recordings have frame periods that differ{rates}: "
+        "when a frame was like the scene depends on the period; give {frame_hz}, the frame rate at which you use the "
+        "camera, or use irtiming apply time",
+        "frame_hz",
     )
 
 
@@ -153,11 +171,32 @@ def _frames_back(camera: CameraTiming) -> Number | None:
     return Number(value_s=float(back_s[0]), u_s=u_s)
 
 
-def _untold(camera: CameraTiming) -> tuple[str, ...]:
-    """What the effective moment leaves out, for want of a frame period."""
-    if camera.frame_before is None or camera.conditions.frame_period_s is not None:
-        return ()
-    return (f"{camera.frame_before.replace('_', ' ')} (the recordings' frame periods differ)",)
+def _not_counted(camera: CameraTiming) -> str:
+    """A share of the frame before that the effective moment leaves out, for want of one frame period; empty if there is none."""
+    name = camera.frame_before
+    if name is None or camera.conditions.frame_period_s is not None:
+        return ""
+    share, u = (100 * one for one in (camera.estimate.value(name), camera.estimate.u(name)))
+    return f"{name.replace('_', ' ')} of {share:.2g} % (u = {u:.2g} %)"
+
+
+def _at_rate(camera: CameraTiming, frame_hz: float) -> CameraTiming:
+    """The camera at one of the frame rates that its recordings have."""
+    own_s = camera.conditions.frame_period_s
+    known = camera.frame_periods_s or (() if own_s is None else (own_s,))
+    if not any(abs(frame_hz * period_s - 1) < _SAME_RATE for period_s in known):
+        raise EstimationError(
+            f"{{frame_hz}} is {frame_hz:g} Hz, must be that of a recording of the result: {_rates(camera) or 'none is known'}",
+            "frame_hz",
+        )
+    return replace(camera, conditions=replace(camera.conditions, frame_period_s=1 / frame_hz))
+
+
+def _rates(camera: CameraTiming) -> str:
+    """Frame rates of the recordings, as people write them."""
+    own_s = camera.conditions.frame_period_s
+    known = camera.frame_periods_s or (() if own_s is None else (own_s,))
+    return ", ".join(f"{1 / period_s:.5g} Hz" for period_s in known)
 
 
 def _validity(time_constant_s: float) -> Validity:

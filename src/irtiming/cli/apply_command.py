@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from irtiming.cli.options import filled, in_options
+from irtiming.cli.options import FrameRate, filled, in_options
 from irtiming.cli.screen import say
 from irtiming.errors import UnitError
 from irtiming.records.application import Program, StampKind
@@ -161,6 +161,7 @@ def export(
         ),
     ] = "0 s",
     stamp_latency_u: Annotated[str, typer.Option(metavar="TIME", help="Its standard uncertainty.")] = "0 s",
+    frame_hz: FrameRate = None,
 ) -> None:
     """Hand the timing to another program in its own words.
 

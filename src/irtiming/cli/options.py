@@ -25,6 +25,10 @@ Edge = Annotated[
 Duration = Annotated[
     str | None, typer.Option(metavar="TIME", help="End after this, such as '10 min'; else Ctrl-C ends it.")
 ]
+FrameRate = Annotated[
+    float | None,
+    typer.Option(min=1e-2, max=1e5, help="Frame rate at which you use the camera, Hz; for a result of several."),
+]
 ArrayCamera = Annotated[CameraType | None, typer.Option(help="Kind of camera; for frames alone.")]
 ArrayReadout = Annotated[
     ReadoutMode | None,

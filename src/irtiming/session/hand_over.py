@@ -19,13 +19,17 @@ from irtiming.units import readable_time, require_uncertainty
 @final
 @dataclass(frozen=True, kw_only=True)
 class ExportOrder:
-    """What a person wants: a result for a program; frames are stamped ``stamp_latency_s`` later than the result's event."""
+    """What a person wants: a result for a program; frames are stamped ``stamp_latency_s`` later than the result's event.
+
+    ``frame_hz`` is the frame rate at which the camera is used, for a result of several.
+    """
 
     result: Path
     program: Program
     out: Path
     stamp_latency_s: float = 0.0
     stamp_latency_u_s: float = 0.0
+    frame_hz: float | None = None
 
     def __post_init__(self) -> None:
         require_uncertainty(
@@ -43,13 +47,25 @@ def hand_over(order: ExportOrder) -> HandOver:
     """
     require_places({export.format_for(order.program): [order.out]}, inputs=[order.result])
     camera = camera_of(order.result)
-    given = handover.of_camera(camera, stamp_latency_s=order.stamp_latency_s, stamp_latency_u_s=order.stamp_latency_u_s)
+    given = handover.of_camera(
+        camera,
+        stamp_latency_s=order.stamp_latency_s,
+        stamp_latency_u_s=order.stamp_latency_u_s,
+        frame_hz=order.frame_hz,
+    )
     write_atomically(export.text_for(order.program, given), order.out)
     return given
 
 
-def explain(path: Path) -> tuple[str, ...]:
+def explain(path: Path, *, frame_hz: float | None = None) -> tuple[str, ...]:
     """A result in plain words, one sentence each.
+
+    Parameters
+    ----------
+    path
+        Of the result.
+    frame_hz
+        Frame rate at which the camera is used, for a result of several, Hz.
 
     Raises
     ------
@@ -57,7 +73,7 @@ def explain(path: Path) -> tuple[str, ...]:
         If the result cannot be read or applied.
     """
     camera = camera_of(path)
-    return tuple(_sentences(camera, handover.of_camera(camera)))
+    return tuple(_sentences(camera, handover.of_camera(camera, frame_hz=frame_hz)))
 
 
 def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
@@ -89,6 +105,11 @@ def _sentences(camera: CameraTiming, given: HandOver) -> Iterator[str]:
     share = given.frame_period_s
     if share and abs(given.middle_row.value_s) > 0:
         yield f"One frame lasts {time_text(share)}: that is {significant(abs(given.middle_row.value_s) / share)} frames."
+    if given.not_counted:
+        yield (
+            f"Not counted is the {given.not_counted}, the share of the frame before in each frame: it is not clear that there is "
+            "one, and the recordings' frame periods differ, by which it would make the moment earlier; --frame-hz names yours."
+        )
     if given.not_in_uncertainty:
         yield f"Not in the uncertainties, since it was not stated: {'; '.join(given.not_in_uncertainty)}."
     if camera.scatter is not None and {0.05, 0.95} <= set(camera.scatter.quantiles_s):

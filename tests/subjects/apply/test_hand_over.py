@@ -142,8 +142,24 @@ def test_frame_periods_that_plans_for_several_speeds_have_are_one(tmp_path):
 
 def test_a_share_of_a_frame_that_was_at_no_one_time_before_is_refused(tmp_path):
     """Oracle: by hand; recordings at 33 and 34 ms have no one frame before; the share is 4 u, so 525 us would be 4 u wrong."""
-    with pytest.raises(EstimationError, match="have frame periods that differ"):
-        hand_over.explain(_with_periods(REMEMBERING, 0.033, 0.034, folder=tmp_path))
+    path = _with_periods(REMEMBERING, 0.033, 0.034, folder=tmp_path)
+    with pytest.raises(
+        EstimationError, match=r"periods that differ \(30.303 Hz, 29.412 Hz\): .* give frame_hz, the frame rate"
+    ):
+        hand_over.explain(path)
+    with pytest.raises(
+        EstimationError, match="frame_hz is 25 Hz, must be that of a recording of the result: 30.303 Hz, 29.412"
+    ):
+        hand_over.explain(path, frame_hz=25.0)
+
+
+@pytest.mark.parametrize(("period_s", "words"), [(0.033, "459 ± 17 µs"), (0.034, "457 ± 17 µs")])
+def test_a_share_counts_at_the_frame_rate_at_which_the_camera_is_used(tmp_path, period_s, words):
+    """Oracle: by hand; 0.2 % of either frame period before 525 us, a quarter of that uncertain; export says the same."""
+    path = _with_periods(REMEMBERING, 0.033, 0.034, folder=tmp_path)
+    assert words in " ".join(hand_over.explain(path, frame_hz=1 / period_s))
+    order = hand_over.ExportOrder(result=path, program="ros2", out=tmp_path / "out.yaml", frame_hz=1 / period_s)
+    assert hand_over.hand_over(order).middle_row.value_s == pytest.approx(525e-6 - 0.002 * period_s)
 
 
 def test_a_share_that_may_be_none_is_named_as_left_out(tmp_path):
@@ -151,7 +167,11 @@ def test_a_share_that_may_be_none_is_named_as_left_out(tmp_path):
     doubtful = made_up_result("photon", "snapshot", COOLED | {"pixel_memory": (5e-4, 5e-4)})
     said = " ".join(hand_over.explain(_with_periods(doubtful, 0.033, 0.034, folder=tmp_path)))
     assert "525.0" in said
-    assert "pixel memory (the recordings' frame periods differ)" in said
+    assert "Not counted is the pixel memory of 0.05 % (u = 0.05 %), the share of the frame before in each frame" in said
+    assert "since it was not stated: pixel" not in said
+    counted = " ".join(hand_over.explain(_with_periods(doubtful, 0.033, 0.034, folder=tmp_path), frame_hz=1 / 0.033))
+    assert "508 ± 17 µs" in counted  # 0.05 % of 33 ms before 525 us, and as uncertain
+    assert "Not counted" not in counted
 
 
 def test_a_latency_of_the_stamps_is_taken_off():
