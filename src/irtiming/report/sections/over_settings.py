@@ -146,7 +146,7 @@ def points(one: CameraSeries) -> Table:
     settings = [name for name in SETTINGS if any(name in each.settings for each in one.points)]
     names = [name for name in LEADING if any(name in each.parameters for each in one.points)]
     rows = tuple(
-        (each.label.rsplit("/", 1)[-1], *(_setting(each, name) for name in settings), *(_value(each, name) for name in names))
+        (_called(each), *(_setting(each, name) for name in settings), *(_value(each, name) for name in names))
         for each in one.points
     )  # fmt: skip
     return Table(
@@ -154,6 +154,29 @@ def points(one: CameraSeries) -> Table:
         columns=(t("result"), *(setting_name(name) for name in settings), *(f"{words(name)} ± u" for name in names)),
         align="l" + "r" * (len(settings) + len(names)),
         rows=rows,
+        note=_joined(one),
+    )
+
+
+def _files(point: SettingPoint) -> list[str]:
+    """Names of the recordings or the result that a point comes from, without their folders."""
+    return [file.rsplit("/", 1)[-1] for file in point.label.split(", ")]
+
+
+def _called(point: SettingPoint) -> str:
+    first, *others = _files(point)
+    return t("{first} and {n} more", first=first, n=len(others)) if others else first
+
+
+def _joined(one: CameraSeries) -> str:
+    """Which recordings make one result; empty where each makes its own."""
+    groups = [" + ".join(files) for point in one.points if len(files := _files(point)) > 1]
+    if not groups:
+        return ""
+    return t(
+        "Recordings of one camera at one setting are analysed together, whatever the speed of the wheel; frame periods within "
+        "0.5 % are one setting, as plans for several speeds have them. Together: {groups}.",
+        groups="; ".join(groups),
     )
 
 
