@@ -32,6 +32,14 @@ def _calibration(*, ripple: bool) -> WheelCalibration:
     )  # fmt: skip
 
 
+def test_angles_have_two_digits_of_their_uncertainties():
+    """Oracle: by hand; 0.57 rad with u of 40 urad, edges with 2 urad, and edge 0 by definition."""
+    rows = {row[0]: row[1:] for row in section.summary(_calibration(ripple=True)).rows}
+    assert rows["gate separation Δβ"] == ("570.000 mrad", "± 0.040 mrad")
+    assert rows["application edge α₁"] == ("1571.0000 mrad", "± 0.0020 mrad")
+    assert rows["application edge α₀"] == ("0.0000 mrad", "by definition")
+
+
 def test_orders_are_told_with_their_ripple():
     """Oracle: by hand; amplitudes of 400 and 50 urad, u of an amplitude 10 urad times the root of 2/100."""
     rows = {row[0]: row[1:] for row in section.orders(_calibration(ripple=True)).rows}

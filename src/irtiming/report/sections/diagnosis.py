@@ -4,7 +4,7 @@ from irtiming.records.analysis import Analysis
 from irtiming.records.diagnosis import Diagnosis
 from irtiming.report.blocks import Section, Table, of_tables
 from irtiming.report.language import decimal, heads, t, with_numbers
-from irtiming.report.rounding import significant
+from irtiming.report.rounding import in_unit, significant
 
 _SHORT = {"exposure_midpoint_delay": "midpoint", "trigger_delay": "trigger delay"}
 
@@ -60,7 +60,7 @@ def fitted(found: Diagnosis) -> Table:
     rows = tuple(
         (
             _called(one.name),
-            decimal(f"{one.value.value:.3g}"),
+            in_unit(one.value.value, one.value.standard_uncertainty, unit_s=1.0),
             significant(one.value.standard_uncertainty) if one.value.standard_uncertainty > 0 else "–",
             "" if one.unit == "1" else one.unit,
             decimal(f"{one.from_none:+.1f}"),

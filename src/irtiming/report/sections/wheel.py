@@ -118,12 +118,15 @@ def summary(wheel: WheelCalibration) -> Table:
             t("{mean:.3f} nrad", mean=1e9 * abs(float(wheel.slot_deviation_rad.mean()))),
             t("each turn is made 360°"),
         ),
-        (t("gate separation Δβ"), _mrad(wheel.gate_separation_rad), f"± {_mrad(wheel.u_gate_separation_rad)}"),
+        (t("gate separation Δβ"), *_value_and_u(wheel.gate_separation_rad, wheel.u_gate_separation_rad)),
     ]
     if wheel.application_edges_rad is not None and wheel.u_application_edges_rad is not None:
         both = zip("₀₁₂₃", wheel.application_edges_rad, wheel.u_application_edges_rad, strict=True)
         rows += [
-            (t("application edge α{i}", i=i), _mrad(angle), t("by definition") if i == "₀" else f"± {_mrad(u)}")
+            (
+                t("application edge α{i}", i=i),
+                *((_mrad(angle), t("by definition")) if i == "₀" else _value_and_u(angle, u)),
+            )
             for i, angle, u in both
         ]
     return Table(title=t("Wheel"), columns=heads("quantity", "value", ""), align="lrl", rows=tuple(rows))
@@ -212,6 +215,13 @@ def _ripple(wheel: WheelCalibration, order: int) -> str:
 
 def _mrad(angle_rad: float) -> str:
     return t("{angle:.4f} mrad", angle=1e3 * angle_rad)
+
+
+def _value_and_u(angle_rad: float, u_rad: float) -> tuple[str, str]:
+    """Both to the second digit of the uncertainty; a dash for none."""
+    if u_rad <= 0:
+        return _mrad(angle_rad), "–"
+    return with_unit(in_unit(angle_rad, u_rad, unit_s=1e-3), "mrad"), f"± {with_unit(significant(1e3 * u_rad), 'mrad')}"
 
 
 def _with_u(angle_rad: float, u_rad: float) -> str:
