@@ -42,7 +42,7 @@ def _n_doubts(analysis: Analysis) -> int:
 def _in_doubt(analysis: Analysis) -> str:
     """That findings doubt the numbers; empty where none does."""
     number = _n_doubts(analysis)
-    return t(" In doubt: {doubts} below.", doubts=several(number, "doubt")) if number else ""
+    return t(" {doubts}, see below.", doubts=several(number, "doubt")) if number else ""
 
 
 def _sentence(

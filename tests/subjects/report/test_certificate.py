@@ -58,13 +58,13 @@ _DOUBT = Finding(code="edges-disagree", severity="doubt", what="the edges disagr
             "en",
             "1 doubt: a number may be wrong by more than its",
             "in doubt: may be wrong by more than its",
-            "In doubt: 1 doubt below.",
+            "1 doubt, see below.",
         ),
         (
             "de",
             "1 Zweifel: eine Zahl kann um mehr falsch sein",
             "zweifelhaft: kann um mehr",
-            "Zweifelhaft: 1 Zweifel, siehe unten.",
+            "1 Zweifel, siehe unten.",
         ),
     ],
 )
@@ -77,7 +77,7 @@ def test_a_doubt_is_told_from_a_warning(analysis, written_in, heading, under, af
     assert report.page.index("the edges disagree") < warned
     with writing_in(written_in):
         assert verdict_of(doubted).sentence.endswith(after)
-    assert report.result["headline"].endswith("In doubt: 1 doubt below.")
+    assert report.result["headline"].endswith("1 doubt, see below.")
     assert report.result["warnings"][0].startswith("the edges disagree")
     assert '<small class="doubt">' not in certificate.page(analysis)
 

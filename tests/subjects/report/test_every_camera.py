@@ -92,7 +92,7 @@ def test_the_terminal_tells_doubts_from_warnings(any_camera):
     screen = io.StringIO()
     print_result(replace(any_camera, best=best), Console(file=screen, width=140))
     text = " ".join(screen.getvalue().split())
-    assert text.index("In doubt: 1 doubt") < text.index("doubt: the edges disagree") < text.index("warning:")
+    assert text.index("1 doubt, see below") < text.index("doubt: the edges disagree") < text.index("warning:")
 
 
 def test_relative_delays_keep_their_own_files(rolling):
