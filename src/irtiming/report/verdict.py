@@ -28,20 +28,24 @@ def verdict(analysis: Analysis) -> Verdict:
     return Verdict(
         number=numbers[0],
         outside=outside.behind(result.not_in_uncertainty) if names[0] in found else "",
-        doubted=t("in doubt: may be wrong by more than its uncertainty says") if _n_doubts(analysis) else "",
+        doubted=t("in doubt: may be wrong by more than its uncertainty says") if _is_contradicted(analysis) else "",
         further=tuple(numbers[1:]),
         sentence=_sentence(analysis, names, found=found, bounds=bounds) + _in_doubt(analysis),
         remarks=tuple(text for text in _remarks(analysis, names, found=found) if text),
     )
 
 
-def _n_doubts(analysis: Analysis) -> int:
-    return sum(one.severity == "doubt" for one in analysis.findings)
+def _is_contradicted(analysis: Analysis) -> bool:
+    """Whether more is in doubt than what is not stated, which the line of what the uncertainty does not hold says already."""
+    return any(one.severity == "doubt" and not one.code.endswith(_UNSTATED) for one in analysis.findings)
+
+
+_UNSTATED = ("-not-stated", "-on-trust")
 
 
 def _in_doubt(analysis: Analysis) -> str:
-    """That findings doubt the numbers; empty where none does."""
-    number = _n_doubts(analysis)
+    """How many findings doubt the numbers; empty where none does."""
+    number = sum(one.severity == "doubt" for one in analysis.findings)
     return t(" {doubts}, see below.", doubts=several(number, "doubt")) if number else ""
 
 

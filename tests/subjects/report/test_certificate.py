@@ -82,6 +82,14 @@ def test_a_doubt_is_told_from_a_warning(analysis, written_in, heading, under, af
     assert '<small class="doubt">' not in certificate.page(analysis)
 
 
+def test_what_is_not_stated_is_counted_but_leaves_the_number_as_it_is(analysis):
+    """Oracle: the rule; the line of what the uncertainty does not hold says it already."""
+    unstated = replace(_DOUBT, code="latency-not-stated")
+    found = verdict_of(replace(analysis, best=replace(analysis.best, findings=(*analysis.best.findings, unstated))))
+    assert found.doubted == ""
+    assert found.sentence.endswith("1 doubt, see below.")
+
+
 def test_a_wide_table_scrolls_and_is_whole_on_paper(page):
     """Oracle: the page; each table stands in a region with its title that scrolls, also by keyboard, and is not cut in print."""
     regions = re.findall(r'<div class="scroll" tabindex="0" role="region" aria-label="([^"]*)">\s*<table>', page)
