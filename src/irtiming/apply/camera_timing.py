@@ -76,7 +76,7 @@ class CameraTiming:
     ``event`` is what its delays count from. ``estimate`` has what of the parameters the result holds, with covariance; the first
     delay is called ``trigger_delay`` there, whatever the event. ``scatter`` is how single stamps lie about the event, None where
     each is one; ``frame_scatter_s`` is by how much the camera itself is late or early from frame to frame, a standard deviation.
-    ``frame_periods_s`` are those of the recordings, each once, where they differ, else empty.
+    ``frame_periods_s`` are those of the recordings, each once, ascending.
     ``stated_window_u_s`` is what rig.toml states of the integration time that the recordings state, 0 where it states nothing.
     ``shared_u`` is, of each parameter, how much of the standard uncertainty comes from errors of the rig, which
     other results share. ``not_in_uncertainty`` are the result's own words.
@@ -241,7 +241,7 @@ def of_result(result: Result) -> CameraTiming:
         event=result.frame_event,
         scatter=_scatter(result),
         frame_scatter_s=(result.delay_scatter and result.delay_scatter.standard_deviation) or 0.0,
-        frame_periods_s=_periods(result) if _period(result) is None else (),
+        frame_periods_s=_periods(result),
         stated_window_u_s=_stated_window_u_s(result),
         shared_u=tuple(_shared_u(result, name) for name in found),
         two_constants=two,

@@ -182,9 +182,7 @@ def _not_counted(camera: CameraTiming) -> str:
 
 def _at_rate(camera: CameraTiming, frame_hz: float) -> CameraTiming:
     """The camera at one of the frame rates that its recordings have."""
-    own_s = camera.conditions.frame_period_s
-    known = camera.frame_periods_s or (() if own_s is None else (own_s,))
-    if not any(abs(frame_hz * period_s - 1) < _SAME_RATE for period_s in known):
+    if not any(abs(frame_hz * period_s - 1) < _SAME_RATE for period_s in camera.frame_periods_s):
         raise EstimationError(
             f"{{frame_hz}} is {frame_hz:g} Hz, must be that of a recording of the result: {_rates(camera) or 'none is known'}",
             "frame_hz",
@@ -194,9 +192,7 @@ def _at_rate(camera: CameraTiming, frame_hz: float) -> CameraTiming:
 
 def _rates(camera: CameraTiming) -> str:
     """Frame rates of the recordings, as people write them."""
-    own_s = camera.conditions.frame_period_s
-    known = camera.frame_periods_s or (() if own_s is None else (own_s,))
-    return ", ".join(f"{1 / period_s:.5g} Hz" for period_s in known)
+    return ", ".join(f"{1 / period_s:.5g} Hz" for period_s in camera.frame_periods_s)
 
 
 def _validity(time_constant_s: float) -> Validity:

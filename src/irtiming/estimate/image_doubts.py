@@ -17,7 +17,7 @@ from scipy import special
 
 from irtiming.estimate.sector_limits import FARTHEST_CENTRE
 from irtiming.inference import lens_knowledge
-from irtiming.inference.lens_knowledge import LENS_NUMBERS
+from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics import blurred_sector
 from irtiming.records.arrays import Array
 from irtiming.records.finding import Finding
@@ -35,7 +35,7 @@ _LENS_WORDS = (
     "its distortion", "its focal length", "its centre, from row to row,", "its centre, from column to column,",
     "the camera's tilt along rows", "the camera's tilt along columns",
 )  # fmt: skip
-"""Of LENS_NUMBERS and both tilts."""
+"""In the order of `LensKnowledge.off`."""
 _PROTRACTOR_RAD = np.radians(0.5)  # the angle was not measured better: its bisector is off by half of that then
 _MOST_CHI_SQUARE = 1.5  # structure of half the variance of the noise
 
@@ -197,7 +197,7 @@ def of_lens_found(sector: SectorFit, camera: CameraOptics) -> tuple[Finding, ...
     """
     shape = sector.shape
     known = lens_knowledge.knowledge(camera, image=(shape.image_rows, shape.image_columns))
-    off = known.off({name: sector.value(name) for name in (*LENS_NUMBERS, "keystone_row", "keystone_column")})
+    off = known.off({name: sector.value(name) for name in SLIGHT})
     worst = int(np.argmax(np.abs(off)))
     if abs(off[worst]) <= _LENS_APART:
         return ()

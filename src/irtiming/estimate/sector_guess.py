@@ -21,7 +21,7 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
     """
     told = view.good | ~view.good.any(axis=1, keepdims=True)  # dead rows show what those beside them do
     size = ndimage.median_filter(np.where(told, np.abs(look.projection), 0.0), 3)
-    mask = _largest((size > 0.5 * np.quantile(size, _LIT)) & view.summed & told)
+    mask = _largest(is_bright(size) & view.summed & told)
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
     sense = -1.0 if view.mirrored else 1.0
     centre = _phase_centre(row, sense * column, np.asarray(-np.angle(look.projection[mask]), dtype=float))
@@ -46,6 +46,11 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
         "ring_outer_px": outer + _CUTOUT_MARGIN_PX,
         "plate_reflection": 0.5,
     }
+
+
+def is_bright(size: Array) -> Mask:
+    """Pixels that swing by more than half of what the opening does; of the shape of their contrasts ``size``."""
+    return np.asarray(size > 0.5 * np.quantile(size, _LIT))
 
 
 def _largest(mask: Mask) -> Mask:

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate import contrast_look, sector_image, sector_limits
+from irtiming.estimate import contrast_look, sector_guess, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import Fitted, SeenContrast, Sharp, View
@@ -38,8 +38,7 @@ _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie be
 class Images:
     """Contrast images, one per wheel speed, the region, and uncertainties along (real) and across each pixel's phase, DN.
 
-    ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``sense`` what the edges' way says against
-    the stated rotation.
+    ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``rig`` what is stated of rotation and mask.
     """
 
     seen: list[Look]
@@ -47,7 +46,13 @@ class Images:
     u_dn: list[ComplexArray]
     lens: LensKnowledge
     name: str
-    sense: Contradiction | None = None
+    rig: Rig
+
+    def sense(self) -> Contradiction | None:
+        """What the edges' way says against the stated rotation, by the bright pixels; asked for where no sector is found."""
+        projection = self.seen[0].projection
+        in_light = np.where(sector_guess.is_bright(np.abs(projection)), projection, 0.0)
+        return edge_motion.contradiction(in_light, self.rig, least_turn_rad=1 / max(projection.shape))
 
     def residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
         """What is known of the numbers beforehand, shape (N_PRIORS,), and then the misfit of all images."""
@@ -120,15 +125,8 @@ def of(
         u_dn=[u + np.zeros(good.shape) for u in u_dn],
         lens=lens,
         name=first.name,
-        sense=_sense(seen[0].projection, rig),
+        rig=rig,
     )
-
-
-def _sense(projection: ComplexArray, rig: Rig) -> Contradiction | None:
-    """What the edges' way says against the stated rotation, by the pixels of more than half contrast."""
-    size = np.abs(projection)
-    in_light = np.where(size > 0.5 * np.quantile(size, 0.9), projection, 0.0)
-    return edge_motion.contradiction(in_light, rig, least_turn_rad=1 / max(size.shape))
 
 
 def _swayed(look: Look, known: SectorFit, *, view: View) -> Look:

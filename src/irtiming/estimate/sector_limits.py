@@ -1,7 +1,8 @@
 """What openings in an image usually are, and what none is: where a search ends so, it has found something else."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 
@@ -22,7 +23,14 @@ FARTHEST_CENTRE = 0.2
 """Of the image's width: lens centres are off its middle by a tenth of that."""
 
 
-def check(numbers: Mapping[str, float], name: str, *, sense: Contradiction | None = None) -> None:
+Sense: TypeAlias = Callable[[], Contradiction | None]
+
+
+def _nothing() -> None:
+    """No contradiction that is known of."""
+
+
+def check(numbers: Mapping[str, float], name: str, *, sense: Sense = _nothing) -> None:
     """Refuse what is no annular sector about the axle.
 
     Parameters
@@ -32,7 +40,7 @@ def check(numbers: Mapping[str, float], name: str, *, sense: Contradiction | Non
     name
         Of the recording.
     sense
-        What the edges' way says against the stated rotation, if it does: then that is why no sector was found.
+        Asked, where there is none, what the edges' way says against the stated rotation: then that is why.
 
     Raises
     ------
@@ -59,10 +67,10 @@ def check(numbers: Mapping[str, float], name: str, *, sense: Contradiction | Non
     )
 
 
-def _refuse_sense(name: str, sense: Contradiction | None) -> None:
-    if sense is not None:
+def _refuse_sense(name: str, sense: Sense) -> None:
+    if (found := sense()) is not None:
         raise EstimationError(
-            f"{name}: the image shows edges that move {sense.way}; {sense.stated} means the other way: correct one of them, or "
+            f"{name}: the image shows edges that move {found.way}; {found.stated} means the other way: correct one of them, or "
             "the image is mirrored"
         )
 
@@ -73,7 +81,7 @@ def check_lens(
     *,
     name: str,
     columns: int,
-    sense: Contradiction | None = None,
+    sense: Sense = _nothing,
 ) -> None:
     """Refuse what only a lens that there is not would show: such a search has found no sector, and would go on for long.
 

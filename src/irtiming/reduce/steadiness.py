@@ -94,10 +94,11 @@ def _phase(light: Array, angle: Array) -> tuple[complex, float]:
         usual = robust.spread(left[kept])
         kept = np.abs(left) <= _OUTLIER * usual
     normal = np.linalg.pinv(columns[kept].T @ columns[kept])
-    n_left = max(1, int(kept.sum()) - columns.shape[1])
+    n_kept = int(kept.sum())
+    n_left = max(1, n_kept - columns.shape[1])
     white = float(np.sum(left[kept] ** 2)) / n_left * np.trace(normal[at, at])
     moved = (columns[kept] @ normal[:, at]) * left[kept, None]
-    swayed = np.trace(hac_covariance(moved, n_neighbours=kept.sum() // _SWAYS, is_circular=False)) * kept.sum() / n_left
+    swayed = np.trace(hac_covariance(moved, n_neighbours=n_kept // _SWAYS, is_circular=False)) * n_kept / n_left
     wave = complex(*(found[at] * (1, -1)))
     size = max(abs(wave), float(np.finfo(float).tiny))
     return wave or 1.0, float(np.sqrt(max(white, swayed) / 2)) / size / PASSING

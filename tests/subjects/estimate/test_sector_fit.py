@@ -244,7 +244,7 @@ def test_the_image_says_against_which_rotation_it_is(brute_rows, camera, lag, ri
     """Oracle: the opening stands above the axle, so that a clockwise wheel moves edges to the right, mirrored to the left."""
     rig = rig_with(mirrored=rotation == "counterclockwise")
     rows = brute_rows(camera, noise_dn=6.0, mirror=mirror)
-    sense = sector_images.of([rows], camera.model, rig=rig, timing=lag, known=None).sense
+    sense = sector_images.of([rows], camera.model, rig=rig, timing=lag, known=None).sense()
     assert (sense.way if sense else "") == (f"to the {way}" if way else "")
     assert sense is None or sense.stated == f"[wheel] rotation = '{rotation}' with [mask] centre_angle_deg = -90"
 

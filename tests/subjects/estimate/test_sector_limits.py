@@ -78,4 +78,4 @@ def test_a_contradicted_rotation_is_why_there_is_no_sector(refused):
     numbers |= {"offset_column_px": 0.0, "distortion": -1.0, "lens_row_px": 0.0, "lens_column_px": 0.0}
     words = "run: the image shows edges that move up; .* = 0 means the other way: correct one of them, or the image is mirrored"
     with pytest.raises(EstimationError, match=words):
-        refused(numbers, "run", sense=sense)
+        refused(numbers, "run", sense=lambda: sense)
