@@ -33,15 +33,17 @@ from irtiming.twin.random_laboratory import Wanted, draw, groups, recordings
 FAR_OFF = 4.0
 KEY = ("camera", "readout", "rows", "columns", "frames", "wheel_hz", "only", "lens", "seed")
 """What makes a laboratory another one."""
+SHARES = {"pixel_memory": "memory_share", "recursive_filter": "filter_share"}
+"""Parameters without a unit, and what the truth calls them."""
 
 
 def errors_of(result: Result, truth: dict[str, object]) -> dict[str, dict[str, float]]:
-    """Error and standard uncertainty, s, of every parameter that the truth knows."""
+    """Error and standard uncertainty of every parameter that the truth knows: s, and of shares 1."""
     estimate, found = result.estimate, {}
     for name, value, u in zip(estimate.names, estimate.values, estimate.standard_uncertainties, strict=True):
-        true = truth.get(f"{name}_s")
+        true, unit = truth.get(SHARES.get(name, f"{name}_s")), "" if name in SHARES else "_s"
         if isinstance(true, float) and u > 0:
-            found[name] = {"error_s": float(value) - true, "u_s": float(u)}
+            found[name] = {f"error{unit}": float(value) - true, f"u{unit}": float(u)}
     return found
 
 
@@ -73,7 +75,8 @@ def key_of(line: dict[str, object]) -> str:
 
 def is_silently_wrong(line: dict[str, object]) -> bool:
     """Whether a number is far off and no finding says so."""
-    pulls = [abs(one["error_s"]) / one["u_s"] for one in line.get("parameters", {}).values()]  # type: ignore[attr-defined]
+    both = [tuple(one.values()) for one in line.get("parameters", {}).values()]  # type: ignore[attr-defined]
+    pulls = [abs(error) / u for error, u in both]
     return any(pull > FAR_OFF for pull in pulls) and not line["doubts"]
 
 
@@ -82,7 +85,7 @@ def table(lines: list[dict[str, object]]) -> str:
     done = [line for line in lines if "refused" not in line]
     names = sorted({name for line in done for name in line["parameters"]})  # type: ignore[attr-defined]
     rows = [
-        "| parameter | rigs | rms error, us | rms u, us | rms pull | within 1 u | within 2 u | beyond 4 u | of these in doubt |",
+        "| parameter | rigs | rms error, us or 1e-6 | rms u | rms pull | within 1 u | within 2 u | beyond 4 u | in doubt |",
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for name in names:

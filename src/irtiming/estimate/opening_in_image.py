@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.physics.light.summed_region import SummedRegion, radii_px
+from irtiming.physics.light.summed_region import SummedRegion, radii_px, together
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import ReducedRecording
 
@@ -42,9 +42,11 @@ def plate(reduced: ReducedRecording) -> SummedRegion | None:
 
 
 def uneven(reduced: ReducedRecording) -> SummedRegion | None:
-    """What an uneven wheel adds to the summed pixels, over the whole sum; None where the image was not looked at."""
+    """What uneven wheel and stand-ins of dead pixels add to the sum, as a share of it; None where the image shows neither."""
     axle = reduced.axle
-    return None if axle is None else _region(axle.beside_ends_rad, axle.uneven_share)
+    if axle is None:
+        return None
+    return together(_region(axle.beside_ends_rad, axle.uneven_share), _region(axle.lent_ends_rad, axle.lent_share))
 
 
 def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:

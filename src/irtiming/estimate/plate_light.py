@@ -1,7 +1,7 @@
 """Over the wheel's angle, what summed pixels see beside the opening's light, and what of that goes astray.
 
 Beside it there are the mask plate, all around, and what an uneven wheel reflects; glare carries light from the opening's ends out
-of the summed pixels.
+of the summed pixels; and pixels that stand in for dead ones see an edge a little before or after these would.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,8 @@ _STEP_RAD = float(np.radians(1.5))
 _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
+_PARTS_OF_SPREAD, _MOST_PARTS = 2.0, 128  # what stands in for a dead pixel: parts of its spread, and of all at most
+_HARDLY = 1e-3  # of the largest part
 _N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
 
 
@@ -92,6 +94,43 @@ def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, A
     place = shift_rad - points.angle_rad
     inside = np.array([gone @ ndtr((end - place) / points.gap_rad) for end in ends[1:-1]])
     return ends, np.diff(inside, prepend=0.0, append=gone.sum())
+
+
+def stand_ins(sector: SectorFit, summed: Mask, *, weight: Array, shift_rad: float) -> tuple[Array, Array]:
+    """Ends (k + 1,), rad, and what each part (k,) shows more than plain pixels do, over the whole sum; empty where none do.
+
+    Parameters
+    ----------
+    sector
+        Fitted to the contrast image.
+    summed, shift_rad
+        As for `beside`.
+    weight
+        How often each pixel counts in the sum, shape (row, column).
+    """
+    row0, row1, column0, column1 = sector.roi
+    plain, counted = (one[row0:row1, column0:column1] for one in (summed, weight))
+    more = counted - plain
+    changed = more != 0
+    if not np.any(changed):
+        return np.zeros(0), np.zeros(0)
+    light = (1 - sector.plate) * sector.model_contrast + sector.ring
+    spread = blurred_sector.angular_reach(sector.shape, roi=sector.roi)[changed]
+    place = shift_rad - sector.borrowed_angle_rad[changed]
+    farthest = float(np.max(np.abs(place) + _REACH * spread))
+    n_parts = min(_MOST_PARTS, int(np.ceil(2 * farthest / (float(np.min(spread)) / _PARTS_OF_SPREAD))))
+    ends = np.linspace(-farthest, farthest, n_parts + 1)
+    before = ndtr((ends[:, None] - place) / spread) @ (more * light)[changed]
+    share = np.diff(before) / np.sum(sector.contrast[plain])
+    return _only_where_some(ends, share)
+
+
+def _only_where_some(ends_rad: Array, share: Array) -> tuple[Array, Array]:
+    """The same with parts of which hardly anything comes taken together."""
+    some = np.abs(share) > _HARDLY * np.max(np.abs(share))
+    kept = np.concatenate([[True], some[1:] | some[:-1], [True]])
+    places = np.flatnonzero(kept)
+    return ends_rad[places], np.add.reduceat(np.where(some, share, 0.0), places[:-1])
 
 
 def _ends(opening_angle_rad: float, farthest_rad: float) -> Array:

@@ -65,7 +65,7 @@ def seen(
         try:
             with one_thread():
                 sector, by_rows = _sector(group, wheel, rig=rig)
-                axle = view(sector, group[0].opening.summed)
+                axle = view(sector, group[0].opening.summed, weight=group[0].opening.weight)
             doubts = (
                 *image_doubts.of_image(sector),
                 *image_doubts.of_opening(sector, rig.mask_opening.opening_angle_rad),
@@ -111,7 +111,7 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last, slopes=kept)
 
 
-def view(sector: SectorFit, summed: Mask) -> AxleView:
+def view(sector: SectorFit, summed: Mask, *, weight: Array | None = None) -> AxleView:
     """Axle and mask in the image as it is, whichever way the wheel turns.
 
     Parameters
@@ -120,6 +120,8 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         Fitted to the contrast image.
     summed
         Pixels that are summed, shape (row, column).
+    weight
+        How often each counts in the sum, same shape, where pixels stand in for dead ones.
     """
     shape = sector.shape
     seen_bisector = np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad
@@ -140,6 +142,8 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
     shift, low, high, uneven = seen(shape)
     beside = plate_light.beside(sector, summed, shift_rad=float(shift))
     lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
+    counted = summed.astype(float) if weight is None else weight
+    lent_ends, lent_share = plate_light.stand_ins(sector, summed, weight=counted, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", by_number, sector.covariance, by_number))
     return AxleView(
         row_px=shape.axle_row_px,
@@ -162,6 +166,8 @@ def view(sector: SectorFit, summed: Mask) -> AxleView:
         u_glare=float(np.hypot(sector.u("glare"), _GLARE_SHAPE * shape.glare)),
         lost_ends_rad=tuple(lost_ends.tolist()),
         lost_share=tuple(lost.tolist()),
+        lent_ends_rad=tuple(lent_ends.tolist()),
+        lent_share=tuple(lent_share.tolist()),
     )
 
 

@@ -11,6 +11,7 @@ from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
+from irtiming.reduce.opening import dead_pixels
 
 SHAPE = SectorShape(
     axle_row_px=31.2, axle_column_px=38.6, offset_row_px=0.0, offset_column_px=0.0, inner_radius_px=8.0,
@@ -74,6 +75,35 @@ def test_light_plate_and_uneven_wheel_make_up_the_sum(mirrored):
     assert float(np.sum(view.uneven_share)) > 0.002
     assert found == pytest.approx(float(np.sum(opening * angle)), rel=0.02)
     assert found > 0.003 * opening.sum()
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
+    """Oracle: images of the opening's part before an edge, their pixels added up with what each counts in the sum."""
+    sector, summed, _ = _seen(plate=0.0, mirrored=mirrored)
+    sector.borrowed_angle_rad = sector.ring_angle_rad
+    bad = np.zeros(summed.shape, bool)
+    bad[[16, 24, 22], [38, 30, 47]] = True
+    weight = dead_pixels.weights(summed, bad)
+    view = shape.view(sector, summed, weight=weight)
+    more, drawn = (weight - summed)[ROI[0] : ROI[1], ROI[2] : ROI[3]], sector.shape
+    sense, half = (-1 if mirrored else 1), drawn.opening_angle_rad / 2
+    turned = sense * (view.mean_angle_rad - view.bisector_rad)
+    edges = np.linspace(-0.6, 0.6, 25)
+    found = np.interp(edges, view.lent_ends_rad, np.append(0.0, np.cumsum(view.lent_share)))
+    for edge, got in zip(edges, found, strict=True):
+        low = turned - edge  # polar angles fall as wheel coordinates grow
+        part = replace(drawn, bisector_rad=drawn.bisector_rad + (low + half) / 2, opening_angle_rad=half - low)
+        points = sector_points.light_points(part)
+        light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+        assert got == pytest.approx(float(np.sum(more * light) / sector.contrast.sum()), abs=1e-4)
+    assert np.ptp(found) > 6e-4
+
+
+def test_a_sum_without_dead_pixels_has_no_stand_ins():
+    """Oracle: plain pixels, each counted once."""
+    sector, summed, _ = _seen(plate=0.0, mirrored=False)
+    assert shape.view(sector, summed, weight=summed.astype(float)).lent_share == ()
 
 
 def test_an_image_without_a_plate_knows_where_a_plate_would_show():

@@ -72,6 +72,24 @@ def sector(opening_angle_rad: float, border_rad: float) -> SummedRegion:
     return SummedRegion(ends_rad=np.array([-half, half]), share=np.ones(1))
 
 
+def together(*regions: SummedRegion | None) -> SummedRegion | None:
+    """What several regions show, as one; None of none.
+
+    Parameters
+    ----------
+    *regions
+        Each may be None, which shows nothing.
+    """
+    known = [one for one in regions if one is not None]
+    if not known:
+        return None
+    ends = np.unique(np.concatenate([one.ends_rad for one in known]))
+    before = np.sum(
+        [np.interp(ends, one.ends_rad, np.concatenate([[0.0], np.cumsum(one.share)])) for one in known], axis=0
+    )
+    return SummedRegion(ends_rad=ends, share=np.diff(before))
+
+
 def exposed(region: SummedRegion, ends: PointAverage) -> Array:
     """R, shape (n,).
 

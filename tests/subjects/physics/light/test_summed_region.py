@@ -38,6 +38,16 @@ def test_parts_add_with_their_shares_and_signs():
     np.testing.assert_allclose(summed_region.exposed(region, _ends(region)), expected, atol=1e-11)
 
 
+def test_regions_together_show_what_each_does():
+    """Oracle: the sum of both, exposed one by one; with none there is none."""
+    one = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, -0.3]))
+    other = SummedRegion(ends_rad=np.array([-0.7, -0.1, 0.2]), share=np.array([-0.1, 0.2]))
+    whole = summed_region.together(one, None, other)
+    expected = sum(summed_region.exposed(each, _ends(each)) for each in (one, other))
+    np.testing.assert_allclose(summed_region.exposed(whole, _ends(whole)), expected, atol=1e-11)
+    assert summed_region.together(None, None) is None
+
+
 def test_derivatives_are_those_of_differences():
     """Oracle: central differences to each edge and to the sweep; the opening has no part in the region."""
     region, step = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, 0.3])), 1e-6

@@ -1,0 +1,52 @@
+"""Pixels that stand in for dead ones see the wheel pass a little earlier or later than these: what a sum knows of that."""
+
+from dataclasses import replace
+
+import pytest
+
+from irtiming.interface import measuring
+from irtiming.twin import rig as twin
+from irtiming.twin.cameras import camera_scene
+from irtiming.twin.scene import with_wheel_speed
+
+FRAMES = 500
+
+
+def _analysed(n_dead):
+    """A cooled camera of few pixels and its true timing; 3 and 8 Hz, hardly any noise."""
+    scene = camera_scene("photon", None, rows=60, columns=80)
+    scene = replace(scene, detector=replace(scene.detector, dead_pixels=n_dead, noise_dn=2.0))
+    drawn = twin.draw(with_wheel_speed(scene, 3.0, samples=FRAMES), seed=6)
+    recordings = [
+        twin.simulate(with_wheel_speed(drawn.scene, rate_hz, samples=FRAMES), seed=6, name=f"{rate_hz:g}Hz")
+        for rate_hz in (3.0, 8.0)
+    ]
+    return measuring.analyse(recordings, drawn.measured), drawn.scene.timing
+
+
+@pytest.fixture(scope="module")
+def result():
+    """With 40 dead pixels in the whole image, 5 of 791 that are summed."""
+    return _analysed(40)
+
+
+def test_no_memory_is_found_where_there_is_none(result):
+    """Oracle: the simulated pixels keep nothing of the frame before; stand-ins that are taken for the dead made 4 u of it."""
+    found, _ = result
+    assert abs(found["pixel_memory"].value) < 3 * found["pixel_memory"].u
+    assert found["pixel_memory"].u < 2e-4
+
+
+def test_the_middle_of_the_window_is_the_true_one(result):
+    """Oracle: the twin's truth."""
+    found, true = result
+    middle = found["exposure_midpoint_delay"]
+    assert abs(middle.value - (true.trigger_delay_s + true.integration_time_s / 2)) < 3 * middle.u
+
+
+def test_what_is_left_is_what_a_camera_without_dead_pixels_leaves(result):
+    """Oracle: the same camera, none of its pixels dead."""
+    found, _ = result
+    whole, _ = _analysed(0)
+    for fit, without in zip(found.analysis.fits, whole.analysis.fits, strict=True):
+        assert fit.residual.std() < 1.3 * without.residual.std()
