@@ -42,11 +42,11 @@ def plate(reduced: ReducedRecording) -> SummedRegion | None:
 
 
 def uneven(reduced: ReducedRecording) -> SummedRegion | None:
-    """What uneven wheel and stand-ins of dead pixels add to the sum, as a share of it; None where the image shows neither."""
+    """What uneven wheel, dead and uneven pixels add to the sum, as a share of it; None where the image shows none of them."""
     axle = reduced.axle
     if axle is None:
         return None
-    return together(_region(axle.beside_ends_rad, axle.uneven_share), _region(axle.lent_ends_rad, axle.lent_share))
+    return together(_region(axle.beside_ends_rad, axle.uneven_share), _region(axle.pixels_ends_rad, axle.pixels_share))
 
 
 def extent_px(reduced: ReducedRecording, distance: Array) -> tuple[float, float]:

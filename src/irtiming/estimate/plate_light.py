@@ -1,7 +1,7 @@
 """Over the wheel's angle, what summed pixels see beside the opening's light, and what of that goes astray.
 
 Beside it there are the mask plate, all around, and what an uneven wheel reflects; glare carries light from the opening's ends out
-of the summed pixels; and pixels that stand in for dead ones see an edge a little before or after these would.
+of the summed pixels; pixels that stand in for dead ones see an edge a little before or after these would, and some answer more.
 """
 
 from dataclasses import dataclass
@@ -20,6 +20,10 @@ _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
 _PARTS_OF_SPREAD, _MOST_PARTS = 2.0, 128  # what stands in for a dead pixel: parts of its spread, and of all at most
+_INSIDE, _SMOOTH = (
+    0.98,
+    3,
+)  # of a pixel in the light; powers of the angle, from none on, that light may follow along the opening
 _HARDLY = 1e-3  # of the largest part
 _N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
 
@@ -96,8 +100,8 @@ def lost(sector: SectorFit, summed: Mask, *, shift_rad: float) -> tuple[Array, A
     return ends, np.diff(inside, prepend=0.0, append=gone.sum())
 
 
-def stand_ins(sector: SectorFit, summed: Mask, *, weight: Array, shift_rad: float) -> tuple[Array, Array]:
-    """Ends (k + 1,), rad, and what each part (k,) shows more than plain pixels do, over the whole sum; empty where none do.
+def of_single_pixels(sector: SectorFit, summed: Mask, *, weight: Array, shift_rad: float) -> tuple[Array, Array]:
+    """Ends (k + 1,), rad, and what each part (k,) shows more than even, live pixels do, over the whole sum; both may be empty.
 
     Parameters
     ----------
@@ -110,19 +114,36 @@ def stand_ins(sector: SectorFit, summed: Mask, *, weight: Array, shift_rad: floa
     """
     row0, row1, column0, column1 = sector.roi
     plain, counted = (one[row0:row1, column0:column1] for one in (summed, weight))
-    more = counted - plain
+    light = (1 - sector.plate) * sector.model_contrast + sector.ring
+    more = (counted - plain) * light + counted * _fine(sector)
     changed = more != 0
     if not np.any(changed):
         return np.zeros(0), np.zeros(0)
-    light = (1 - sector.plate) * sector.model_contrast + sector.ring
     spread = blurred_sector.angular_reach(sector.shape, roi=sector.roi)[changed]
     place = shift_rad - sector.borrowed_angle_rad[changed]
     farthest = float(np.max(np.abs(place) + _REACH * spread))
     n_parts = min(_MOST_PARTS, int(np.ceil(2 * farthest / (float(np.min(spread)) / _PARTS_OF_SPREAD))))
     ends = np.linspace(-farthest, farthest, n_parts + 1)
-    before = ndtr((ends[:, None] - place) / spread) @ (more * light)[changed]
+    before = ndtr((ends[:, None] - place) / spread) @ more[changed]
     share = np.diff(before) / np.sum(sector.contrast[plain])
     return _only_where_some(ends, share)
+
+
+def _fine(sector: SectorFit) -> Array:
+    """What pixels show beyond the model, without what is smooth along the opening, shape (roi rows, roi columns).
+
+    As much of it as is not noise; the sum's fit knows of light that is brighter at one end, or at both.
+    """
+    light, angle = sector.model_contrast, sector.borrowed_angle_rad
+    inside = light > _INSIDE
+    scatter = float(np.mean(sector.excess[inside] ** 2)) if inside.any() else 0.0
+    if scatter <= 0:
+        return np.zeros_like(light)
+    powers = np.stack([light * angle**k for k in range(_SMOOTH)])
+    moments = np.stack([angle**k for k in range(_SMOOTH)])
+    normal = np.einsum("kij,lij->kl", moments, powers)
+    smooth = np.linalg.solve(normal, np.einsum("kij,ij->k", moments, sector.excess))
+    return np.asarray(min(1.0, sector.gain_scatter**2 / scatter) * (sector.excess - np.tensordot(smooth, powers, 1)))
 
 
 def _only_where_some(ends_rad: Array, share: Array) -> tuple[Array, Array]:

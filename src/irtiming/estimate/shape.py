@@ -18,7 +18,7 @@ from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.finding import Finding
-from irtiming.records.reduced import AxleView, ReducedRecording
+from irtiming.records.reduced import AxleView, Opening, ReducedRecording
 from irtiming.records.rig import Rig
 from irtiming.records.row_timing import SectorFit, SectorShape
 from irtiming.records.wheel_geometry import WheelModel
@@ -65,7 +65,7 @@ def seen(
         try:
             with one_thread():
                 sector, by_rows = _sector(group, wheel, rig=rig)
-                axle = view(sector, group[0].opening.summed, weight=group[0].opening.weight)
+                axle = view(sector, group[0].opening.summed)
             doubts = (
                 *image_doubts.of_image(sector),
                 *image_doubts.of_opening(sector, rig.mask_opening.opening_angle_rad),
@@ -75,7 +75,8 @@ def seen(
         except EstimationError as error:
             doubts = (_no_sector(error),)
         for k in members:
-            found[k] = replace(recordings[k], axle=axle, findings=recordings[k].findings + doubts)
+            own = None if axle is None or sector is None else _with_single_pixels(axle, sector, recordings[k].opening)
+            found[k] = replace(recordings[k], axle=own, findings=recordings[k].findings + doubts)
             sectors[k] = sector
     return tuple(found), tuple(sectors)
 
@@ -111,7 +112,14 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last, slopes=kept)
 
 
-def view(sector: SectorFit, summed: Mask, *, weight: Array | None = None) -> AxleView:
+def _with_single_pixels(axle: AxleView, sector: SectorFit, opening: Opening) -> AxleView:
+    """With what dead and uneven pixels do to the sum: each recording may have other dead ones."""
+    shift_rad = sector.shape.sense * float(np.angle(np.exp(1j * (axle.mean_angle_rad - axle.bisector_rad))))
+    ends, share = plate_light.of_single_pixels(sector, opening.summed, weight=opening.weight, shift_rad=shift_rad)
+    return replace(axle, pixels_ends_rad=tuple(ends.tolist()), pixels_share=tuple(share.tolist()))
+
+
+def view(sector: SectorFit, summed: Mask) -> AxleView:
     """Axle and mask in the image as it is, whichever way the wheel turns.
 
     Parameters
@@ -120,8 +128,6 @@ def view(sector: SectorFit, summed: Mask, *, weight: Array | None = None) -> Axl
         Fitted to the contrast image.
     summed
         Pixels that are summed, shape (row, column).
-    weight
-        How often each counts in the sum, same shape, where pixels stand in for dead ones.
     """
     shape = sector.shape
     seen_bisector = np.pi - shape.bisector_rad if shape.mirrored else shape.bisector_rad
@@ -142,8 +148,6 @@ def view(sector: SectorFit, summed: Mask, *, weight: Array | None = None) -> Axl
     shift, low, high, uneven = seen(shape)
     beside = plate_light.beside(sector, summed, shift_rad=float(shift))
     lost_ends, lost = plate_light.lost(sector, summed, shift_rad=float(shift))
-    counted = summed.astype(float) if weight is None else weight
-    lent_ends, lent_share = plate_light.stand_ins(sector, summed, weight=counted, shift_rad=float(shift))
     u_shift, u_low, u_high, _ = np.sqrt(np.einsum("ki,kl,li->i", by_number, sector.covariance, by_number))
     return AxleView(
         row_px=shape.axle_row_px,
@@ -166,8 +170,6 @@ def view(sector: SectorFit, summed: Mask, *, weight: Array | None = None) -> Axl
         u_glare=float(np.hypot(sector.u("glare"), _GLARE_SHAPE * shape.glare)),
         lost_ends_rad=tuple(lost_ends.tolist()),
         lost_share=tuple(lost.tolist()),
-        lent_ends_rad=tuple(lent_ends.tolist()),
-        lent_share=tuple(lent_share.tolist()),
     )
 
 

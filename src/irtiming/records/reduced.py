@@ -113,9 +113,9 @@ class AxleView:
     angles from ``mean_angle_rad`` as wheel coordinates grow, ``uneven_share`` (k,) what the uneven wheel does add, both over the
     whole sum; empty where the image was not looked at. ``glare`` is the share of the light
     that goes astray, with ``u_glare``, and ``lost_share`` (k,) the part of the opening's light that it takes out of the summed
-    pixels from between two of ``lost_ends_rad`` (k + 1,), were all light astray; empty where it was not looked at. ``lent_share``
-    (k,) is what the sum holds more from between two of ``lent_ends_rad`` (k + 1,) since pixels stand in for dead ones, over the
-    whole sum; empty where none do.
+    pixels from between two of ``lost_ends_rad`` (k + 1,), were all light astray; empty where it was not looked at.
+    ``pixels_share`` (k,) is what the sum holds more from between two of ``pixels_ends_rad`` (k + 1,) since pixels stand in for
+    dead ones and answer unequally, over the whole sum; empty where none do.
     """
 
     row_px: float
@@ -138,8 +138,8 @@ class AxleView:
     u_glare: float = 0.0
     lost_ends_rad: tuple[float, ...] = ()
     lost_share: tuple[float, ...] = ()
-    lent_ends_rad: tuple[float, ...] = ()
-    lent_share: tuple[float, ...] = ()
+    pixels_ends_rad: tuple[float, ...] = ()
+    pixels_share: tuple[float, ...] = ()
 
 
 @final

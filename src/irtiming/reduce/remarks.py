@@ -68,6 +68,20 @@ def odd_frames(recording: Recording, odd: Mask) -> Finding:
     return doubt(code="odd-frames", recording=recording, what=what)
 
 
+def pixels_replaced(recording: Recording, n_pixels: int, *, by: str) -> Finding:
+    """Pixels of the opening that the frames show to be dead, stuck or blinking.
+
+    Parameters
+    ----------
+    recording, n_pixels
+        It, and how many they are.
+    by
+        What stands in for them.
+    """
+    what = f"{counted(n_pixels, 'pixel')} found not to follow the wheel: replaced by {by}"
+    return doubt(code="bad-pixels", recording=recording, what=what)
+
+
 def rows_left_out(recording: Recording, row_px: Ticks, *, instead: str = "") -> Finding:
     """Image rows that are not summed.
 

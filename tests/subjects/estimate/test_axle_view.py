@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from irtiming.estimate import shape
+from irtiming.estimate import plate_light, shape
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.records.blur import Blur
@@ -40,7 +40,7 @@ def _seen(*, plate, mirrored, uneven=0.0):
     sector = SimpleNamespace(
         shape=drawn, names=SHAPE_NUMBERS, covariance=np.zeros((n, n)), contrast=(1 - plate) * light + ring,
         model_contrast=light, plate=plate, swept=swept, ring=ring, ring_angle_rad=angle, roi=ROI, u=lambda name: 0.0,
-        value=lambda name: getattr(drawn, name),
+        value=lambda name: getattr(drawn, name), excess=np.zeros_like(light), gain_scatter=0.0, borrowed_angle_rad=angle,
     )  # fmt: skip
     return sector, summed, angle
 
@@ -81,16 +81,16 @@ def test_light_plate_and_uneven_wheel_make_up_the_sum(mirrored):
 def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
     """Oracle: images of the opening's part before an edge, their pixels added up with what each counts in the sum."""
     sector, summed, _ = _seen(plate=0.0, mirrored=mirrored)
-    sector.borrowed_angle_rad = sector.ring_angle_rad
     bad = np.zeros(summed.shape, bool)
     bad[[16, 24, 22], [38, 30, 47]] = True
     weight = dead_pixels.weights(summed, bad)
-    view = shape.view(sector, summed, weight=weight)
+    view = shape.view(sector, summed)
     more, drawn = (weight - summed)[ROI[0] : ROI[1], ROI[2] : ROI[3]], sector.shape
     sense, half = (-1 if mirrored else 1), drawn.opening_angle_rad / 2
     turned = sense * (view.mean_angle_rad - view.bisector_rad)
+    ends, share = plate_light.of_single_pixels(sector, summed, weight=weight, shift_rad=turned)
     edges = np.linspace(-0.6, 0.6, 25)
-    found = np.interp(edges, view.lent_ends_rad, np.append(0.0, np.cumsum(view.lent_share)))
+    found = np.interp(edges, ends, np.append(0.0, np.cumsum(share)))
     for edge, got in zip(edges, found, strict=True):
         low = turned - edge  # polar angles fall as wheel coordinates grow
         part = replace(drawn, bisector_rad=drawn.bisector_rad + (low + half) / 2, opening_angle_rad=half - low)
@@ -100,10 +100,44 @@ def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
     assert np.ptp(found) > 6e-4
 
 
+def test_gains_that_differ_count_where_their_pixels_are():
+    """Oracle: images of the opening's part before an edge, their pixels added up with gains that nothing smooth would explain."""
+    sector, summed, angle = _seen(plate=0.0, mirrored=False)
+    light, inside = sector.model_contrast, summed[ROI[0] : ROI[1], ROI[2] : ROI[3]]
+    uneven = np.where(inside, light * np.random.default_rng(7).normal(0, 0.05, light.shape), 0.0)
+    smooth = np.stack([angle**k for k in range(3)])
+    normal = np.einsum("kij,lij,ij->kl", smooth, smooth, light)
+    amounts = np.linalg.solve(normal, np.einsum("kij,ij->k", smooth, uneven))
+    fine = uneven - light * np.tensordot(amounts, smooth, 1)
+    sector.excess, sector.borrowed_angle_rad = fine + light * (0.02 + 0.03 * angle - 0.01 * angle**2), angle
+    sector.gain_scatter = 10.0  # of which hardly any is noise
+    ends, share = plate_light.of_single_pixels(sector, summed, weight=summed.astype(float), shift_rad=0.0)
+    half, gains = sector.shape.opening_angle_rad / 2, fine / np.maximum(light, 1e-6)
+    for edge in (-0.5, -0.3, -0.1, 0.1, 0.3, 0.5):
+        part = replace(
+            sector.shape, bisector_rad=sector.shape.bisector_rad + (half - edge) / 2, opening_angle_rad=half + edge
+        )
+        points = sector_points.light_points(part)
+        seen = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+        got = float(np.interp(edge, ends, np.append(0.0, np.cumsum(share))))
+        assert got == pytest.approx(float(np.sum(gains * seen) / sector.contrast.sum()), abs=2e-4)
+    assert np.max(np.abs(np.cumsum(share))) > 1e-3
+
+
+def test_what_is_all_noise_is_left_out():
+    """Oracle: the scatter that is stated for gains, none."""
+    sector, summed, angle = _seen(plate=0.0, mirrored=False)
+    sector.excess = np.random.default_rng(7).normal(0, 0.01, angle.shape)
+    sector.borrowed_angle_rad, sector.gain_scatter = angle, 0.0
+    _, share = plate_light.of_single_pixels(sector, summed, weight=summed.astype(float), shift_rad=0.0)
+    assert share.size == 0
+
+
 def test_a_sum_without_dead_pixels_has_no_stand_ins():
     """Oracle: plain pixels, each counted once."""
     sector, summed, _ = _seen(plate=0.0, mirrored=False)
-    assert shape.view(sector, summed, weight=summed.astype(float)).lent_share == ()
+    _, share = plate_light.of_single_pixels(sector, summed, weight=summed.astype(float), shift_rad=0.0)
+    assert share.size == 0
 
 
 def test_an_image_without_a_plate_knows_where_a_plate_would_show():

@@ -12,6 +12,7 @@ from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
 from irtiming.records.reduced import Opening
+from irtiming.reduce import remarks
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import (
     dead_pixels,
@@ -27,7 +28,6 @@ from irtiming.reduce.opening.motion import Places, SampledFrames
 from irtiming.reduce.opening.sample_frames import SampleFrames
 from irtiming.reduce.opening.wheel_contrast import Outline
 from irtiming.reduce.remarks import doubt
-from irtiming.units import counted
 
 _LIVE_SHARE = 0.5  # of the sample frames
 _MARGIN_PX = 4
@@ -197,6 +197,5 @@ def _doubts(recording: Recording, summed: Mask, bad: Mask) -> tuple[Finding, ...
         doubts.append(doubt(code="opening-at-image-border", recording=recording, what=what, cure="leave more room"))
     replaced = bad & summed & ~dead_pixels.hopeless_rows(summed, bad)[:, None]
     if replaced.any():
-        what = f"{counted(int(replaced.sum()), 'pixel')} found not to follow the wheel: replaced by neighbours in the same row"
-        doubts.append(doubt(code="bad-pixels", recording=recording, what=what))
+        doubts.append(remarks.pixels_replaced(recording, int(replaced.sum()), by="neighbours in the same row"))
     return tuple(doubts)

@@ -12,7 +12,7 @@ from irtiming.records.arrays import Array, Mask, Pixels, Ticks
 from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
-from irtiming.records.reduced import Histogram, Opening
+from irtiming.records.reduced import Histogram, Opening, Region
 from irtiming.reduce import remarks
 from irtiming.reduce.nonuniformity import Correction, corrected
 from irtiming.reduce.opening import dead_pixels, dead_rows, mask_shape, motion, never_open, sample_frames, steady_levels
@@ -23,6 +23,7 @@ from irtiming.reduce.remarks import doubt
 _CLOSER_LOOK = 48  # frames that noise is taken from
 _FAR_PX = 15  # from the opening
 _PLATEAU_SHARE = 0.035  # of the frames must be within 2 % of either extreme; a triangle wave has 0.02
+_EVEN = 0.5  # of the contrast: pixels with less are looked at as they are
 _FOR_A_MEDIAN = 4096  # pixels of a frame
 _CLOSED = 0.5  # of the swing of the liveliest pixels, half of their contrast: no glare or sway moves all others so far
 
@@ -92,11 +93,10 @@ def find(
     covered_dn += _apart(open_dn - covered_dn, sample)
     step = float(np.median((open_dn - covered_dn)[sample.seeds]))
     contrast = (open_dn - covered_dn) / step
-    dead = dead_rows.of(correct.bad)
-    contrast, alone = dead_rows.filled(contrast, dead), correct.bad & ~dead[:, None]
-    contrast[alone] = ndimage.median_filter(contrast, 5)[alone]
-    mask = mask_shape.largest_part((ndimage.uniform_filter(contrast, 3) > 0.5) & (contrast > 0.3))
-    border_px = mask_shape.border_px(contrast, mask)
+    contrast = _filled(contrast, correct.bad)
+    mended = dead_pixels.mended(contrast)
+    mask = mask_shape.largest_part((ndimage.uniform_filter(mended, 3) > 0.5) & (mended > 0.3))
+    border_px = mask_shape.border_px(mended, mask)
     if before is not None and mask_shape.is_in_place(mask, before.mask):
         mask, border_px = before.mask, before.border_px
     border_px = border_px if choices.border_px is None else choices.border_px
@@ -105,18 +105,38 @@ def find(
     in_roi = np.zeros_like(mask)
     in_roi[slice(*roi[:2]), slice(*roi[2:])] = True
     dead_rows.refuse_wide_gaps(correct.bad, mask, name=recording.name)
-    histogram = _histogram(open_dn, mask, in_roi=in_roi, choices=choices, bad=correct.bad)
     summed = in_roi & (ndimage.distance_transform_edt(~mask) <= border_px)
+    bad = correct.bad | _bad(sample, contrast, mask=mask, summed=summed, roi=roi, correct=correct)
+    histogram = _histogram(open_dn, mask, in_roi=in_roi, choices=choices, bad=bad)
     found = Opening(
         roi=roi, open_frame_dn=open_dn, covered_frame_dn=covered_dn, mask=mask, summed=summed,
-        weight=dead_pixels.weights(summed, correct.bad), border_px=border_px, bad=correct.bad,
+        weight=dead_pixels.weights(summed, bad), border_px=border_px, bad=bad,
         blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn, histogram=histogram,
     )  # fmt: skip
     noise = sample_frames.noise_dn(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK)], ~summed)
     return Sighting(
-        opening=found, histogram=histogram, noise_dn=noise, findings=_doubts(recording, found, histogram), steady=sample.steady,
+        opening=found, histogram=histogram, noise_dn=noise, steady=sample.steady,
+        findings=_doubts(recording, found, histogram, new=bad & ~correct.bad),
         places=_places(sample, found, correct, wheel_angle_rad),
     )  # fmt: skip
+
+
+def _bad(sample: _Sample, contrast: Array, *, mask: Mask, summed: Mask, roi: Region, correct: Correction) -> Mask:
+    """Summed pixels that do not follow the wheel, or blink, whatever references say of them, shape (row, column)."""
+    box, bad = np.s_[slice(*roi[:2]), slice(*roi[2:])], np.zeros_like(mask)
+    known = correct.within(roi)
+    follows = np.where(known.bad, 0.0, contrast[box])
+    live = corrected(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK), *box], known)
+    even = live / np.where(follows > _EVEN, follows, 1.0)  # gains that no reference told would look like blinking
+    bad[box] = dead_pixels.find(even, follows, mask=mask[box], summed=summed[box])
+    return bad
+
+
+def _filled(contrast: Array, bad: Mask) -> Array:
+    """Contrast, shape (row, column), with what is beside bad pixels and dead rows in their place."""
+    dead = dead_rows.of(bad)
+    filled = dead_rows.filled(contrast, dead)
+    return np.where(bad & ~dead[:, None], ndimage.median_filter(filled, 5), filled)
 
 
 def _places(sample: _Sample, found: Opening, correct: Correction, wheel_angle_rad: Array | None) -> Places | None:
@@ -138,12 +158,14 @@ def _histogram(open_dn: Array, mask: Mask, *, in_roi: Mask, choices: Choices, ba
     )
 
 
-def _doubts(recording: Recording, opening: Opening, found: Histogram) -> tuple[Finding, ...]:
-    """What is odd in the opening of a recording, and in its histogram."""
+def _doubts(recording: Recording, opening: Opening, found: Histogram, *, new: Mask) -> tuple[Finding, ...]:
+    """What is odd in the opening of a recording, and in its histogram; ``new`` pixels are bad, and references do not say so."""
     doubts = []
     if (dead := dead_rows.of(opening.bad) & opening.summed.any(axis=1)).any():
         instead = ", with the rows above and below in their place"
         doubts.append(remarks.rows_left_out(recording, np.flatnonzero(dead), instead=instead))
+    if new.any():
+        doubts.append(remarks.pixels_replaced(recording, int(new.sum()), by="those around them"))
     low, high = sorted((found.plate_dn, found.blackbody_dn))
     if not low < found.threshold_dn < high:
         peaks = f"{found.plate_dn:.0f} and {found.blackbody_dn:.0f} DN"
