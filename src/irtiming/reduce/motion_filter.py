@@ -29,6 +29,7 @@ _ENDS = (0.05, 0.95)  # quantiles of a pixel's values: a swing apart
 _NEAR = 0.1  # of the way from one level to the other: a filter that leaves more is not found here
 _SETTLED, _WILD = 2.0, 4.0  # times the scatter: as near to a level as its noise is, and no noise any more
 _FEWEST = 300  # pairs of either kind, over all pixels
+_RARE = 0.02  # of all pairs: where fewer are still, an edge has only just left those pixels, or is about to reach them
 _APART = 0.35  # levels that sway, and pixels of unlike gains, make as much as half of it
 
 
@@ -109,7 +110,8 @@ def correlation(stretches: list[Pixels]) -> Correlation | None:
     still = (at_low.settled[1:] & at_low.settled[:-1]) | (at_high.settled[1:] & at_high.settled[:-1])
     changed = (at_low.near[1:] & at_high.settled[:-1]) | (at_high.near[1:] & at_low.settled[:-1])
     pairs = [follows & kind for kind in (still, changed)]
-    if min(int(one.sum()) for one in pairs) < _FEWEST:
+    n_still, n_changed = (int(one.sum()) for one in pairs)
+    if min(n_still, n_changed) < _FEWEST or n_still < _RARE * int(follows.sum()) * noise.shape[1]:
         return None
     shared = [_correlation(noise[1:][one], noise[:-1][one]) for one in pairs]
     return Correlation(still=shared[0], changed=shared[1])

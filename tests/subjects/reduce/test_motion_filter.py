@@ -52,6 +52,19 @@ def test_a_filter_of_all_pixels_and_none_are_no_doubt(share, sway):
     assert motion_filter.findings(_recording(_filtered(_frames(sway=sway), share))) == ()
 
 
+@pytest.mark.parametrize(("stays", "is_doubt"), [(3, False), (12, True)])
+def test_pixels_that_hardly_ever_stay_tell_nothing(stays, is_doubt):
+    """Oracle: by hand; covered and uncovered frame by frame but for 3 of 239 pairs, or for 12, which share their noise."""
+    random, open_ = np.random.default_rng(4), np.arange(N) % 2 < 1
+    places = np.linspace(10, N - 10, stays).astype(int)
+    for place in places:
+        open_[place:] = ~open_[place:]
+    frames = 5000 + random.normal(0, 5, (N, ROWS, COLUMNS))
+    frames[:, 6:18, 6:24] += 600 * open_[:, None, None]
+    frames[places] = 0.7 * frames[places - 1] + 0.3 * frames[places]
+    assert bool(motion_filter.findings(_recording(frames))) == is_doubt
+
+
 def test_frames_that_came_twice_are_no_filter():
     """Oracle: by hand; each third frame is the one before."""
     frames = _frames()
