@@ -3,7 +3,8 @@ r"""Trust-region least squares over named parameters: the one optimiser of every
 The sum of squares |r(p)|^2 of residuals in units of their standard deviations (the deviance) is minimised by SciPy's reflective
 trust region (Branch, Coleman and Li, SIAM J. Sci. Comput. 21, 1999). A step that gains nothing only shrinks the region, so a
 corner of the model ends no search: whatever is reached last is a minimum within rounding, and how far it is from one is given by
-the Newton decrement, in standard uncertainties.
+the Newton decrement, in standard uncertainties. Where a minimum lies in a kink, no derivative vanishes there; then what a further
+step truly gains is the measure.
 
 Parameters that enter linearly are eliminated from the residuals beforehand (`variable_projection`).
 """
@@ -23,6 +24,7 @@ _STEP = 1e-10  # of the parameters in units of the trust region
 _MOST_EVALUATIONS = 200
 _IN_A_ROW = 3  # evaluations
 _SETTLED = 0.1  # standard uncertainties that a further Newton step would move
+_PARTS = (1.0, 0.5, 0.25, 0.1)  # of such a step, that are tried where it is longer
 
 
 @final
@@ -69,7 +71,7 @@ class Minimum:
     n_steps
         Evaluations of the model on the way.
     decrement
-        Length of a further Newton step, in standard uncertainties.
+        Length of a further Newton step, in standard uncertainties, as far as one lowers the deviance.
     """
 
     start: dict[str, float]
@@ -130,13 +132,18 @@ def minimise(
     least = _GAIN / remembered.at(begin).residual.size if gain is None else gain
     best = _searched(remembered, begin, gain=least)
     at = remembered.at(best)
+    step = _newton_step(at, columns)
+    decrement = float(np.linalg.norm(at.jacobian[:, columns] @ step))
+    if decrement >= _SETTLED:
+        further = min(remembered.at(best + part * step).deviance for part in _PARTS)
+        decrement = min(decrement, max(0.0, at.deviance - further) ** 0.5)
     return Minimum(
         start=dict(start),
         values=remembered.named(best),
         free=free,
         at=at,
         n_steps=len(remembered.deviances),
-        decrement=_decrement(at, columns),
+        decrement=decrement,
     )
 
 
@@ -201,12 +208,12 @@ class _Remembered:
         return self._last
 
 
-def _decrement(at: Linearised, columns: list[int]) -> float:
-    """Root of g N^-1 g over the free numbers: along directions that the data tell."""
+def _newton_step(at: Linearised, columns: list[int]) -> Array:
+    """Of the free numbers, along directions that the data tell; shape (n_free,)."""
     scale = np.linalg.norm(at.jacobian[:, columns], axis=0)
-    scaled = at.jacobian[:, columns] / np.where(scale > 0, scale, 1.0)
-    step, *_ = np.linalg.lstsq(scaled, -at.residual, rcond=1e-10)
-    return float(np.linalg.norm(scaled @ step))
+    scale = np.where(scale > 0, scale, 1.0)
+    step, *_ = np.linalg.lstsq(at.jacobian[:, columns] / scale, -at.residual, rcond=1e-10)
+    return np.asarray(step / scale)
 
 
 def _text(numbers: Mapping[str, float]) -> str:

@@ -86,6 +86,19 @@ def test_a_kink_ends_no_search():
     assert found.values["x"] == pytest.approx(1.2 - 1 / 6, abs=1e-3)
 
 
+def test_a_minimum_in_a_kink_is_reached():
+    """Oracle: by hand; nothing changes below 0, where the residual is 1: no step lowers it, though its derivative is 1 there."""
+
+    def model(numbers):
+        x = numbers["x"]
+        return Linearised(residual=np.array([max(x, 0.0) + 1]), jacobian=np.array([[1.0 if x >= 0 else 0.0]]))
+
+    found = optimiser.minimise(model, start={"x": 0.0}, gain=1e-9)
+    assert np.linalg.norm(found.at.residual) == pytest.approx(1.0)
+    assert found.decrement == pytest.approx(0.0, abs=1e-9)
+    assert found.is_settled
+
+
 def test_a_start_without_finite_residuals_is_refused():
     """Oracle: the message's contract: the value that the search began at, and what to do."""
     with pytest.raises(EstimationError, match=r"x = 1.*check rig.toml"):
