@@ -86,6 +86,21 @@ def test_a_kink_ends_no_search():
     assert found.values["x"] == pytest.approx(1.2 - 1 / 6, abs=1e-3)
 
 
+def test_a_search_that_ends_early_tells_how_far_it_is_from_the_minimum():
+    """Oracle: the deviance there less that of the minimum, whose root is the distance in standard uncertainties."""
+
+    def weighed(numbers):
+        there = _decay(numbers)
+        return Linearised(residual=100 * there.residual, jacobian=100 * there.jacobian)
+
+    early = optimiser.minimise(weighed, start={"height": 1.9, "rate": 0.8}, gain=0.999)
+    whole = optimiser.minimise(weighed, start={"height": 1.9, "rate": 0.8})
+    off = np.sqrt(early.at.deviance - whole.at.deviance)
+    assert off > 0.1
+    assert early.decrement == pytest.approx(off, rel=0.01)
+    assert not early.is_settled
+
+
 def test_a_minimum_in_a_kink_is_reached():
     """Oracle: by hand; nothing changes below 0, where the residual is 1: no step lowers it, though its derivative is 1 there."""
 
