@@ -81,6 +81,7 @@ def test_light_plate_and_uneven_wheel_make_up_the_sum(mirrored):
 def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
     """Oracle: images of the opening's part before an edge, their pixels added up with what each counts in the sum."""
     sector, summed, _ = _seen(plate=0.0, mirrored=mirrored)
+    sector.ring = 0.5 * sector.model_contrast  # as if a third of what shows were the wheel's
     bad = np.zeros(summed.shape, bool)
     bad[[16, 24, 22], [38, 30, 47]] = True
     weight = dead_pixels.weights(summed, bad)
@@ -96,8 +97,8 @@ def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
         part = replace(drawn, bisector_rad=drawn.bisector_rad + (low + half) / 2, opening_angle_rad=half - low)
         points = sector_points.light_points(part)
         light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
-        assert got == pytest.approx(float(np.sum(more * light) / sector.contrast.sum()), abs=1e-4)
-    assert np.ptp(found) > 6e-4
+        assert got == pytest.approx(1.5 * float(np.sum(more * light) / sector.contrast.sum()), abs=1.5e-4)
+    assert np.ptp(found) > 9e-4
 
 
 def test_gains_that_differ_count_where_their_pixels_are():
@@ -122,6 +123,32 @@ def test_gains_that_differ_count_where_their_pixels_are():
         got = float(np.interp(edge, ends, np.append(0.0, np.cumsum(share))))
         assert got == pytest.approx(float(np.sum(gains * seen) / sector.contrast.sum()), abs=2e-4)
     assert np.max(np.abs(np.cumsum(share))) > 1e-3
+
+
+def test_as_much_of_the_gains_counts_as_is_not_noise():
+    """Oracle: by hand; half of the scatter is that of gains, so a quarter of its square."""
+    sector, summed, angle = _seen(plate=0.0, mirrored=False)
+    sector.excess = np.random.default_rng(7).normal(0, 0.05, angle.shape) * sector.model_contrast
+    weight = summed.astype(float)
+    rms = float(np.sqrt(np.mean(sector.excess[sector.model_contrast > 0.98] ** 2)))
+    shares = []
+    for sector.gain_scatter in (rms, rms / 2):
+        ends, share = plate_light.of_single_pixels(sector, summed, weight=weight, shift_rad=0.0)
+        shares.append(np.interp(np.linspace(-0.6, 0.6, 9), ends, np.append(0.0, np.cumsum(share))))
+    assert shares[1] == pytest.approx(shares[0] / 4, abs=2e-6)
+    assert np.ptp(shares[0]) > 1e-3
+
+
+def test_what_a_pixel_shows_that_does_not_count_counts_nothing():
+    """Oracle: by hand; what is fine adds up to nothing, so that what is left of it in all others is the light of that pixel."""
+    sector, summed, angle = _seen(plate=0.0, mirrored=False)
+    sector.excess, weight, at = np.zeros(angle.shape), summed.astype(float), (12, 23)
+    sector.excess[at], sector.gain_scatter = -sector.model_contrast[at], 10.0
+    weight[ROI[0] + at[0], ROI[2] + at[1]] = 0
+    _, share = plate_light.of_single_pixels(sector, summed, weight=weight, shift_rad=0.0)
+    light = sector.model_contrast[at] / sector.contrast.sum()
+    assert light > 1e-3
+    assert share.sum() == pytest.approx(0, abs=0.05 * light)
 
 
 def test_what_is_all_noise_is_left_out():
