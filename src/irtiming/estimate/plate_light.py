@@ -19,7 +19,7 @@ _STEP_RAD = float(np.radians(1.5))
 _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
-_PARTS_OF_SPREAD, _MOST_PARTS = 2.0, 128  # what stands in for a dead pixel: parts of its spread, and of all at most
+_PARTS_OF_SPREAD, _MOST_PARTS = 1.0, 64  # what single pixels show: parts of their spread, and of all at most
 _INSIDE, _SMOOTH = (
     0.98,
     3,

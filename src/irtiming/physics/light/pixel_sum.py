@@ -33,7 +33,7 @@ from typing import final
 import numpy as np
 
 from irtiming.physics.light import summed_region
-from irtiming.physics.light.summed_region import SummedRegion
+from irtiming.physics.light.summed_region import SeenRegion, SummedRegion
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
     TURN,
@@ -168,26 +168,25 @@ class Passing:
         return bowed_fraction(self.start_rad, self.actual, sweep_rad=self.sweep_rad)
 
     @cached_property
-    def of_plate(self) -> "_Seen | None":
+    def of_plate(self) -> SeenRegion | None:
         """What shows of the plate."""
         return self._seen(self.plate)
 
     @cached_property
-    def of_uneven(self) -> "_Seen | None":
+    def of_uneven(self) -> SeenRegion | None:
         """What shows of the uneven wheel."""
         return self._seen(self.uneven)
 
     @cached_property
-    def of_lost(self) -> "_Seen | None":
+    def of_lost(self) -> SeenRegion | None:
         """What the open part loses, were all light astray."""
         return self._seen(self.lost)
 
-    def _seen(self, region: SummedRegion | None) -> "_Seen | None":
+    def _seen(self, region: SummedRegion | None) -> SeenRegion | None:
         if region is None:
             return None
-        places = self.centre_rad + region.ends_rad[:, None]
-        ends = at_point(places, self.actual.cutout_edges_rad, sweep_rad=self.sweep_rad)
-        return _Seen(region=region, ends=ends, sweep_rad=self.sweep_rad)
+        edges = self.actual.cutout_edges_rad
+        return summed_region.seen(region, self.centre_rad, edges=edges, sweep_rad=self.sweep_rad)
 
     @cached_property
     def actual(self) -> WheelModel:
@@ -311,16 +310,6 @@ def _tails(passing: Passing) -> list[Array]:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Seen:
-    """A region, and the wheel at the ends of its parts, shapes (k + 1, n)."""
-
-    region: SummedRegion
-    ends: PointAverage
-    sweep_rad: float
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Rings:
     """An opening at k radii: shares of the area and places r_0 / r - mean, (k,); the wheel at low and high ends, (2, k, n)."""
 
@@ -403,19 +392,19 @@ def _plate_slopes(passing: Passing) -> Array:
     return _beyond_slopes(passing.of_plate, narrow)
 
 
-def _beyond(seen: _Seen | None, fraction: Array) -> Array:
+def _beyond(seen: SeenRegion | None, fraction: Array) -> Array:
     """R - r F, shape (n,): what a region adds beyond what an opening of the same sum would."""
     if seen is None:
         return np.zeros_like(fraction)
-    return summed_region.exposed(seen.region, seen.ends) - seen.region.total * fraction
+    return seen.exposed - seen.total * fraction
 
 
-def _beyond_slopes(seen: _Seen | None, of_fraction: Array) -> Array:
+def _beyond_slopes(seen: SeenRegion | None, of_fraction: Array) -> Array:
     """Derivatives of it, as those of F, which are given; the region stays where it is when the opening's ends move."""
     out = np.zeros_like(of_fraction)
     if seen is not None:
-        out -= seen.region.total * of_fraction
-        out[:6] += summed_region.slopes(seen.region, seen.ends, sweep_rad=seen.sweep_rad)
+        out -= seen.total * of_fraction
+        out[:6] += summed_region.slopes(seen)
     return out
 
 

@@ -12,12 +12,16 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics.wheel import EDGE_SIGNS, PointAverage
+from irtiming.physics.wheel import EDGE_SIGNS, at_point
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import AxleView, Opening
+from irtiming.records.wheel_geometry import EdgeAngles
 
 USUAL_BORDER_RAD = 0.1
 """By how much summed pixels exceed an opening at either end, where the image does not tell."""
+
+
+_POINTS_AT_ONCE = 2**18
 
 
 @final
@@ -90,30 +94,55 @@ def together(*regions: SummedRegion | None) -> SummedRegion | None:
     return SummedRegion(ends_rad=ends, share=np.diff(before))
 
 
-def exposed(region: SummedRegion, ends: PointAverage) -> Array:
-    """R, shape (n,).
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeenRegion:
+    """A region while the wheel sweeps past it by ``sweep_rad`` (`physics.wheel.PointAverage`, weighed over the region's ends).
+
+    ``exposed`` (n,) is R, ``at_ends`` (n,) the same averaged over the window's two ends only, ``passed`` (4, n) the mean openness
+    that each edge's passages leave. ``total`` is R where all is open.
+    """
+
+    exposed: Array
+    at_ends: Array
+    passed: Array
+    total: float
+    sweep_rad: float
+
+
+def seen(region: SummedRegion, centre_rad: Array, *, edges: EdgeAngles, sweep_rad: float) -> SeenRegion:
+    """Of many frames some are looked at at a time: all ends of all frames would be gigabytes.
 
     Parameters
     ----------
     region
         Its area.
-    ends
-        The wheel at ``region.ends_rad``, shapes (k + 1, n).
+    centre_rad
+        Wheel coordinate of the opening's centre at the start of the window, shape (n,).
+    edges
+        alpha_0 .. alpha_3.
+    sweep_rad
+        Angle of the window.
     """
-    return np.asarray(region.weight @ ends.arc_rad)
+    n, some = centre_rad.size, max(1, _POINTS_AT_ONCE // region.ends_rad.size)
+    arc, ends, passed = np.empty(n), np.empty(n), np.empty((4, n))
+    for first in range(0, n, some):
+        part = slice(first, first + some)
+        points = at_point(centre_rad[part] + region.ends_rad[:, None], edges, sweep_rad=sweep_rad)
+        arc[part], ends[part] = region.weight @ points.arc_rad, region.weight @ points.ends_rad
+        passed[:, part] = region.weight @ points.passed
+    return SeenRegion(exposed=arc, at_ends=ends, passed=passed, total=region.total, sweep_rad=sweep_rad)
 
 
-def slopes(region: SummedRegion, ends: PointAverage, *, sweep_rad: float) -> Array:
+def slopes(region: SeenRegion) -> Array:
     """Derivatives of R per rad, shape (6, n): to the angles by which edges come early, the opening angle (none), and the sweep.
 
     Parameters
     ----------
-    region, ends
-        As for `exposed`.
-    sweep_rad
-        Angle of the window.
+    region
+        As it is seen.
     """
-    out = np.zeros((6, ends.arc_rad.shape[1]))
-    out[:4] = np.array(EDGE_SIGNS)[:, None] * (region.weight @ ends.passed)
-    out[5] = (region.weight @ ends.ends_rad - exposed(region, ends)) / sweep_rad
+    out = np.zeros((6, region.exposed.size))
+    out[:4] = np.array(EDGE_SIGNS)[:, None] * region.passed
+    out[5] = (region.at_ends - region.exposed) / region.sweep_rad
     return out

@@ -5,7 +5,7 @@ import pytest
 
 from irtiming.physics.light import summed_region
 from irtiming.physics.light.summed_region import SummedRegion
-from irtiming.physics.wheel import TURN, at_point, exposed_fraction, wheel_model
+from irtiming.physics.wheel import TURN, exposed_fraction, wheel_model
 
 EDGES = (0.0, 1.5718, 3.1421, 4.7125)
 GAMMA, SWEEP = 1.3, 0.02
@@ -13,9 +13,9 @@ WHEEL = wheel_model(EDGES, 0.2682, opening_angle_rad=GAMMA, centre_angle_rad=-np
 ANGLES = np.random.default_rng(1).uniform(0, TURN, 300)
 
 
-def _ends(region, *, edges=EDGES, sweep_rad=SWEEP, middle=ANGLES):
+def _seen(region, *, edges=EDGES, sweep_rad=SWEEP, middle=ANGLES):
     centre = np.mod(WHEEL.opening_coordinate_rad + middle - sweep_rad / 2, TURN)
-    return at_point(centre + region.ends_rad[:, None], edges, sweep_rad=sweep_rad)
+    return summed_region.seen(region, centre, edges=edges, sweep_rad=sweep_rad)
 
 
 def test_a_sector_in_parts_is_the_sector():
@@ -25,7 +25,7 @@ def test_a_sector_in_parts_is_the_sector():
     expected = exposed_fraction(ANGLES - SWEEP / 2, WHEEL, sweep_rad=SWEEP)
     for region in (whole, parts):
         assert region.total == pytest.approx(1)
-        np.testing.assert_allclose(summed_region.exposed(region, _ends(region)), expected, atol=1e-11)
+        np.testing.assert_allclose(_seen(region).exposed, expected, atol=1e-11)
 
 
 def test_parts_add_with_their_shares_and_signs():
@@ -35,7 +35,7 @@ def test_parts_add_with_their_shares_and_signs():
     for centre, width, share in ((-0.2, 0.4, 0.7), (0.3, 0.6, -0.3)):
         one = wheel_model(EDGES, 0.2682, opening_angle_rad=width, centre_angle_rad=-np.pi / 2 - centre)
         expected = expected + share * exposed_fraction(ANGLES - SWEEP / 2, one, sweep_rad=SWEEP)
-    np.testing.assert_allclose(summed_region.exposed(region, _ends(region)), expected, atol=1e-11)
+    np.testing.assert_allclose(_seen(region).exposed, expected, atol=1e-11)
 
 
 def test_regions_together_show_what_each_does():
@@ -43,19 +43,29 @@ def test_regions_together_show_what_each_does():
     one = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, -0.3]))
     other = SummedRegion(ends_rad=np.array([-0.7, -0.1, 0.2]), share=np.array([-0.1, 0.2]))
     whole = summed_region.together(one, None, other)
-    expected = sum(summed_region.exposed(each, _ends(each)) for each in (one, other))
-    np.testing.assert_allclose(summed_region.exposed(whole, _ends(whole)), expected, atol=1e-11)
+    expected = sum(_seen(each).exposed for each in (one, other))
+    np.testing.assert_allclose(_seen(whole).exposed, expected, atol=1e-11)
     assert summed_region.together(None, None) is None
+
+
+def test_many_frames_are_looked_at_some_at_a_time(monkeypatch):
+    """Oracle: the same frames all at once."""
+    region = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, -0.3]))
+    whole = _seen(region)
+    monkeypatch.setattr(summed_region, "_POINTS_AT_ONCE", 100)
+    parts = _seen(region)
+    np.testing.assert_allclose(parts.exposed, whole.exposed, atol=1e-12)
+    np.testing.assert_allclose(summed_region.slopes(parts), summed_region.slopes(whole), atol=1e-9)
 
 
 def test_derivatives_are_those_of_differences():
     """Oracle: central differences to each edge and to the sweep; the opening has no part in the region."""
     region, step = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, 0.3])), 1e-6
-    found = summed_region.slopes(region, _ends(region), sweep_rad=SWEEP)
+    found = summed_region.slopes(_seen(region))
     for k in range(4):
         moved = [tuple(e - sign * step * (j == k) for j, e in enumerate(EDGES)) for sign in (1, -1)]
-        plus, minus = (summed_region.exposed(region, _ends(region, edges=edges)) for edges in moved)
+        plus, minus = (_seen(region, edges=edges).exposed for edges in moved)
         np.testing.assert_allclose(found[k], (plus - minus) / (2 * step), atol=1e-4)
-    plus, minus = (summed_region.exposed(region, _ends(region, sweep_rad=SWEEP + sign * step)) for sign in (1, -1))
+    plus, minus = (_seen(region, sweep_rad=SWEEP + sign * step).exposed for sign in (1, -1))
     np.testing.assert_allclose(found[5], (plus - minus) / (2 * step), atol=1e-4)
     assert not np.any(found[4])
