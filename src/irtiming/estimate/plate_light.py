@@ -20,10 +20,8 @@ _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
 _PARTS_OF_SPREAD, _MOST_PARTS = 1.0, 64  # what single pixels show: parts of their spread, and of all at most
-_INSIDE, _SMOOTH = (
-    0.98,
-    3,
-)  # of a pixel in the light; powers of the angle, from none on, that light may follow along the opening
+_INSIDE = 0.98  # of a pixel in the light
+_SMOOTH = 3  # powers of the angle, from none on, that light may follow along the opening
 _HARDLY = 1e-3  # of the largest part
 _N_LOST, _FINE_GLARE = 16, 200  # parts of the opening, and the order of waves for which its nodes are close enough
 
