@@ -506,14 +506,17 @@ def test_aravis_lists_and_sets_its_features(bench):
 def test_aravis_streams_from_it_and_gets_lost_packets_again(bench, per_mille):
     """Oracle: Aravis' own counters: no frame fails, however many packets were lost and sent again.
 
-    How many frames come in the two seconds is the machine's business; it may be busy.
+    How many frames come in two seconds is the machine's business; where it is busy it gets five, then twenty.
     """
     bench.camera.faults.packets_lost_per_mille = per_mille
-    told = _run(
-        "arv-camera-test-0.8", "-n", bench.address, "--duration=2", "-f", "50", "-i", "220", "-j", "never", "-q", "2.0",
-        "-p", "100", "-m", "2000",
-    )  # fmt: skip
-    numbers = dict(line.split("=") for line in told.replace(" ", "").splitlines() if line.startswith("n_"))
+    for seconds in (2, 5, 20):
+        told = _run(
+            "arv-camera-test-0.8", "-n", bench.address, f"--duration={seconds}", "-f", "50", "-i", "220", "-j", "never",
+            "-q", "2.0", "-p", "100", "-m", "2000",
+        )  # fmt: skip
+        numbers = dict(line.split("=") for line in told.replace(" ", "").splitlines() if line.startswith("n_"))
+        if int(numbers["n_completed_buffers"]) >= 8:
+            break
     assert int(numbers["n_completed_buffers"]) >= 8
     assert int(numbers["n_failures"]) <= 1  # the last frame may be under way
     assert per_mille == 0 or int(numbers["n_resent_packets"]) > 0
