@@ -122,7 +122,7 @@ def of_single_pixels(sector: SectorFit, summed: Mask, *, weight: Array, shift_ra
     farthest = float(np.max(np.abs(place) + _REACH * spread))
     n_parts = min(_MOST_PARTS, int(np.ceil(2 * farthest / (float(np.min(spread)) / _PARTS_OF_SPREAD))))
     ends = np.linspace(-farthest, farthest, n_parts + 1)
-    before = ndtr((ends[:, None] - place) / spread) @ more[changed]
+    before = np.array([ndtr((end - place) / spread) @ more[changed] for end in ends])
     share = np.diff(before) / np.sum(sector.contrast[plain])
     return _only_where_some(ends, share)
 

@@ -114,7 +114,7 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
 
 def _with_single_pixels(axle: AxleView, sector: SectorFit, opening: Opening) -> AxleView:
     """With what dead and uneven pixels do to the sum: each recording may have other dead ones."""
-    shift_rad = sector.shape.sense * float(np.angle(np.exp(1j * (axle.mean_angle_rad - axle.bisector_rad))))
+    shift_rad = sector.shape.sense * (axle.mean_angle_rad - axle.bisector_rad)
     ends, share = plate_light.of_single_pixels(sector, opening.summed, weight=opening.weight, shift_rad=shift_rad)
     return replace(axle, pixels_ends_rad=tuple(ends.tolist()), pixels_share=tuple(share.tolist()))
 

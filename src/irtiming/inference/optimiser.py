@@ -132,18 +132,13 @@ def minimise(
     least = _GAIN / remembered.at(begin).residual.size if gain is None else gain
     best = _searched(remembered, begin, gain=least)
     at = remembered.at(best)
-    step = _newton_step(at, columns)
-    decrement = float(np.linalg.norm(at.jacobian[:, columns] @ step))
-    if decrement >= _SETTLED:
-        further = min(remembered.at(best + part * step).deviance for part in _PARTS)
-        decrement = min(decrement, max(0.0, at.deviance - further) ** 0.5)
     return Minimum(
         start=dict(start),
         values=remembered.named(best),
         free=free,
         at=at,
         n_steps=len(remembered.deviances),
-        decrement=decrement,
+        decrement=_decrement(remembered, best, at=at, columns=columns),
     )
 
 
@@ -206,6 +201,17 @@ class _Remembered:
         if self._last is None or key != self._key:
             self._key, self._last = key, self._model(self.named(free_values))
         return self._last
+
+
+def _decrement(remembered: _Remembered, best: Array, *, at: Linearised, columns: list[int]) -> float:
+    """What a further Newton step moves, as far as it, or a part of it, lowers the deviance; all of it where none can be told."""
+    step = _newton_step(at, columns)
+    length = float(np.linalg.norm(at.jacobian[:, columns] @ step))
+    if length < _SETTLED:
+        return length
+    further = [remembered.at(best + part * step).deviance for part in _PARTS]
+    gains = [at.deviance - one for one in further if np.isfinite(one)]
+    return min(length, max(0.0, *gains) ** 0.5) if gains else length
 
 
 def _newton_step(at: Linearised, columns: list[int]) -> Array:

@@ -24,11 +24,15 @@ BEYOND_RAD = (0.35, 0.70)
 """By how much the summed region reaches beyond the opening: as far as blur carries light at one end, twice that at the other."""
 
 
+def _image(shape_drawn):
+    points = sector_points.light_points(shape_drawn)
+    return blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+
+
 def _seen(*, plate, mirrored, uneven=0.0):
     """Sector that shows its light, a plate all around it and a wheel uneven at one end, in a lopsided region of summed pixels."""
     drawn = replace(SHAPE, mirrored=mirrored)
-    points = sector_points.light_points(drawn)
-    light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+    light = _image(drawn)
     angle, radius = blurred_sector.pixel_places(drawn, roi=ROI)
     half = drawn.opening_angle_rad / 2
     region = (angle > -half - BEYOND_RAD[0]) & (angle < half + BEYOND_RAD[1]) & (radius > 4) & (radius < 24)
@@ -95,8 +99,7 @@ def test_stand_ins_show_their_own_light_for_that_of_dead_pixels(mirrored):
     for edge, got in zip(edges, found, strict=True):
         low = turned - edge  # polar angles fall as wheel coordinates grow
         part = replace(drawn, bisector_rad=drawn.bisector_rad + (low + half) / 2, opening_angle_rad=half - low)
-        points = sector_points.light_points(part)
-        light = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+        light = _image(part)
         assert got == pytest.approx(1.5 * float(np.sum(more * light) / sector.contrast.sum()), abs=1.5e-4)
     assert np.ptp(found) > 9e-4
 
@@ -118,8 +121,7 @@ def test_gains_that_differ_count_where_their_pixels_are():
         part = replace(
             sector.shape, bisector_rad=sector.shape.bisector_rad + (half - edge) / 2, opening_angle_rad=half + edge
         )
-        points = sector_points.light_points(part)
-        seen = blurred_sector.image(points, np.ones(points.row_px.size, complex), blur=Blur(0.7, 0.7), roi=ROI).real
+        seen = _image(part)
         got = float(np.interp(edge, ends, np.append(0.0, np.cumsum(share))))
         assert got == pytest.approx(float(np.sum(gains * seen) / sector.contrast.sum()), abs=2e-4)
     assert np.max(np.abs(np.cumsum(share))) > 1e-3

@@ -114,6 +114,19 @@ def test_a_minimum_in_a_kink_is_reached():
     assert found.is_settled
 
 
+def test_where_a_further_step_tells_nothing_its_length_counts():
+    """Oracle: by hand; residual and derivative are 1 at 0, just below it the residual is 2, and farther there is none."""
+
+    def model(numbers):
+        x = numbers["x"]
+        below = 2.0 if x > -0.05 else np.nan
+        return Linearised(residual=np.array([x + 1 if x >= 0 else below]), jacobian=np.ones((1, 1)))
+
+    found = optimiser.minimise(model, start={"x": 0.0})
+    assert found.decrement == pytest.approx(1.0, abs=1e-6)
+    assert not found.is_settled
+
+
 def test_a_start_without_finite_residuals_is_refused():
     """Oracle: the message's contract: the value that the search began at, and what to do."""
     with pytest.raises(EstimationError, match=r"x = 1.*check rig.toml"):

@@ -12,7 +12,8 @@ A lens with distortion, or a mask beside the axle, shows the opening brighter at
 the same in all recordings of one camera in one place.
 
 A wheel that reflects the camera unevenly shows that wherever its cutouts pass. With R what of it the open part of the summed
-pixels adds, as the image shows it, and r what all of it does, F grows by R - r F.
+pixels adds, as the image shows it, and r what all of it does, F grows by R - r F. So it does by pixels that stand in for dead
+ones, less these, and by gains that differ.
 
 Glare reaches farther than the pixels that are summed: from the opening's ends it takes more light out of the sum than from its
 middle. With R what the open part loses, were all light astray, and r what the whole opening does, F is less by g (R - r F).
@@ -103,7 +104,7 @@ class Passing:
     plate
         Where the summed pixels see the mask plate, whole; None takes all that is wider than the opening by ``border_rad``.
     uneven
-        What an uneven wheel adds, over the whole sum; None: nothing.
+        What uneven wheel, dead and uneven pixels add, over the whole sum; None: nothing.
     glare, lost
         Share of the light that goes astray, and where the opening loses it to pixels that are not summed; None: nowhere.
     tails
@@ -174,7 +175,7 @@ class Passing:
 
     @cached_property
     def of_uneven(self) -> SeenRegion | None:
-        """What shows of the uneven wheel."""
+        """What shows of uneven wheel, and of dead and uneven pixels."""
         return self._seen(self.uneven)
 
     @cached_property

@@ -20,8 +20,7 @@ from irtiming.records.wheel_geometry import EdgeAngles
 USUAL_BORDER_RAD = 0.1
 """By how much summed pixels exceed an opening at either end, where the image does not tell."""
 
-
-_POINTS_AT_ONCE = 2**18
+_POINTS_AT_ONCE = 2**18  # eight numbers each: 16 MB
 
 
 @final
@@ -99,8 +98,8 @@ def together(*regions: SummedRegion | None) -> SummedRegion | None:
 class SeenRegion:
     """A region while the wheel sweeps past it by ``sweep_rad`` (`physics.wheel.PointAverage`, weighed over the region's ends).
 
-    ``exposed`` (n,) is R, ``at_ends`` (n,) the same averaged over the window's two ends only, ``passed`` (4, n) the mean openness
-    that each edge's passages leave. ``total`` is R where all is open.
+    ``exposed`` (n,) is R, ``at_ends`` (n,) the same averaged over the window's two ends only, ``passed`` (4, n) how often each
+    edge has passed. ``total`` is R where all is open.
     """
 
     exposed: Array

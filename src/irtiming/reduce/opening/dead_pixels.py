@@ -1,15 +1,9 @@
 """Pixels of the opening that do not follow the wheel, and who stands in for them."""
 
-from typing import Any, TypeAlias
-
 import numpy as np
-import numpy.typing as npt
 from scipy import ndimage
 
 from irtiming.records.arrays import Array, Mask, Pixels
-
-Corrected: TypeAlias = npt.NDArray[np.floating[Any]]
-"""Frames in DN of even pixels, shape (frame, row, column)."""
 
 _LEAST_CONTRAST = 0.5  # of that around
 _MOST_CONTRAST = 2.0
@@ -19,7 +13,7 @@ _MOST_BAD = 0.25  # of a row
 _RING = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 
 
-def find(live: Pixels | Corrected, contrast: Array, *, mask: Mask, summed: Mask) -> Mask:
+def find(live: Pixels | Array, contrast: Array, *, mask: Mask, summed: Mask) -> Mask:
     """Dead, stuck and blinking pixels among those that are summed.
 
     Parameters
@@ -109,7 +103,7 @@ def _stands_out(contrast: Array) -> Mask:
     return np.asarray((contrast < low - 0.35) | (contrast > high + 0.5))
 
 
-def _noisy(live: Pixels | Corrected, deep: Mask) -> Mask:
+def _noisy(live: Pixels | Array, deep: Mask) -> Mask:
     """Pixels deep in the opening that scatter far more against their left and right neighbours than others do.
 
     The median of the distances: in few frames an edge of the wheel lies between neighbours, or the trail that the lag leaves.

@@ -43,6 +43,11 @@ class _Sample:
     covered_frames: Mask
     steady: SteadyLevels | None
 
+    @property
+    def few(self) -> Pixels:
+        """Some of the frames, for a closer look."""
+        return self.raw[:: max(1, len(self.raw) // _CLOSER_LOOK)]
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,8 +97,7 @@ def find(
     covered_dn = mean_frame(sample.raw[sample.covered_frames], correct)
     covered_dn += _apart(open_dn - covered_dn, sample)
     step = float(np.median((open_dn - covered_dn)[sample.seeds]))
-    contrast = (open_dn - covered_dn) / step
-    contrast = _filled(contrast, correct.bad)
+    contrast = _filled((open_dn - covered_dn) / step, correct.bad)
     mended = dead_pixels.mended(contrast)
     mask = mask_shape.largest_part((ndimage.uniform_filter(mended, 3) > 0.5) & (mended > 0.3))
     border_px = mask_shape.border_px(mended, mask)
@@ -113,7 +117,7 @@ def find(
         weight=dead_pixels.weights(summed, bad), border_px=border_px, bad=bad,
         blackbody_is_colder=not histogram.blackbody_dn > histogram.plate_dn, histogram=histogram,
     )  # fmt: skip
-    noise = sample_frames.noise_dn(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK)], ~summed)
+    noise = sample_frames.noise_dn(sample.few, ~summed)
     return Sighting(
         opening=found, histogram=histogram, noise_dn=noise, steady=sample.steady,
         findings=_doubts(recording, found, histogram, new=bad & ~correct.bad),
@@ -126,8 +130,10 @@ def _bad(sample: _Sample, contrast: Array, *, mask: Mask, summed: Mask, roi: Reg
     box, bad = np.s_[slice(*roi[:2]), slice(*roi[2:])], np.zeros_like(mask)
     known = correct.within(roi)
     follows = np.where(known.bad, 0.0, contrast[box])
-    live = corrected(sample.raw[:: max(1, len(sample.raw) // _CLOSER_LOOK), *box], known)
-    even = live / np.where(follows > _EVEN, follows, 1.0)  # gains that no reference told would look like blinking
+    live = corrected(sample.few[:, *box], known)
+    even: Array = live / np.where(
+        follows > _EVEN, follows, 1.0
+    )  # gains that no reference told would look like blinking
     bad[box] = dead_pixels.find(even, follows, mask=mask[box], summed=summed[box])
     return bad
 
