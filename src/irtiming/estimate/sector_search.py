@@ -113,9 +113,9 @@ def searched(
         With which the search begins, and which are brought up to date; taken anew where they foretell steps badly. Those of
         numbers that the search before did not have are added.
     """
-    are_kept = slopes is not None and slopes.matrix is not None
+    n_kept = None if slopes is None or slopes.matrix is None else len(slopes.matrix)
     found = _search(misfit, start, free=free, gain=gain, slopes=slopes)
-    if slopes is not None and are_kept and found.status not in _AGREES:
+    if slopes is not None and n_kept == found.fun.size and found.status not in _AGREES:
         slopes.matrix = None
         found = _search(misfit, start, free=free, gain=gain, slopes=slopes)
     return found

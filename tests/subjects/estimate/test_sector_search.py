@@ -80,6 +80,27 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
     assert with_wrong.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
 
 
+def test_a_search_that_kept_slopes_did_not_lead_astray_is_not_made_twice() -> None:
+    """Oracle: by hand: of a ninth power each step leaves 8/9, so 30 from 60 on do not end it, and those are all it is given."""
+    asked = 0
+
+    def at(here: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
+        nonlocal asked
+        asked += 1
+
+        def residual(numbers: Mapping[str, float]) -> Array:
+            return np.array([1.0, (numbers[FREE[0]] - 3.0) ** 9])
+
+        return Place(residual=residual(here), change=lambda there, _: residual(there) - residual(here))
+
+    of_another_length = Slopes(matrix=np.ones((7, 1)), names=FREE[:1])
+    found = searched(
+        Misfit(at=at, sharp=lambda _: ()), {FREE[0]: 63.0}, free=FREE[:1], gain=BETWEEN, slopes=of_another_length
+    )
+    assert found.status == 0
+    assert asked == found.nfev == 30
+
+
 def test_a_search_ends_where_a_step_gains_a_standard_uncertainty_and_the_last_one_a_tenth() -> None:
     """Oracle: by hand: a cube ends slowly, each step leaves (2/3)^6 = 0.09 of its square, Broyden's more."""
 
