@@ -239,7 +239,9 @@ def _count_passed(offset: Offsets, angles: Array, ahead: float) -> int:
         return 0
     if min(angles[0], angles[-1]) + ahead >= offset[-1]:
         return offset.size * angles.size
-    count, at = 0, np.searchsorted(offset, np.float32(angles[0] + ahead))
+    width = offset[-1] - offset[0]
+    passed = (angles[0] + ahead - offset[0]) / width if width > 0 else 0.0
+    count, at = 0, int(offset.size * min(max(passed, 0.0), 1.0))  # where it would be if the rays were even
     for angle in angles:  # from one instant to the next an edge passes few rays
         while at < offset.size and offset[at] <= angle + ahead:
             at += 1
