@@ -149,3 +149,12 @@ def test_a_minimum_that_was_not_reached_is_told(timed):
     assert record.decrement < 0.01
     assert [one.code for one in doubts.of_joint(replace(record, decrement=1.1))] == ["minimum-not-reached"]
     assert doubts.of_joint(replace(record, decrement=0.9)) == ()
+
+
+def test_the_reduced_chi_square_counts_what_is_free(timed, three):
+    """Oracle: by hand; 50 residuals more than there are numbers that nothing is known of leave the deviance over 50."""
+    found, fits = timed.found.joint, three[1]
+    n_free = sum(one.u is None for one in found.shared)
+    told = timing._record(found, fits, whiteness=[0.5], n_residuals=50 + n_free, u_edge_rad=U_EDGE)
+    assert n_free > 0
+    assert told.reduced_chi_square == pytest.approx(found.found.at.deviance / 50)
