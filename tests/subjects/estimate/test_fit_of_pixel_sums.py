@@ -257,6 +257,13 @@ def test_frames_of_another_wheel_are_refused(recording):
         pixel_sums.fit(recording(other), _model())
 
 
+def test_an_opening_that_is_far_wider_than_stated_is_refused(recording):
+    """Oracle: by hand; sums of an opening of 75 deg, of which rig.toml says a seventh: by so much no fit is off."""
+    narrow = wheel_model(EDGES, GATE, opening_angle_rad=GAMMA / 7, centre_angle_rad=CENTRE)
+    with pytest.raises(EstimationError, match=r"fitted opening angle 6\d.* deg, rig.toml says 10.71 deg"):
+        pixel_sums.fit(recording(_sums(n=400, instants=30)), narrow)
+
+
 def test_too_many_wild_frames_are_refused(recording):
     """Oracle: the limit of 5 %; a tenth of the frames is wrong."""
     share = _sums() + np.random.default_rng(1).normal(0, 1e-4, 1000)

@@ -170,6 +170,12 @@ def test_one_recording_given_twice_is_one_recording():
     np.testing.assert_allclose(twice.standard_uncertainties, once.standard_uncertainties, rtol=0.01)
 
 
+def test_copies_of_a_recording_weigh_as_much_as_it_alone():
+    """Oracle: the draws, of variance 1; each of two copies counts half beside one that was given once."""
+    copied, other = _traces(np.random.default_rng(9).normal(size=(2, N)))
+    assert shared_residual.split([copied, copied, other]).own == pytest.approx([2, 2, 1], rel=0.35)
+
+
 def test_structure_that_all_recordings_share_cancels_in_relative_delays():
     """Oracle: recordings without it; the structure is ten times the noise of a frame."""
     random = np.random.default_rng(2)

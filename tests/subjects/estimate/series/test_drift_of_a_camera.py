@@ -41,6 +41,10 @@ def test_the_rate_of_days_on_a_line_is_as_uncertain_as_its_days():
     assert found.rate_per_year == pytest.approx(0.25)
     assert found.u_rate_per_year == pytest.approx(0.5 / 32**0.5)
     assert (found.value, found.change) == (pytest.approx(3.0), pytest.approx(1.0))
+    assert ([one.label for one in found.earlier], [one.label for one in found.newest]) == (
+        ["2020-01-01"],
+        ["2024-01-01"],
+    )
     assert found.u_change == pytest.approx(0.5 * 2**0.5)
 
 
