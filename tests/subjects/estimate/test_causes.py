@@ -80,3 +80,21 @@ def test_a_response_that_is_not_linear_bends_most_in_the_middle(frames):
     steps = replace(frames, fraction=np.tile([0.0, 0.5, 1.0, 0.5], 180)[:, None])
     (found,) = causes._not_linear(steps)
     np.testing.assert_array_equal(found[:4, 0], [0.0, 0.25, 0.0, 0.25])
+
+
+def test_a_wheel_whose_slots_err_once_a_turn_is_seen_elsewhere(frames):
+    """Oracle: the light itself a little further along and behind, by a cosine and by a sine of the wheel angle."""
+    small = 1e-4
+    for found, wave in zip(causes._speed_once_a_turn(frames), (np.cos, np.sin), strict=True):
+        off = small * wave(frames.angle_rad)
+        expected = (_light(frames.angle_rad + off) - _light(frames.angle_rad - off)) / (2 * small)
+        np.testing.assert_allclose(found[:, 0], expected, atol=0.01 * np.ptp(expected))
+
+
+def test_a_row_delay_shows_bands_of_rows_later_the_lower_they_are(frames):
+    """Oracle: the light itself a little later and earlier, by the place of each band; the middle one stays as it is."""
+    bands, small_s = replace(frames, fraction=np.tile(frames.fraction, 3), row=np.array([-1.0, 0.0, 0.5])), 1e-6
+    angle, later = frames.angle_rad[:, None], _OMEGA * small_s * bands.row
+    expected = (_light(angle + later) - _light(angle - later)) / (2 * small_s)
+    found = causes.fitted(bands, lag_s=8e-3)["row delay"]
+    np.testing.assert_allclose(found, expected, atol=0.01 * np.ptp(expected))

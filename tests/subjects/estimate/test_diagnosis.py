@@ -179,6 +179,21 @@ def test_a_cause_moves_the_result_as_a_fit_with_it_would():
     assert found.n_numbers == 1
 
 
+def test_a_cause_that_is_like_what_was_fitted_explains_nothing():
+    """Oracle: by hand; but for 1e-4 of it the cause's column is the one that was fitted, and of the residuals it has no share."""
+    rng = np.random.default_rng(4)
+    frames, before, _ = _seen(rng)
+    column = diagnosis._flat(frames, before)
+    fitted = (column + 1e-4 * np.linalg.norm(column) / len(column) ** 0.5 * rng.normal(size=len(column)))[:, None]
+    beside = diagnosis._Beside(
+        runs=(frames,), residual=rng.normal(size=len(column)), fitted=fitted, known=np.zeros((0, 1)), parameters={}
+    )
+    estimate = Estimate(names=(), units=(), values=np.zeros(0), covariance=np.zeros((0, 0)))
+    candidate = next(one for one in causes.CANDIDATES if "one before" in one.name)
+    found = diagnosis._cause(candidate, beside, estimate, n_tried=1)
+    assert (found.n_numbers, found.gained, found.chance) == (0, 0.0, 1.0)
+
+
 def test_later_rows_are_a_delay_and_a_row_delay(sound):
     """Oracle: by hand; all edges 1 s later are the delay 1 s later, and 1 s for each row leaves row 0 where it was."""
     beside = diagnosis._of_rows(sound("microbolometer"))
