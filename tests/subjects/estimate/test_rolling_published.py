@@ -112,8 +112,9 @@ def test_fits_are_left_as_they_were(fit):
 
 
 def test_a_procedure_that_could_not_be_run_has_no_numbers_and_a_reason():
-    """Oracle: nothing is known, so nothing is stated."""
+    """Oracle: nothing is known, so nothing is stated, of none of the four edges."""
     nothing = procedure.without("no slopes", None).result
+    np.testing.assert_array_equal([nothing.edge_delay_s, nothing.u_edge_delay_s], np.full((2, 4), np.nan))
     assert nothing.estimate.names == ()
     assert nothing.relative_delays == ()
     (finding,) = nothing.findings

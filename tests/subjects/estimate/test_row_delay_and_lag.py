@@ -126,10 +126,21 @@ def test_rows_without_data_are_left_out(data_of):
     assert fit.timing.time_constant_s == pytest.approx(4.819e-3, abs=60e-6)
 
 
+@pytest.mark.parametrize(("lowest_ms", "settled"), [(4.5, False), (4.7, True), (5.3, True), (5.5, False)])
+def test_a_range_is_settled_by_a_minimum_in_its_middle_third(lowest_ms, settled):
+    """Oracle: by hand; of eleven time constants from 4 to 6 ms, 0.2 ms apart, the middle third is that of 4.6 to 5.4 ms."""
+    tried = 1e-3 * np.linspace(4, 6, 11)
+    found = row_delay_and_lag._minimum(tried, 1 + (tried - 1e-3 * lowest_ms) ** 2)
+    assert found.settled is settled
+
+
 def test_the_range_moves_to_the_minimum_and_says_so(data_of, monkeypatch):
-    """Oracle: a start at three times the time constant, whose range of +-30 % does not hold it."""
+    """Oracle: a start at three times the time constant, whose range of +-30 % does not hold it; simulations are counted."""
+    simulated, simulate = [], row_delay_and_lag.simulate
+    monkeypatch.setattr(row_delay_and_lag, "simulate", lambda *a, **b: simulated.append(1) or simulate(*a, **b))
     monkeypatch.setattr(row_delay_and_lag, "plausible_time_constant_s", lambda data: 15e-3)
     fit = _fit(data_of((3.872e-3, 38.76e-6, 5e-3)))
+    assert fit.n_simulations == len(simulated)
     assert fit.timing.time_constant_s == pytest.approx(5e-3, abs=60e-6)
     assert fit.initial_timing.time_constant_s == 15e-3
     assert (
