@@ -1,12 +1,12 @@
 """The search for the numbers of the contrast image, on a curve of which the answer is known."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pytest
 
 from irtiming.estimate.sector_image import Sharp
-from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Misfit, Place, Slopes, searched
+from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Misfit, Numbers, Place, Slopes, searched
 from irtiming.records.arrays import Array
 
 FREE = ("axle_row_px", "axle_column_px", "inner_radius_px")
@@ -118,3 +118,38 @@ def test_a_search_ends_where_a_step_gains_a_standard_uncertainty_and_the_last_on
     assert 0.6 < left[0] < 12
     assert 0.006 < left[1] < 0.12
     assert 0.0006 < left[2] < 0.012
+
+
+class _One:
+    """Residuals of a single number, the share of the wheel's light that the plate mirrors; it remembers what it was asked at."""
+
+    def __init__(self, residual: Callable[[float], float]) -> None:
+        self.residual, self.asked = residual, list[float]()
+
+    def searched(self, begin: float) -> float:
+        found = searched(Misfit(at=self._at, sharp=lambda _: ()), {_SHARE: begin}, free=(_SHARE,), gain=LAST)
+        return float(found.x[0])
+
+    def _at(self, here: Numbers, sharp: Sequence[Sharp]) -> Place:
+        residual = self._residuals(here)
+        return Place(residual=residual, change=lambda there, _: self._residuals(there) - residual)
+
+    def _residuals(self, numbers: Numbers) -> Array:
+        self.asked.append(numbers[_SHARE])
+        return np.array([1.0, self.residual(numbers[_SHARE])])
+
+
+_SHARE = "plate_reflection"
+
+
+@pytest.mark.parametrize("begin", [-0.2, 0.0, 1.0, 1.3])
+def test_a_search_may_begin_at_a_limit_or_beyond_it(begin: float) -> None:
+    """Oracle: the share that the line was made with; a plate mirrors from nothing to all of the light."""
+    assert _One(lambda share: 1e3 * (share - 0.4)).searched(begin) == pytest.approx(0.4, abs=1e-3)
+
+
+def test_a_search_asks_for_nothing_beyond_a_limit() -> None:
+    """Oracle: by hand; a square that is least at the limit, where each step leaves half of the way and takes slopes anew."""
+    square = _One(lambda share: 1e10 * (1 - share) ** 2)
+    assert square.searched(0.9) == pytest.approx(1.0, abs=3e-5)
+    assert max(square.asked) <= 1.0

@@ -1,0 +1,64 @@
+"""What is known of the contrast images of a sector: uncertainties of pixels, and what levels that are not known do to them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irtiming.estimate import sector_images
+from irtiming.physics.light.row_sum import EDGE_DELAYS
+from irtiming.physics.wheel_angle import wheel_angle_rad
+from irtiming.records.reduced import FoundInSums
+
+NOISE_DN = 6.0
+
+
+@pytest.fixture(scope="module")
+def camera(brute_bolometer):
+    return brute_bolometer(offset=(0.35, -0.25))
+
+
+@pytest.fixture(scope="module")
+def rows(camera, brute_rows):
+    return brute_rows(camera, noise_dn=NOISE_DN, seed=3)
+
+
+def test_a_pixel_is_as_uncertain_as_its_noise_and_gain_along_its_phase_and_its_noise_across(
+    camera, rows, rig_with, sector_of
+):
+    """Oracle: by hand; 6 DN in 400 frames. At first gains are 2 % apart, then 3 % in the light; an odd pixel says nothing."""
+    light, odd = np.zeros((camera.rows, camera.columns)), np.zeros((camera.rows, camera.columns), bool)
+    light[10:20], odd[25, 7] = 1.0, True
+    known = sector_of(camera, model_contrast=light, gain_scatter=0.03, odd=odd)
+    first, later = (
+        sector_images.of([rows], camera.model, rig=rig_with(), timing=camera.timing, known=one) for one in (None, known)
+    )
+    noise_dn, full_dn = NOISE_DN * (2 / 400) ** 0.5, first.seen[0].full_dn
+    assert first.u_dn[0][15, 30] == pytest.approx(np.hypot(noise_dn, 0.02 * full_dn) + 1j * noise_dn)
+    assert later.u_dn[0][15, 30] == pytest.approx(np.hypot(noise_dn, 0.03 * full_dn) + 1j * noise_dn, rel=1e-3)
+    assert later.u_dn[0][25, 7] == pytest.approx(np.hypot(noise_dn, full_dn) * (1 + 1j))
+
+
+def test_what_an_unknown_gain_does_to_the_image_turns_with_it(camera, rows, rig_with, sector_of):
+    """Oracle: points in the time domain, one for each pixel in the light, seen with another gain; a turn of 0.2 rad."""
+    turn_rad, wave = 0.2, np.cos(4 * camera.omega * 0.033 * np.arange(400) + 1.0)
+    late_rad = camera.omega * np.array([camera.timing[name] for name in EDGE_DELAYS])
+    told = FoundInSums(
+        edges_late_rad=late_rad, blade_share=0.0, relative_gain=np.ones(400), u_gain=0.02 * wave[:, None],
+        u_offset=np.zeros((400, 1)),
+    )  # fmt: skip
+    lit = np.argwhere(camera.light[1].sum(axis=0) > 0.99)[::20]
+    light = np.zeros((camera.rows, camera.columns))
+    light[tuple(lit.T)] = 1.0
+    (look,) = sector_images.of(
+        [replace(rows, contrast=replace(rows.contrast, in_sums=told))], camera.model, rig=rig_with(),
+        timing=camera.timing, known=sector_of(camera, model_contrast=light, turn_rad=turn_rad),
+    ).seen  # fmt: skip
+    theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks) + camera.gate_rad - camera.centre_rad
+    expected = np.zeros(light.shape, complex)
+    for row, column in lit:
+        angle = np.arctan2(row - camera.axle[0], column - camera.axle[1]) - camera.bisector_rad
+        seen = camera.seen(theta - angle + turn_rad + camera.omega * row * camera.row_delay_s)
+        expected[row, column] = rows.contrast.frame_weight @ (0.02 * wave * (seen - 0.5))
+    (found,) = look.swayed
+    np.testing.assert_allclose(found, expected, atol=0.02 * np.abs(expected).max())
