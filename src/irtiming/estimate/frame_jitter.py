@@ -112,6 +112,4 @@ def _moved(angle: Array, residual: Array, slope: Array, *, noise: Array) -> _Mov
     apart = np.diff(residual[order], axis=0) / np.sqrt(2)
     rise = (slope[order][1:] + slope[order][:-1]) / 2
     a = np.sum((rise / noise) ** 2, axis=1)
-    return _Moved(
-        x=np.sum(rise * apart / noise**2, axis=1), a=np.maximum(a, np.finfo(float).tiny + 1e-12 * float(a.max()))
-    )
+    return _Moved(x=np.sum(rise * apart / noise**2, axis=1), a=np.maximum(a, np.finfo(float).tiny))

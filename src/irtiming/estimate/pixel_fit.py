@@ -186,7 +186,7 @@ def _iterated(
 
 def _first(sums: SumsWithWaves, pixels: PixelLight, *, response_s: float) -> PixelNumbers:
     """Contrast and delay by the lowest order alone."""
-    harmonics = sums.harmonics(np.zeros((len(sums.signal) + len(sums.quiet), 1)))
+    harmonics = sums.harmonics(np.zeros((len(sums.signal), 1)))
     n, omega = pixels.orders.size, pixels.angular_frequency_rad_per_s
     n_pixels = harmonics.shape[1]
     start = PixelNumbers(
