@@ -74,6 +74,14 @@ def test_a_smeared_pixel_is_bent_after_it_is_smeared(lagging):
     np.testing.assert_allclose(found, smeared * (1 - smeared), atol=1e-3)
 
 
+def test_the_mean_of_a_bent_pixel_lies_on_the_curve():
+    """Oracle: by hand; a pixel that always shows a quarter gains 3/16 of b, and half of that of c."""
+    ones = np.ones((1, 2), complex)
+    pixels = PixelPowers(squares=ones, cubes=ones, askew=0 * ones, smear=np.ones(1))
+    found = bends(pixels, np.array([0.25, 0], complex))
+    np.testing.assert_allclose(found[:, 0], [[3 / 16, 0], [3 / 32, 0]], atol=1e-15)
+
+
 def test_fewer_rows_and_harmonics_are_the_first_of_all():
     """Oracle: slices by numpy."""
     numbers = np.random.default_rng(1).normal(size=(3, 4, 9)).astype(complex)
