@@ -154,6 +154,12 @@ def test_the_image_and_its_derivatives_are_those_of_points_of_light(sector, imag
         np.testing.assert_allclose(column, expected.ravel(), atol=3e-3)
 
 
+def test_glare_growth_and_shape_of_the_blur_are_known_beforehand(image):
+    """Oracle: by hand; 0.03 and 1.5 (k = 1), and four exchanges of pixels in units of what is known of them; nothing else."""
+    told = {11: 1 / 1.5**2, 12: 1 / 0.03**2, **dict.fromkeys(range(22, 26), 1.0)}
+    np.testing.assert_allclose(image.known, [told.get(k, 0.0) for k in range(35)], rtol=1e-12)
+
+
 def test_the_images_errors_are_those_of_least_squares(run, image):
     """Oracle: 300 images with noise and gains drawn at random, each fitted; variances known to a twelfth (k = 1)."""
     found = _errors(run, image)
