@@ -86,10 +86,10 @@ def _slopes(angle: Array, level: Array) -> list[np.ndarray]:
 
     Where neighbouring points scatter by more than they rise, a slope leaves the middle and comes back to it at either end.
     """
-    side = np.where(level < _MIDDLE[0], -1, np.where(level > _MIDDLE[1], 1, 0))
-    beside = np.flatnonzero(side)
+    above = level > _MIDDLE[1]
+    beside = np.flatnonzero(above | (level < _MIDDLE[0]))
     onward = np.append(beside[1:], beside[:1] + angle.size)
-    changes = np.flatnonzero(side[beside] != side[onward % angle.size])
+    changes = np.flatnonzero(above[beside] != above[onward % angle.size])
     runs = [np.arange(beside[k] + 1, onward[k]) % angle.size for k in changes]
     return [run for run in runs if run.size >= _FEWEST]
 
