@@ -1,6 +1,7 @@
 """Who stands in for whom."""
 
 import numpy as np
+import pytest
 
 from irtiming.reduce.opening import dead_pixels
 
@@ -66,3 +67,15 @@ def test_dead_pixels_are_found_right_up_to_the_border():
     assert np.argwhere(dead_pixels.find(live, contrast, mask=opening, summed=opening)).tolist() == [
         list(one) for one in dead
     ]
+
+
+@pytest.mark.parametrize(("row", "is_found"), [(10, False), (11, True)])
+def test_a_blinking_pixel_is_found_from_the_fourth_row_of_the_opening_on(row, is_found):
+    """Oracle: by hand; a sharp opening from row 8 on, of noise of 5 DN, and a pixel that scatters by 60 DN."""
+    opening = np.zeros((40, 50), bool)
+    opening[8:28, 11:35] = True
+    rng = np.random.default_rng(0)
+    live = 5000 + rng.normal(0, 5, (100, 40, 50))
+    live[:, row, 20] += rng.normal(0, 60, 100)
+    found = dead_pixels.find(live.astype(np.uint16), opening.astype(float), mask=opening, summed=opening)
+    assert np.argwhere(found).tolist() == ([[row, 20]] if is_found else [])

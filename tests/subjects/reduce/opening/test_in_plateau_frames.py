@@ -258,3 +258,29 @@ def test_the_blackbody_is_seen_well_inside_the_mask(radius, blackbody):
     mask = away <= radius
     open_dn = np.where(away <= radius - 3, 6000.0, np.where(mask, 5600.0, 5000.0))
     assert in_plateau_frames._peaks(open_dn, mask, np.ones_like(mask)) == (5000.0, blackbody)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize(("away", "is_closed"), [(34, False), (36, True)])
+def test_a_closed_shutter_lies_beyond_the_outer_fences(sign, away, is_closed):
+    """Oracle: by hand; quartiles 5 DN on either side of the middle put the fences at 35 DN; half of the swing is 4 DN."""
+    level = 5000 + sign * np.array([-5, -5, -5, 0, 0, 0, 5, 5, away])
+    frames = np.tile(level.astype(np.uint16)[:, None, None], (1, 6, 8))
+    closed = in_plateau_frames._of_another_level(frames, np.full((6, 8), 8.0))
+    assert closed.tolist() == [False] * 8 + [is_closed]
+
+
+def test_glare_is_that_of_the_pixels_from_six_to_twelve_steps_around(look):
+    """Oracle: the distances, counted; pixels up to nine steps away follow by a tenth, and those beyond not at all."""
+    opening = np.zeros((50, 60), bool)
+    opening[20:30, 25:35] = True
+    rows, columns = np.mgrid[:50, :60]
+    opening[[20, 20, 29, 29], [25, 34, 25, 34]] = False  # what a median of nine takes from a square
+    steps = np.min([np.abs(rows - row) + np.abs(columns - column) for row, column in np.argwhere(opening)], axis=0)
+    share = np.where(steps == 0, 1.0, np.where(steps <= 9, 0.1, 0.0))
+    open_ = np.abs(np.mod(_THETA, TURN / 2) / (TURN / 4) - 1)  # an opening as wide as the cutouts
+    frames = np.rint(5000 + 1000 * open_[:, None, None] * share).astype(np.uint16)
+    around = (steps >= 6) & (steps <= 12)
+    glare = 100 * share[around].mean()
+    with pytest.raises(ReductionError, match=rf"glare: pixels far from the opening follow it by {glare:.1f}%"):
+        look(frames, wheel_angle_rad=_THETA)

@@ -7,7 +7,7 @@ import pytest
 
 from irtiming.errors import ReductionError
 from irtiming.reduce.nonuniformity import Correction
-from irtiming.reduce.opening.sample_frames import look, mean_within, noise_dn
+from irtiming.reduce.opening.sample_frames import SampleFrames, look, mean_within, noise_dn
 
 
 def test_noise_is_that_of_one_pixel_from_frame_to_frame():
@@ -69,3 +69,20 @@ def test_frames_that_are_all_equal_are_refused():
         look(_recording(frames), angle, correct=_flat())
     frames[59, 5, 5] += 1
     assert len(look(_recording(frames), angle, correct=_flat()).raw) == 60
+
+
+def test_a_frame_whose_band_is_off_by_half_of_its_contrast_is_not_whole():
+    """Oracle: by hand; 36 of 40 columns lie 100 DN from the mean, so that half of a frame's deviation is 47.4 DN; no noise.
+
+    Rows 6 and 7 are one of 16 bands, and one of them alone counts half.
+    """
+    values = np.full((30, 32, 40), 5000, np.uint16)
+    values[:, :, 2:20], values[:, :, 20:38] = 4900, 5100
+    values[3, 6:8, [0, 1, 38, 39]] = 5045
+    values[5, 6:8, [0, 1, 38, 39]] = 5050
+    values[7, 6:8, [0, 1, 38, 39]] = 4950
+    values[9, 7, [0, 1, 38, 39]] = 5090
+    frames = SampleFrames(
+        raw=values, values=values, wheel_angle_rad=np.zeros(30), place=np.zeros(30), common_dn=np.full(30, 5000.0)
+    )
+    assert np.flatnonzero(~frames.is_whole).tolist() == [5, 7]

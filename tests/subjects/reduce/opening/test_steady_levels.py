@@ -121,3 +121,14 @@ def test_derivatives_are_those_of_differences():
     for k, name in enumerate(numbers):
         ahead, behind = (at({**numbers, name: numbers[name] + step}).residual for step in (1e-5, -1e-5))
         np.testing.assert_allclose(at(numbers).jacobian[:, k], (ahead - behind) / 2e-5, atol=2e-3)
+
+
+@pytest.mark.parametrize(("gain", "sway"), [((1.0, 1.0), 0.1), ((1.0, 0.9), 0.1), ((1.0, 1.1), 0.2)])
+def test_levels_sway_by_the_range_of_the_covered_or_of_the_open_wheel(gain, sway):
+    """Oracle: by hand; the covered level rises by a tenth of the step, the open one by as much, not at all, or by twice that."""
+    none = np.zeros(2)
+    levels = steady_levels.SteadyLevels(
+        place=none, offset=np.array([0.0, 0.1]), gain=np.array(gain), second_blade=none, blades=0.0, scatter=0.0, step=1.0,
+        opening_angle_rad=1.3, narrowest_rad=1.5, jumps=none[:0], edges_early_rad=np.zeros(4), is_odd=none > 0,
+    )  # fmt: skip
+    assert levels.sway == pytest.approx(sway)

@@ -135,3 +135,16 @@ def test_an_image_that_is_turned_upside_down_has_its_outline_turned(looked_at):
     turned = outline(_sample(frames[:, ::-1, ::-1], angles), good, threshold_level=0.5, name="a")
     np.testing.assert_array_equal(turned.mask, upright.mask[::-1, ::-1])
     np.testing.assert_allclose(turned.contrast, upright.contrast[::-1, ::-1], atol=0.01)
+
+
+def test_a_plate_that_follows_the_wheel_is_the_zero_of_the_contrast():
+    """Oracle: by hand; the opening swings by 1000 DN and the plate by 200, so that a pixel that stands still is at -1/4."""
+    angles = np.linspace(0, 40, 240)
+    swing = np.zeros((60, 80))
+    swing[4:-4, 4:-4] = 200
+    swing[20:40, 30:50] = 1000
+    frames = 5000 + swing * np.cos(2 * angles)[:, None, None]
+    found = outline(_sample(frames, angles), np.ones(angles.size, bool), threshold_level=0.5, name="a")
+    np.testing.assert_allclose(found.contrast[20:40, 30:50], 1, atol=2e-3)
+    np.testing.assert_allclose(found.contrast[8:16, 30:50], 0, atol=2e-3)
+    np.testing.assert_allclose(found.contrast[:4, 30:50], -0.25, atol=2e-3)
