@@ -79,3 +79,18 @@ def test_a_run_of_a_few_frames_has_no_shift():
     """Oracle: by hand; fewer than a block of 15, and none of a known angle."""
     assert shifts(_light(_angle(n=7)), _angle(n=7)) == ()
     assert shifts(np.ones(40), np.full(40, np.nan)) == ()
+
+
+def test_two_lost_are_not_three_won_where_half_a_turn_has_five_frames():
+    """Oracle: by hand; two triggers on and three back show the same, and fewer frames are likelier lost than more."""
+    angle = _angle(0.1)
+    light = np.where(np.arange(N) >= 250, np.roll(_light(angle), -2), _light(angle))
+    assert [one.by for one in shifts(light, angle)] == [2]
+
+
+@pytest.mark.parametrize("k", [-4, -3, 3, 4])
+def test_more_than_three_frames_lost_or_won_are_not_told(k):
+    """Oracle: the limit of the module, alike on both sides; 0.07 turns a trigger, of which half a turn has no whole number."""
+    angle = _angle(0.07)
+    light = np.where(np.arange(N) >= 250, np.roll(_light(angle), -k), _light(angle))
+    assert [one.by for one in shifts(light, angle)] == [k] * (abs(k) <= 3)
