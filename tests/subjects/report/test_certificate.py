@@ -68,7 +68,7 @@ _DOUBT = Finding(code="edges-disagree", severity="doubt", what="the edges disagr
         ),
     ],
 )
-def test_a_doubt_is_told_from_a_warning(analysis, written_in, heading, under, after):
+def test_a_doubt_is_told_from_a_warning(analysis, page, written_in, heading, under, after):
     """Oracle: by hand; it stands first, is counted apart, and the number in large type and the headline are qualified by it."""
     doubted = replace(analysis, best=replace(analysis.best, findings=(*analysis.best.findings, _DOUBT)))
     report = certificate.report(doubted, written_in=written_in)
@@ -79,7 +79,7 @@ def test_a_doubt_is_told_from_a_warning(analysis, written_in, heading, under, af
         assert verdict_of(doubted).sentence.endswith(after)
     assert report.result["headline"].endswith("1 doubt, see below.")
     assert report.result["warnings"][0].startswith("the edges disagree")
-    assert '<small class="doubt">' not in certificate.page(analysis)
+    assert '<small class="doubt">' not in page
 
 
 def test_what_is_not_stated_is_counted_but_leaves_the_number_as_it_is(analysis):

@@ -104,12 +104,13 @@ def relation(
     )
     offset, rate = (earliest + latest) / 2
     half_offset, half_rate = (latest[0] - earliest[0]) / 2, (fastest[1] - slowest[1]) / 2
+    beside = rate - (slowest[1] + fastest[1]) / 2  # the line is a possible one: its rate need not be the middle of all
     return Relation(
         middle_s=middle,
         offset_s=(float(offset) + shift) / _US,
         rate=float(rate) / span / _US,
         u_offset_s=float(half_offset * _OF_RECTANGLE + slack) / _US,
-        u_rate=float(half_rate * _OF_RECTANGLE + slack) / span / _US,
+        u_rate=float(np.hypot(half_rate * _OF_RECTANGLE, beside) + slack) / span / _US,
         slack_s=slack / _US,
     )
 

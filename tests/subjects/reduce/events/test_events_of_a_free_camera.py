@@ -175,7 +175,8 @@ def test_no_exchange_ever_contradicts_its_bounds():
         least, most = low[passes].min(), high[passes].max()
         assert found.offset_s == pytest.approx((least + most) / 2, abs=0.5e-6)
         assert found.u_offset_s * np.sqrt(3) == pytest.approx((most - least) / 2, abs=0.5e-6)
-        assert found.u_rate * np.sqrt(3) == pytest.approx(np.ptp(slopes[passes]) / 2, abs=0.1e-6)
+        evenly = np.linspace(slopes[passes].min(), slopes[passes].max(), 1001)
+        assert found.u_rate == pytest.approx(np.sqrt(np.mean((evenly - found.rate) ** 2)), abs=0.1e-6)
         assert least <= offset <= most
         assert found.slack_s == 0
         assert found.reading_s(found.computer_s(reading)) == pytest.approx(reading, abs=1e-12)
