@@ -13,7 +13,7 @@ import numpy as np
 
 from irtiming.estimate.joint import Joint, Measurand
 from irtiming.estimate.shared_numbers import DELAY, MEMORIES
-from irtiming.inference.information import prior
+from irtiming.inference.information import NOISE, prior
 from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import inverse
 from irtiming.physics.response.integration_window import TAILS
@@ -292,7 +292,7 @@ def _with_known_memory(joint: Joint) -> Joint:
 
     What they add to a variance then is the difference: the square of what one unit of the share does, times its variance.
     """
-    free = [one.name for one in joint.shared if one.name in MEMORIES and one.u is None]
+    free = [one.name for one in joint.shared if one.name in MEMORIES and one.source == NOISE]
     known = tuple(prior(name, EXACT_SHARE, source=sources.FRAME_BEFORE, kind="A", gap=0.0) for name in free)
     return replace(joint, priors=(*joint.priors, *known)) if free else joint
 

@@ -54,7 +54,7 @@ def opening_and_window(
         ),
         *_glare(recordings, fits),
         shared_numbers.uneven_edges(fits),
-        shared_numbers.same(pixel_sums.MEMORY, fits, unit="1", start=memory),
+        shared_numbers.memory(pixel_sums.MEMORY, fits, start=memory),
         shared_numbers.same(pixel_sums.BOW, fits, unit="1", start=bow),
     ]
 

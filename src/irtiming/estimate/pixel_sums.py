@@ -312,6 +312,8 @@ def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
     """Edge delays, opening angle, memory and bow at their best."""
     held = [name for name in SHAPE if name not in _OWN_SHAPE]
     found = optimiser.minimise(given.at, start=start, held=held).values
+    if not abs(found[MEMORY]) < 1:  # no share: frames that hardly tell a memory do not tell it here
+        found = optimiser.minimise(given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)).values
     if not 0.2 < found["opening_angle"] / given.wheel.opening_angle_rad < 5:
         raise EstimationError(
             f"{given.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "

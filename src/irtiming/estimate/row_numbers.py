@@ -34,7 +34,9 @@ def of_camera(
     several = len(blackbodies) > 1
     alike = [name for name in names if name not in NONLINEARITIES and (name != LAG or not several)]
     found = [
-        shared_numbers.same(name, fits, start=first.timing[name], unit="1" if name in shared_numbers.MEMORIES else "s")
+        (shared_numbers.memory if name in shared_numbers.MEMORIES else shared_numbers.same)(
+            name, fits, start=first.timing[name]
+        )
         for name in alike
     ]
     for g, members in enumerate(blackbodies):

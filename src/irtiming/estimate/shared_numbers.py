@@ -109,6 +109,22 @@ def same(
     )  # fmt: skip
 
 
+def memory(name: str, fits: Sequence[RecordingFit], *, start: float) -> SharedNumber:
+    """The share of the frame before, with what is known of it where nothing is stated.
+
+    Parameters
+    ----------
+    name
+        Of `MEMORIES`.
+    fits
+        One per recording.
+    start
+        Where the search begins.
+    """
+    u_share = {one.PARAMETER: one.U_SHARE for one in (in_camera_filter, pixel_memory)}[name]
+    return replace(same(name, fits, unit="1", start=start, u=u_share), known=0.0)
+
+
 def with_stated_memory(own: Sequence[SharedNumber], stated: Measured | None) -> list[SharedNumber]:
     """The camera's numbers with what its owner knows of the share of the frame before.
 

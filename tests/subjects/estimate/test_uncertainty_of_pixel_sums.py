@@ -70,6 +70,7 @@ def test_pulls_of_two_speeds_are_standard(noisy, recordings):
         "lean_high": LEANS[1],
         "integration_time": WINDOW,
         "glare": 0.0,
+        "pixel_memory": 0.0,
         sources.STRAIGHTNESS: 0.0,
     }
     for _ in range(120):

@@ -5,6 +5,7 @@ import pytest
 
 from irtiming.errors import PlanError
 from irtiming.inference.information import NOISE
+from irtiming.physics.camera import camera
 from irtiming.plan import information
 from irtiming.plan.information import run_information
 
@@ -65,3 +66,18 @@ def test_what_no_run_tells_is_refused_by_name():
     blind = run_information(("trigger_delay", "skew"), (), matrix=np.diag([PER_S**2, 0.0]))
     with pytest.raises(PlanError, match="skew"):
         information.combined(blind)
+
+
+@pytest.mark.parametrize(
+    ("camera_type", "stated", "u"),
+    [
+        ("photon", None, [0.05]),
+        ("photon", 0.002, [0.002]),
+        ("microbolometer", None, []),
+        ("microbolometer", 0.002, [0.002]),
+    ],
+)
+def test_a_memory_that_nobody_states_is_small_and_a_filter_may_be_anything(camera_type, stated, u):
+    """Oracle: by hand; what is stated counts alone."""
+    known = information.stated_memory(camera(camera_type, "rolling"), stated)
+    assert [one.matrix.item() ** -0.5 for one in known] == pytest.approx(u)

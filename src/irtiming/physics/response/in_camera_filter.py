@@ -28,6 +28,9 @@ PARAMETER = "recursive_filter"
 LOOKED_AT: tuple[float, ...] = (0.0, 0.25, 0.5)
 """Shares k from which a search begins; cameras offer up to about one half."""
 
+U_SHARE: float | None = None
+"""Of a share that nobody states nothing is known: it is as somebody has set it."""
+
 _MOST_PERIODS = 1.5  # between two triggers, the second of which follows the first
 
 

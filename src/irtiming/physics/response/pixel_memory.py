@@ -17,6 +17,13 @@ PARAMETER = "pixel_memory"
 LOOKED_AT: tuple[float, ...] = (0.0,)
 """Shares s from which a search begins."""
 
+U_SHARE: float | None = 0.05
+"""Standard uncertainty of a share that nobody states: such detectors keep a hundredth at most.
+
+It decides only where the frames hardly tell a memory, as where the wheel turns by a quarter from one to the next: each slope then
+stands on the echo of the one before it, and a search that knows nothing may end at any share.
+"""
+
 
 def transfer(step_rad: float, share: float, *, n_harmonics: int) -> ComplexArray:
     """What the memory leaves of each harmonic: 1 - s (1 - exp(-i m step)), shape (M + 1,)."""

@@ -85,9 +85,8 @@ def relation(
     span = float(np.abs(reading_s - middle).max())
     place = (reading_s - middle) / span
     low, high = _US * (before_s - reading_s), _US * (after_s - reading_s)
-    shift = float(low[0])  # numbers stay small
-    low, high = low - shift, high - shift
-    steepest = _LARGEST_RATE * span * _US
+    shift, steepest = float(low[0]), _LARGEST_RATE * span * _US
+    low, high = low - shift, high - shift  # numbers stay small
     limits = [(None, None), (-steepest, steepest)]
     rows, bounds = np.vstack([_columns(place), -_columns(place)]), np.concatenate([high, -low])
     with_slack = np.column_stack([rows, -np.ones(len(rows))])
