@@ -27,6 +27,8 @@ _RESPONSE_TURNS = np.geomspace(
 )  # of half a turn over pi: where the search looks for the response's parameter
 _SEARCHED_ROWS = 16  # about as many are looked at in the search
 _ALIKE = 0.05  # of a half turn: a frame that is nearer to whole ones after another shows nearly the same
+_LEAST_SHARE = -0.5  # of the frame before: at -1 a filter makes any odd harmonic of next to nothing
+_UNTOLD = 16.0  # of the deviance: frames that say no more against a share of none hardly tell one
 _EARLIEST = 0.2  # of half a turn before the trigger: the earliest that the middle row may be read
 
 
@@ -87,8 +89,9 @@ def solve(
         near = _nearest(coarse, few, signs=signs, held=fixed)
         began, begin, n_coarse = near.start, near.values, near.n_steps
     else:
-        began = begin = {**start, **fixed}
-    found, at = _minimum(data, model, start=begin, held=fixed)
+        began, memory = {**start, **fixed}, model.camera.memory.PARAMETER
+        begin = began if _is_share(began[memory]) else {**began, memory: 0.0}
+    found, at = _with_share(data, model, start=begin, held=fixed)
     return Solution(minimum=found, began=began, n_steps=n_coarse + found.n_steps, gain=at.gain, variance=at.variance)
 
 
@@ -101,13 +104,35 @@ def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, .
     memory = model.camera.memory
     shares = [held[memory.PARAMETER]] if memory.PARAMETER in held else memory.LOOKED_AT
     starts = [{**_search(data, model, signs=signs, held={**held, memory.PARAMETER: share}), **held} for share in shares]
-    found = [_minimum(data, model, start=start, held=held)[0] for start in starts]
+    found = [_with_share(data, model, start=start, held=held)[0] for start in starts]
     possible = [one for one in found if abs(one.values[memory.PARAMETER]) < 1]
     if not possible:
         least = min((one.values[memory.PARAMETER] for one in found), key=abs)
         raise EstimationError(_no_share(least, step_rad=model.step_rad))
     lowest = min(possible, key=lambda one: round(one.at.deviance, 3))  # of equal ones that from the least share
     return replace(lowest, n_steps=sum(one.n_steps for one in found))
+
+
+def _is_share(value: float) -> bool:
+    """Whether a camera's frames may seem to hold so much of the frame before: it is 0 to 1, but for noise."""
+    return _LEAST_SHARE < value < 1
+
+
+def _with_share(
+    data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Timing
+) -> "tuple[Minimum, _Projected]":
+    """Where the search ended; if that is no share, where it ends without one, as far as the frames do not contradict that.
+
+    The share counts as free there, too: what frames that hardly tell it leave open is in the uncertainty.
+    """
+    memory = model.camera.memory.PARAMETER
+    found = _minimum(data, model, start=start, held=held)
+    if memory in held or _is_share(found[0].values[memory]):
+        return found
+    none = {memory: 0.0}
+    without, at = _minimum(data, model, start={**start, **none}, held={**held, **none})
+    is_untold = without.at.deviance - found[0].at.deviance < _UNTOLD
+    return (replace(without, free=found[0].free), at) if is_untold else found
 
 
 def _no_share(least: float, *, step_rad: float) -> str:

@@ -39,12 +39,12 @@ class Memory(Protocol):
     """What frames keep of those before: a factor on each harmonic of the wheel angle, with one share as parameter.
 
     ``LOOKED_AT`` are shares from which a search begins, ``U_SHARE`` is the standard uncertainty of one that nobody states, which
-    is 0 as far as anyone knows; None: nothing is known.
+    is 0 as far as anyone knows.
     """
 
     PARAMETER: str
     LOOKED_AT: tuple[float, ...]
-    U_SHARE: float | None
+    U_SHARE: float
 
     def transfer(self, step_rad: float, share: float, /, *, n_harmonics: int) -> ComplexArray:
         """Factors, shape (M + 1,), where the wheel turns by ``step_rad`` from frame to frame."""

@@ -88,8 +88,7 @@ def stated_memory(camera: Camera, u: float | None) -> tuple[Information, ...]:
         Standard uncertainty of the share, as rig.toml states it; None where it states nothing.
     """
     if u is None:
-        usual = camera.memory.U_SHARE
-        return () if usual is None else (prior(camera.memory.PARAMETER, usual, source=NOISE),)
+        return (prior(camera.memory.PARAMETER, camera.memory.U_SHARE, source=NOISE),)
     return (prior(camera.memory.PARAMETER, max(u, EXACT_SHARE), source=sources.MEMORY),)
 
 

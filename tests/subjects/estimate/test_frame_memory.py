@@ -57,9 +57,9 @@ def test_a_stated_share_is_a_prior_of_the_number_that_has_it(u, counted):
     assert shared_numbers.with_stated_memory(own, None) == own
 
 
-@pytest.mark.parametrize(("name", "u"), [("pixel_memory", 0.05), ("recursive_filter", None)])
+@pytest.mark.parametrize(("name", "u"), [("pixel_memory", 0.05), ("recursive_filter", 0.5)])
 def test_pixels_remember_little_and_a_filter_is_as_somebody_has_set_it(name, u):
-    """Oracle: by hand; five times what photon detectors keep at most, about none, wherever the search begins."""
+    """Oracle: by hand; five times what photon detectors keep at most, and what filters take; about none."""
     number = shared_numbers.memory(name, [None, None], start=0.2)
     assert (number.start, number.known, number.u, number.unit) == (0.2, 0.0, u, "1")
     assert number.effects == [{name: 1.0}] * 2

@@ -28,8 +28,8 @@ PARAMETER = "recursive_filter"
 LOOKED_AT: tuple[float, ...] = (0.0, 0.25, 0.5)
 """Shares k from which a search begins; cameras offer up to about one half."""
 
-U_SHARE: float | None = None
-"""Of a share that nobody states nothing is known: it is as somebody has set it."""
+U_SHARE = 0.5
+"""Standard uncertainty of a share that nobody states: it is as somebody has set it, and cameras offer up to about one half."""
 
 _MOST_PERIODS = 1.5  # between two triggers, the second of which follows the first
 

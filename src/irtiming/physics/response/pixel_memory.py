@@ -17,7 +17,7 @@ PARAMETER = "pixel_memory"
 LOOKED_AT: tuple[float, ...] = (0.0,)
 """Shares s from which a search begins."""
 
-U_SHARE: float | None = 0.05
+U_SHARE = 0.05
 """Standard uncertainty of a share that nobody states: such detectors keep a hundredth at most.
 
 It decides only where the frames hardly tell a memory, as where the wheel turns by a quarter from one to the next: each slope then
