@@ -60,6 +60,7 @@ def test_a_bad_frame_at_either_end_may_be_the_rest_of_an_event():
     assert _judged(_levels(beside={0: 50.0})) == [[0], [], []]
     assert _judged(_levels(beside={59: 50.0}), at_end=True) == [[59], [59], [56, 57, 58, 59]]
     assert _judged(_levels(dead=[0]), at_start=True) == [[0], [], []]
+    assert _judged(_levels(dead=[59]), at_end=True) == [[59], [], []]
 
 
 def test_a_judgement_needs_no_frame_out_of_reach():

@@ -90,8 +90,9 @@ def test_a_run_that_visits_the_angles_once_has_no_parts(step):
 
 
 def test_a_short_run_has_no_parts():
-    """Oracle: by hand; too few frames for four fits."""
-    assert steadiness.lateness(_light(_angle(200)), _angle(200)) is None
+    """Oracle: by hand; ten waves of two numbers each, a level and a slope are 22, three frames for each, in four parts: 264."""
+    assert steadiness.lateness(_light(_angle(263)), _angle(263)) is None
+    assert steadiness.lateness(_light(_angle(264)), _angle(264)).first_frame == (0, 66, 132, 198)
 
 
 def test_a_gain_that_sways_over_a_slow_pattern_of_angles_is_no_lateness():

@@ -83,6 +83,15 @@ def test_the_register_is_that_of_the_new_table():
     assert with_slots(exact, new).u_gate_separation_rad == pytest.approx(new.u_register_rad)
 
 
+def test_a_clock_may_have_begun_long_ago():
+    """Oracle: the same track on a clock that has just begun; nanoseconds since 1970 are more than a double tells apart."""
+    track, new = _track(_table(1)), _table(2)
+    late = replace(track, edge_ticks=track.edge_ticks + 1_764_000_000_000_000_000)
+    found, expected = with_slots(late, new), with_slots(track, new)
+    assert found.gate_separation_rad == expected.gate_separation_rad
+    np.testing.assert_array_equal(found.edge_angle_rad, expected.edge_angle_rad)
+
+
 def test_an_angle_that_is_not_known_stays_so():
     """Oracle: the one that was taken out; the others are as they would be."""
     whole = _track(_table(1))
@@ -152,6 +161,6 @@ def test_gates_that_were_moved_keep_their_own_angles(apart, is_common):
 
 
 def test_slots_that_are_uncertain_each_for_itself_have_one_variance():
-    """Oracle: by hand; a track that tells no orders has the mean square of its slots' uncertainties in each."""
+    """Oracle: by hand; a track that tells no orders has the mean square of its 20 slots' uncertainties in each of 0 to 10."""
     track = replace(_track(_table()), order_variance_rad2=None, u_slot_deviation_rad=np.full(N, 3e-5))
-    np.testing.assert_allclose(table_of(track).order_variance_rad2, 9e-10)
+    np.testing.assert_allclose(table_of(track).order_variance_rad2, [9e-10] * 11)
