@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
+from irtiming.inference import in_threads
 from irtiming.physics import blurred_sector
 from irtiming.physics.light import pixel_waves, sector_rows
 from irtiming.physics.light.bent_rows import PixelPowers
@@ -122,7 +123,9 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
     def harmonics(sector: SectorFit) -> ComplexArray:
         return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
 
-    return np.array([(harmonics(one.ahead) - harmonics(one.behind)) / one.distance for one in varied])
+    return np.array(
+        in_threads.mapped(lambda one: (harmonics(one.ahead) - harmonics(one.behind)) / one.distance, varied)
+    )
 
 
 def slopes(of: Callable[[SectorShape], Array], sector: SectorFit) -> Array:

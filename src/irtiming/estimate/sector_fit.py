@@ -25,7 +25,7 @@ from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import SeenContrast, View
 from irtiming.estimate.sector_images import FIRST_SCATTER, Images, border_weight, numbers_of
 from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Slopes
-from irtiming.inference import clustered
+from irtiming.inference import clustered, in_threads
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import Timing
@@ -181,7 +181,8 @@ def variations(
     One for each number that may be off, in the order of its covariance.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=found)
-    return tuple(_varied(images, found, numbers_of(found), name=name) for name in found.names)
+    numbers = numbers_of(found)
+    return tuple(in_threads.mapped(lambda name: _varied(images, found, numbers, name=name), found.names))
 
 
 def _varied(images: Images, found: SectorFit, numbers: Mapping[str, float], *, name: str) -> Variation:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
 from irtiming.estimate.sector_image import APART, NUMBERS, Sharp
+from irtiming.inference import in_threads
 from irtiming.physics import lens
 from irtiming.records.arrays import Array
 
@@ -194,14 +195,14 @@ class _Course:
         return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
 
     def _differences(self, at: Array, names: Sequence[str]) -> Array:
-        columns = []
-        for name in names:
-            k = self.free.index(name)
-            step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
-            moved = {**self._numbers(at), name: float(at[k] + step)}
-            known = self.known if name in APART else self.misfit.sharp(moved)
-            columns.append(self.place.change(moved, known) / step)
-        return np.stack(columns, axis=1)
+        return np.stack(in_threads.mapped(lambda name: self._difference(at, name), names), axis=1)
+
+    def _difference(self, at: Array, name: str) -> Array:
+        k = self.free.index(name)
+        step = self.step[k] if at[k] + self.step[k] <= self.high[k] else -self.step[k]
+        moved = {**self._numbers(at), name: float(at[k] + step)}
+        known = self.known if name in APART else self.misfit.sharp(moved)
+        return self.place.change(moved, known) / step
 
     def _numbers(self, at: Array) -> dict[str, float]:
         return {**self.start, **dict(zip(self.free, map(float, at), strict=True))}

@@ -11,6 +11,7 @@ from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import APART, Sharp
 from irtiming.estimate.sector_images import N_PRIORS, Images
 from irtiming.estimate.sector_search import LIMITS, SCALES
+from irtiming.inference import in_threads
 from irtiming.inference.lens_knowledge import N_KNOWN
 from irtiming.inference.weighed_lens import SLIGHT
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
@@ -91,10 +92,11 @@ def _without_camera(images: Images, best: Best) -> ImageWord:
     residual, sharp = best.residual, images.sharp(best.numbers)
     kept = np.ones(residual.size, bool)
     kept[N_PRIORS - N_KNOWN : N_PRIORS] = False
-    own = [_slope(images, best, name, sharp=sharp) for name in best.free if name not in SLIGHT]
-    warped = [_slope(images, best, name, sharp=sharp) for name in WARP_NUMBERS]
-    jacobian = np.stack([*own, *_reshaped(images, best, sharp=sharp), *warped], axis=1)[kept]
-    prior = np.eye(jacobian.shape[1])[len(own) : len(own) + len(EXCHANGES)]
+    own = [name for name in best.free if name not in SLIGHT]
+    slopes = in_threads.mapped(lambda name: _slope(images, best, name, sharp=sharp), [*own, *WARP_NUMBERS])
+    n_own = len(own)
+    jacobian = np.stack([*slopes[:n_own], *_reshaped(images, best, sharp=sharp), *slopes[n_own:]], axis=1)[kept]
+    prior = np.eye(jacobian.shape[1])[n_own : n_own + len(EXCHANGES)]
     return ImageWord(
         residual=np.append(residual[kept], np.zeros(len(prior))),
         jacobian=np.concatenate([jacobian, prior]),
