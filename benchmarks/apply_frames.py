@@ -110,10 +110,12 @@ def result_json():
     event = {"reference_event": "", "sign": None, "expanded_uncertainty": None, "coverage_factor": 2.0}
     event |= {"effective_degrees_of_freedom": None}
     numbers = {"trigger_delay": 4e-3, "time_constant": 5e-3, "row_delay": 37e-6, "recursive_filter": 0.1}
+    units = dict.fromkeys(numbers, "s") | {"recursive_filter": "1"}
     return {
         "format": "irtiming-result", "version": "1.1", "method": "", "camera": "microbolometer", "readout_mode": "rolling",
-        "parameters": {k: event | {"value": v, "standard_uncertainty": v / 1e3, "unit": "s"} for k, v in numbers.items()},
-        "correlation": {"names": [], "matrix": []}, "relative_delays": [], "budget": [], "edge_delays": None, "warnings": [],
+        "parameters": {k: event | {"value": v, "standard_uncertainty": v / 1e3, "unit": units[k]} for k, v in numbers.items()},
+        "correlation": {"names": list(numbers), "matrix": np.eye(len(numbers)).tolist()},
+        "relative_delays": [], "budget": [], "edge_delays": None, "warnings": [],
         "geometry": {}, "wheel": None, "choices": {}, "inputs": [], "rig": {"file": "", "sha256": ""}, "software": {},
     }  # fmt: skip
 

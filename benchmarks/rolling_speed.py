@@ -53,7 +53,7 @@ def compare(rows: int, columns: int, seed: int, repeats: int) -> None:
 
     def exact() -> object:
         fit = row_fit.fit(seen, wheel, light=light)
-        fit = replace(fit, shape_names=known.shape_names, shape_effect=known.shape_effect)
+        fit = replace(fit, shape_effect=known.shape_effect)
         return timing.of_row_fits([fit], found.geometry, sectors=found.sectors, n_rows=rows)
 
     equal = wheel_geometry.geometry(found.recordings, rig.measured, slots="equal", off_axle_mask=False)
