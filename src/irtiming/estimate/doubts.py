@@ -8,7 +8,7 @@ from scipy import special
 from irtiming.estimate.measurands import mixed
 from irtiming.physics.covariance import inverse
 from irtiming.physics.light.row_sum import BLADE
-from irtiming.physics.wheel import TURN
+from irtiming.physics.wheel import steps_around
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
@@ -279,7 +279,7 @@ def of_plateaus(
     """
     fastest = max(fit.angular_frequency_rad_per_s for fit in fits)
     sweep, opening = fastest * (integration_time_s or 0.0), wheel.opening_angle_rad
-    narrowest = float(np.diff([*wheel.cutout_edges_rad, wheel.cutout_edges_rad[0] + TURN]).min())
+    narrowest = float(steps_around(np.array(wheel.cutout_edges_rad)).min())
     if sweep + opening <= narrowest:
         return ()
     return (

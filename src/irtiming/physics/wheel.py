@@ -68,7 +68,7 @@ def wheel_model(
         If the opening is at least as wide as a cutout or a blade: there is no plateau to normalise on.
     """
     edges = np.asarray(cutout_edges_rad)
-    arcs = np.diff(np.append(edges, edges[0] + TURN))
+    arcs = steps_around(edges)
     if not np.all(arcs > opening_angle_rad):
         raise GeometryError(
             f"opening_angle_deg = {np.degrees(opening_angle_rad):.3f} is not narrower than each cutout and blade "
@@ -82,6 +82,11 @@ def wheel_model(
         opening_angle_rad=opening_angle_rad,
         centre_angle_rad=centre,
     )
+
+
+def steps_around(angle_rad: Array) -> Array:
+    """From each of some angles, in order, to the next, and from the last to the first a turn on, rad; both of shape (n,)."""
+    return np.diff(np.append(angle_rad, angle_rad[0] + TURN))
 
 
 @njit(cache=True, nogil=True)

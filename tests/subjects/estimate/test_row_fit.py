@@ -214,19 +214,16 @@ def test_shape_effect_is_what_a_refit_finds(camera, exact, light):
 
 def test_a_number_of_the_sway_that_says_nothing_is_as_good_as_none():
     """Oracle: the same frames without it; an offset that goes as the gain is each row's own, and of all rows nothing is left."""
-    light = np.random.default_rng(7).normal(
-        size=(50, 3, 6)
-    )  # of two numbers of the timing and one of a sway, in six rows
-    residual = np.random.default_rng(8).normal(size=(50, 6))
+    of_timing, n_frames, n_rows = 2, 50, 6
+    light = np.random.default_rng(7).normal(size=(n_frames, of_timing + 1, n_rows))  # the last is of a sway
+    residual = np.random.default_rng(8).normal(size=(n_frames, n_rows))
 
     def scores(columns):
-        information, normal = (
-            columns @ columns.transpose(0, 2, 1),
-            (light[:, :2] @ light[:, :2].transpose(0, 2, 1)).sum(axis=0),
-        )
+        timing = light[:, :of_timing]
+        information, normal = columns @ columns.transpose(0, 2, 1), (timing @ timing.transpose(0, 2, 1)).sum(axis=0)
         return row_fit._without_sway(np.einsum("nky,ny->nk", columns, residual), information, normal=normal)
 
-    without, beside = scores(light), scores(np.concatenate([light, np.zeros((50, 1, 6))], axis=1))
+    without, beside = scores(light), scores(np.concatenate([light, np.zeros((n_frames, 1, n_rows))], axis=1))
     np.testing.assert_allclose(beside.timing, without.timing, atol=1e-12)
     np.testing.assert_allclose(beside.normal, without.normal, atol=1e-12)
     np.testing.assert_allclose(beside.sway_step, [*without.sway_step, 0], atol=1e-12)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pytest
+from scipy.optimize import OptimizeResult
 
 from irtiming.estimate.sector_image import Sharp
 from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Misfit, Numbers, Place, Slopes, searched
@@ -80,76 +81,54 @@ def test_slopes_of_another_curve_are_taken_anew() -> None:
     assert with_wrong.x == pytest.approx([TRUE[name] for name in FREE], abs=0.01)
 
 
+class _One:
+    """Residuals of a single number besides ones; it counts the places of a search, and remembers all that was asked for."""
+
+    def __init__(self, name: str, residual: Callable[[float], float], *, n_ones: int = 1) -> None:
+        self.name, self.residual, self.ones = name, residual, np.ones(n_ones)
+        self.places, self.asked = 0, list[float]()
+
+    def searched(self, begin: float, *, gain: float = LAST, slopes: Slopes | None = None) -> OptimizeResult:
+        misfit = Misfit(at=self._at, sharp=lambda _: ())
+        return searched(misfit, {self.name: begin}, free=(self.name,), gain=gain, slopes=slopes)
+
+    def _at(self, here: Numbers, sharp: Sequence[Sharp]) -> Place:
+        self.places += 1
+        residual = self._residuals(here)
+        return Place(residual=residual, change=lambda there, _: self._residuals(there) - residual)
+
+    def _residuals(self, numbers: Numbers) -> Array:
+        self.asked.append(numbers[self.name])
+        return np.append(self.ones, self.residual(numbers[self.name]))
+
+
 def test_a_search_that_kept_slopes_did_not_lead_astray_is_not_made_twice() -> None:
     """Oracle: by hand: of a ninth power each step leaves 8/9, so 30 from 60 on do not end it, and those are all it is given."""
-    asked = 0
-
-    def at(here: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
-        nonlocal asked
-        asked += 1
-
-        def residual(numbers: Mapping[str, float]) -> Array:
-            return np.array([1.0, (numbers[FREE[0]] - 3.0) ** 9])
-
-        return Place(residual=residual(here), change=lambda there, _: residual(there) - residual(here))
-
+    power = _One(FREE[0], lambda row: (row - 3.0) ** 9)
     of_another_length = Slopes(matrix=np.ones((7, 1)), names=FREE[:1])
-    found = searched(
-        Misfit(at=at, sharp=lambda _: ()), {FREE[0]: 63.0}, free=FREE[:1], gain=BETWEEN, slopes=of_another_length
-    )
+    found = power.searched(63.0, gain=BETWEEN, slopes=of_another_length)
     assert found.status == 0
-    assert asked == found.nfev == 30
+    assert power.places == found.nfev == 30
 
 
 def test_a_search_ends_where_a_step_gains_a_standard_uncertainty_and_the_last_one_a_tenth() -> None:
     """Oracle: by hand: a cube ends slowly, each step leaves (2/3)^6 = 0.09 of its square, Broyden's more."""
-
-    def at(here: Mapping[str, float], sharp: Sequence[Sharp]) -> Place:
-        def residual(numbers: Mapping[str, float]) -> Array:
-            return np.append(np.ones(3999), (numbers[FREE[0]] - 3.0) ** 3)
-
-        return Place(residual=residual(here), change=lambda there, _: residual(there) - residual(here))
-
-    misfit = Misfit(at=at, sharp=lambda _: ())
-    begin = {FREE[0]: 9.0}
-    left = [
-        float((searched(misfit, begin, free=FREE[:1], gain=gain).x[0] - 3.0) ** 6) for gain in (FIRST, BETWEEN, LAST)
-    ]
+    cube = _One(FREE[0], lambda row: (row - 3.0) ** 3, n_ones=3999)
+    left = [float((cube.searched(9.0, gain=gain).x[0] - 3.0) ** 6) for gain in (FIRST, BETWEEN, LAST)]
     assert 0.6 < left[0] < 12
     assert 0.006 < left[1] < 0.12
     assert 0.0006 < left[2] < 0.012
 
 
-class _One:
-    """Residuals of a single number, the share of the wheel's light that the plate mirrors; it remembers what it was asked at."""
-
-    def __init__(self, residual: Callable[[float], float]) -> None:
-        self.residual, self.asked = residual, list[float]()
-
-    def searched(self, begin: float) -> float:
-        found = searched(Misfit(at=self._at, sharp=lambda _: ()), {_SHARE: begin}, free=(_SHARE,), gain=LAST)
-        return float(found.x[0])
-
-    def _at(self, here: Numbers, sharp: Sequence[Sharp]) -> Place:
-        residual = self._residuals(here)
-        return Place(residual=residual, change=lambda there, _: self._residuals(there) - residual)
-
-    def _residuals(self, numbers: Numbers) -> Array:
-        self.asked.append(numbers[_SHARE])
-        return np.array([1.0, self.residual(numbers[_SHARE])])
-
-
-_SHARE = "plate_reflection"
-
-
 @pytest.mark.parametrize("begin", [-0.2, 0.0, 1.0, 1.3])
 def test_a_search_may_begin_at_a_limit_or_beyond_it(begin: float) -> None:
     """Oracle: the share that the line was made with; a plate mirrors from nothing to all of the light."""
-    assert _One(lambda share: 1e3 * (share - 0.4)).searched(begin) == pytest.approx(0.4, abs=1e-3)
+    line = _One("plate_reflection", lambda share: 1e3 * (share - 0.4))
+    assert line.searched(begin).x[0] == pytest.approx(0.4, abs=1e-3)
 
 
 def test_a_search_asks_for_nothing_beyond_a_limit() -> None:
     """Oracle: by hand; a square that is least at the limit, where each step leaves half of the way and takes slopes anew."""
-    square = _One(lambda share: 1e10 * (1 - share) ** 2)
-    assert square.searched(0.9) == pytest.approx(1.0, abs=3e-5)
+    square = _One("plate_reflection", lambda share: 1e10 * (1 - share) ** 2)
+    assert square.searched(0.9).x[0] == pytest.approx(1.0, abs=3e-5)
     assert max(square.asked) <= 1.0

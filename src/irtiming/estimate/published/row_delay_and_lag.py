@@ -3,8 +3,6 @@
 Where the paper is silent, the notes of `fit` say what was chosen.
 """
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -14,6 +12,7 @@ from irtiming.errors import EstimationError
 from irtiming.estimate.published.lag_simulation import MaskCrossings, SimulatedRows, crossings, simulate
 from irtiming.estimate.published.plausible_lag import plausible_time_constant_s
 from irtiming.estimate.published.slope_distance import LIMITS, slope_distances
+from irtiming.inference import in_threads
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.exposed import ExposedRows
@@ -229,12 +228,11 @@ def _moved_ranges(task: _Task, initial: LagTiming, *, half_range: float) -> list
     """Ranges of time constants about the initial one, each about the minimum of the one before, until it is settled."""
     searches: list[_Search] = []
     centre = initial.time_constant_s
-    with ThreadPoolExecutor(os.cpu_count()) as pool:  # the kernels let go of the interpreter
-        while len(searches) < _MOST_RANGES and not (searches and searches[-1].settled):
-            tried = centre * np.linspace(1 - half_range, 1 + half_range, _TRIED)
-            rms = pool.map(lambda tau: _determine(task, initial, float(tau)).rms, tried)
-            searches.append(_minimum(tried, np.array(list(rms))))
-            centre = searches[-1].best_guess_s
+    while len(searches) < _MOST_RANGES and not (searches and searches[-1].settled):
+        tried = centre * np.linspace(1 - half_range, 1 + half_range, _TRIED)
+        rms = in_threads.mapped(lambda tau: _determine(task, initial, float(tau)).rms, tried)
+        searches.append(_minimum(tried, np.array(rms)))
+        centre = searches[-1].best_guess_s
     return searches
 
 

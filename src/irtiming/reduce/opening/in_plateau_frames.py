@@ -131,9 +131,8 @@ def _bad(sample: _Sample, contrast: Array, *, mask: Mask, summed: Mask, roi: Reg
     known = correct.within(roi)
     follows = np.where(known.bad, 0.0, contrast[box])
     live = corrected(sample.few[:, *box], known)
-    even: Array = live / np.where(
-        follows > _EVEN, follows, 1.0
-    )  # gains that no reference told would look like blinking
+    # Gains that no reference told would look like blinking.
+    even: Array = live / np.where(follows > _EVEN, follows, 1.0)
     bad[box] = dead_pixels.find(even, follows, mask=mask[box], summed=summed[box])
     return bad
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from irtiming.physics.wheel import TURN
+from irtiming.physics.wheel import TURN, steps_around
 from irtiming.records.arrays import Array
 from irtiming.reduce.opening import steady_levels
 from irtiming.reduce.opening.steady_levels import SteadyLevels
@@ -50,7 +50,7 @@ def _of_angles(wheel_angle_rad: Array) -> Causes:
     known = np.sort(np.mod(wheel_angle_rad[np.isfinite(wheel_angle_rad)], TURN))
     if not known.size:
         return []
-    gap = np.diff(np.append(known, known[0] + TURN))
+    gap = steps_around(known)
     at, widest = int(np.argmax(gap)), float(gap.max())
     if widest < TURN / 8:
         return []

@@ -16,7 +16,7 @@ from irtiming.inference.optimiser import Linearised
 from irtiming.physics import robust
 from irtiming.physics.light import pixel_sum
 from irtiming.physics.light.pixel_sum import Passing, Shapes
-from irtiming.physics.wheel import TURN, wheel_model
+from irtiming.physics.wheel import TURN, steps_around, wheel_model
 from irtiming.records.arrays import Array, Mask
 from irtiming.reduce import passing_wave
 
@@ -255,5 +255,5 @@ class _Given:
         return SteadyLevels(
             place=place, offset=offset, gain=gain, second_blade=second, blades=float(amounts[2] / step), scatter=scatter,
             step=step * swing, opening_angle_rad=numbers[_OPENING], jumps=self.place[list(levels.jumps)],
-            narrowest_rad=float(np.diff(np.append(edges, edges[0] + TURN)).min()), edges_early_rad=early, is_odd=is_odd,
+            narrowest_rad=float(steps_around(edges).min()), edges_early_rad=early, is_odd=is_odd,
         )  # fmt: skip
