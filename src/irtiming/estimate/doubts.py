@@ -8,13 +8,11 @@ from scipy import special
 from irtiming.estimate.measurands import mixed
 from irtiming.physics.covariance import inverse
 from irtiming.physics.light.row_sum import BLADE
-from irtiming.physics.wheel import steps_around
 from irtiming.records.estimate import EdgeDelayFit, Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.result import LEAST_WHITENESS, EffectiveTimeConstants, JointFit, Result
 from irtiming.records.row_timing import RowTimingFit
-from irtiming.records.wheel_geometry import WheelModel
 from irtiming.units import counted
 
 _CONTRADICTS = 4.0  # standard uncertainties
@@ -259,37 +257,6 @@ def of_pixel_fits(fits: Sequence[EdgeDelayFit]) -> tuple[Finding, ...]:
             what=f"residuals of {len(inflations)} of {counted(len(fits), 'recording')} are correlated along the wheel angle: the "
             "rig differs from the model by more than noise (figure of the residuals)",
             cure=f"their uncertainty was widened by up to {max(inflations):.1f}",
-        ),
-    )
-
-
-def of_plateaus(
-    fits: Sequence[EdgeDelayFit], wheel: WheelModel, *, integration_time_s: float | None
-) -> tuple[Finding, ...]:
-    """A doubt where the wheel turns so far in the window that no frame shows the opening wholly open or covered.
-
-    Parameters
-    ----------
-    fits
-        One per recording.
-    wheel
-        As drawn by rig.toml.
-    integration_time_s
-        As the recordings state it, s; None where they do not.
-    """
-    fastest = max(fit.angular_frequency_rad_per_s for fit in fits)
-    sweep, opening = fastest * (integration_time_s or 0.0), wheel.opening_angle_rad
-    narrowest = float(steps_around(np.array(wheel.cutout_edges_rad)).min())
-    if sweep + opening <= narrowest:
-        return ()
-    return (
-        Finding(
-            code="never-wholly-open",
-            severity="doubt",
-            what=f"while the camera integrates the wheel turns by up to {np.degrees(sweep):.1f} degrees, with the opening's "
-            f"{np.degrees(opening):.1f} more than the narrowest cutout or blade ({np.degrees(narrowest):.1f} degrees): no frame "
-            "shows it wholly open or covered, and levels, memory and delays may be off by more than stated",
-            cure="turn the wheel more slowly, integrate for a shorter time, or take a narrower opening",
         ),
     )
 

@@ -170,8 +170,8 @@ def fit(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Joint:
     models
         One per recording.
     shared
-        Numbers that the local ones are made of; the search begins at their start. One that ``may_be_mirrored`` has a minimum
-        on either side of zero, and both are tried.
+        Numbers that the local ones are made of; the search begins at their start, and again at each of their ``other_starts``.
+        One that ``may_be_mirrored`` has a minimum on either side of zero, and both are tried.
 
     Raises
     ------
@@ -181,8 +181,11 @@ def fit(models: Sequence[LocalModel], shared: Sequence[SharedNumber]) -> Joint:
     start, at = {number.name: number.start for number in shared}, residuals(models, shared)
     best = optimiser.minimise(at, start=start)
     for number in shared:
+        begins = [start | {number.name: value} for value in number.other_starts]
         if number.may_be_mirrored:
-            other = optimiser.minimise(at, start=best.values | {number.name: -best.values[number.name]})
+            begins.append(best.values | {number.name: -best.values[number.name]})
+        for begin in begins:
+            other = optimiser.minimise(at, start=begin)
             if other.at.deviance < best.at.deviance:
                 best = replace(other, start=start, n_steps=best.n_steps + other.n_steps)
     return at_point(models, shared, found=best)

@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.estimate import opening_in_image, pixel_sums, shared_numbers
+from irtiming.estimate import integration_time, opening_in_image, pixel_sums, shared_numbers
 from irtiming.estimate.measurands import UNKNOWN_S, WINDOW
 from irtiming.estimate.shared_numbers import SharedNumber
-from irtiming.physics.wheel import TURN
 from irtiming.records import sources
 from irtiming.records.estimate import EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
@@ -35,15 +34,18 @@ def opening_and_window(
     in_image = [opening_in_image.edge_misalignments(one, turns_clockwise=clockwise) for one in recordings]
     misalignments = np.mean([angle for angle, _ in in_image], axis=0)
     u_misalignment = max(_LEAST_U_RAD, float(np.mean([u for _, u in in_image])))
-    sample_s = min(
-        TURN / one.samples_per_turn / fit.angular_frequency_rad_per_s for one, fit in zip(recordings, fits, strict=True)
-    )
+    windows_s = [integration_time.starts_s(one, geometry.model) for one in recordings]
+    stated_s = recordings[0].integration_time_s
+    other_s = max(long_s for _, long_s in windows_s) if stated_s is None else stated_s
     memory, bow = (
         float(np.mean([fit.estimate.value(name) for fit in fits])) for name in (pixel_sums.MEMORY, pixel_sums.BOW)
     )
     return [
         shared_numbers.same("opening_angle", fits, unit="rad", start=geometry.model.opening_angle_rad),
-        shared_numbers.same(WINDOW, fits, start=sample_s, u=UNKNOWN_S),
+        replace(
+            shared_numbers.same(WINDOW, fits, start=min(short_s for short_s, _ in windows_s), u=UNKNOWN_S),
+            other_starts=(other_s,),
+        ),
         *(
             replace(
                 shared_numbers.same(name, fits, unit="rad", start=float(angle), u=u_misalignment),

@@ -25,7 +25,7 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import opening_in_image
+from irtiming.estimate import integration_time, opening_in_image
 from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, orthonormal, variable_projection
 from irtiming.inference.optimiser import Linearised
@@ -244,7 +244,8 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
 
     Returns
     -------
-    The window's length is held at what the recording states; the mask's edges are taken to point to the axle.
+    The window's length is held at what the recording states, and searched where it states none; the mask's edges are taken to
+    point to the axle.
 
     Raises
     ------
@@ -252,13 +253,15 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
         If the sums do not follow the model, or too many frames are outliers.
     """
     given = _inside_track(replace(pixel_sums(reduced, wheel), radii=Radii()))
-    start = _start(given, _scan(given))
-    given, first = _levelled(given, _solved(given, start))
+    starts = _starts(given, _scan(given))
+    given, first = _levelled(
+        given, min((_solved(given, one) for one in starts), key=lambda one: given.at(one).deviance)
+    )
     kept = given.kept.copy()
     kept[np.flatnonzero(kept)[_wild(given, first)]] = False
     given, first = _levelled(replace(given, kept=kept), first)
     middle = float(np.mean([first[name] for name in EDGE_DELAYS]))
-    return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=start)
+    return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=starts[0])
 
 
 def _straight(ticks: Ticks, *, step_dn: float) -> DriftingLevels:
@@ -301,16 +304,18 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
     return given, numbers if is_straight else _solved(given, numbers)
 
 
-def _start(given: PixelSums, delay_s: float) -> dict[str, float]:
-    axle = given.reduced.axle
+def _starts(given: PixelSums, delay_s: float) -> list[dict[str, float]]:
+    axle, stated_s = given.reduced.axle, given.reduced.integration_time_s
     glare = 0.0 if axle is None else axle.glare
-    shape = (given.wheel.opening_angle_rad, given.reduced.integration_time_s or 0.0, 0.0, 0.0, glare, 0.0, 0.0)
-    return dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True))
+    windows_s = integration_time.starts_s(given.reduced, given.wheel) if stated_s is None else (stated_s,)
+    shapes = [(given.wheel.opening_angle_rad, window_s, 0.0, 0.0, glare, 0.0, 0.0) for window_s in windows_s]
+    return [dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True)) for shape in shapes]
 
 
 def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
-    """Edge delays, opening angle, memory and bow at their best."""
-    held = [name for name in SHAPE if name not in _OWN_SHAPE]
+    """Edge delays, opening angle, memory and bow at their best, and the window's length where it is not stated."""
+    free = _OWN_SHAPE if given.reduced.integration_time_s is not None else (*_OWN_SHAPE, "integration_time")
+    held = [name for name in SHAPE if name not in free]
     found = optimiser.minimise(given.at, start=start, held=held).values
     if not abs(found[MEMORY]) < 1:  # no share: frames that hardly tell a memory do not tell it here
         found = optimiser.minimise(given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)).values

@@ -48,8 +48,8 @@ class SharedNumber:
     ----------
     name, unit
         Of it; errors are counted in units of their standard uncertainty, "1".
-    start
-        Where the search begins.
+    start, other_starts
+        Where the search begins, and where it begins again; the lowest minimum counts.
     effects
         One per recording; by how much each local number changes per unit, those that do not change left out.
     u, known
@@ -68,6 +68,7 @@ class SharedNumber:
     effects: Sequence[Mapping[str, float]]
     unit: str = "s"
     start: float = 0.0
+    other_starts: tuple[float, ...] = ()
     u: float | None = None
     known: float = 0.0
     source: str = NOISE

@@ -191,7 +191,7 @@ def of_pixel_fits(
         *geometry.findings, *frame_memory.of_result(reported.estimate), *frame_memory.of_stated(fits, rig.frame_memory),
         *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
-        *doubts.of_joint(record), *doubts.of_plateaus(fits, geometry.model, integration_time_s=stated_s), *rig.findings,
+        *doubts.of_joint(record), *rig.findings,
     )  # fmt: skip
     return Combination(
         joint=found, joint_fit=record, profiled=reported.profiled, is_length_checked=reported.is_length_checked,

@@ -24,7 +24,6 @@ The exposed fraction is the mean of that number over the opening, and the value 
 over the integration window (eq. 1). So only the first and second integrals of the floor function are needed.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -90,25 +89,10 @@ def steps_around(angle_rad: Array) -> Array:
 
 
 @njit(cache=True, nogil=True)
-def _passages(alpha: float, edge: float) -> float:
-    """Integral over alpha of the number of times that the edge has passed: the integral of floor."""
-    turns = (alpha - edge) / TURN
-    whole = math.floor(turns)
-    return TURN * (whole * turns - whole * (whole + 1) / 2)
-
-
-@njit(cache=True, nogil=True)
-def _passages_twice(alpha: float, edge: float) -> float:
-    """Second integral of the floor function."""
-    turns = (alpha - edge) / TURN
-    n = math.floor(turns)
-    before = (n - 1) * n * (2 * n - 1) / 12
-    return TURN**2 * (before + n * (turns**2 - n**2) / 2 - n * (n + 1) / 2 * (turns - n))
-
-
-@njit(cache=True, nogil=True)
 def _passing(alpha: float, edge: float, sweep: float) -> tuple[float, float, float]:
-    """How often the edge has passed, and `_passages`, both averaged while alpha grows by the sweep; sum of the latter's ends.
+    """How often the edge has passed, and the integral of that over alpha, both averaged while alpha grows by the sweep.
+
+    Third is the sum of that integral at both ends of the sweep.
 
     Nothing is a difference of large numbers, which a short sweep would show.
     """
@@ -193,7 +177,7 @@ def fading_fraction(wheel_angle_rad: Array, model: WheelModel, *, fades_rad: flo
 
 @vectorize(cache=True)  # type: ignore[no-untyped-call]
 def _passages_fading(alpha, edge, fades):  # type: ignore[no-untyped-def]
-    """`_passages`, averaged with such a weight: at each whole turn ahead it bends by one."""
+    """What `_passing` integrates, averaged with such a weight: at each whole turn ahead it bends by one."""
     turns = (alpha - edge) / TURN
     whole = np.floor(turns)
     ahead = np.exp(-TURN * (whole + 1 - turns) / fades)
@@ -297,139 +281,6 @@ def _at_points(start: Array, edges: Array, sweep: float) -> Any:
             out[4 + i, k] = passed
             sign = -sign
         out[0, k], out[1, k], out[2, k], out[3, k] = arc, ends / 2, blade_arc, blade_ends / 2
-    return out
-
-
-def skewed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
-    """What an opening adds to the exposed fraction that is brighter towards one end, its mean angle kept.
-
-    The light of the opening is taken as 1 + s u along its angle, u from -1 to 1, and its centre is shifted back by as much
-    as that moves the mean. A mask whose own centre lies beside the axle looks like this to the wheel.
-
-    Parameters
-    ----------
-    wheel_angle_rad, model, sweep_rad
-        As for :func:`exposed_fraction`.
-
-    Returns
-    -------
-    Same shape; the exposed fraction grows by s times this. On a slope it is (1 - u^2) / 4 - 1 / 6, whose mean is zero: a
-    skew does not look like a delay.
-    """
-    start = np.asarray(wheel_angle_rad)
-    (low, high), (middle, _) = _opening_ends(start, model), _opening_ends(start + sweep_rad / 2, model)
-    edges, gamma = np.array(model.cutout_edges_rad), model.opening_angle_rad
-    ends = np.stack([low.ravel(), high.ravel(), middle.ravel()])
-    return np.asarray(_skewed(ends, edges, gamma, sweep_rad).reshape(start.shape))
-
-
-@njit(cache=True, nogil=True)
-def _skewed(ends: Array, edges: Array, gamma: float, sweep: float) -> Any:
-    """Skewed fraction from both ends of the opening at the start of the window, and the low one in its middle, shape (3, n)."""
-    out = np.empty(ends.shape[1])
-    for k in range(ends.shape[1]):
-        low, high = ends[2, k], ends[2, k] + gamma
-        moment, moving, sign = 0.0, 0.0, -1.0
-        for i in range(4):
-            arcs = _passages(high, edges[i]) + _passages(low, edges[i])
-            twice = _passages_twice(high, edges[i]) - _passages_twice(low, edges[i])
-            moment += sign * (gamma / 2 * arcs - twice)
-            moving += sign * (_passing(ends[1, k], edges[i], sweep)[0] - _passing(ends[0, k], edges[i], sweep)[0])
-            sign = -sign
-        out[k] = 2 / gamma**2 * moment - moving / 6
-    return out
-
-
-def skewed_slopes(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float) -> Array:
-    """Derivatives of `skewed_fraction` to opening angle and sweep, per rad, the opening's centre and the window's middle kept.
-
-    Parameters
-    ----------
-    wheel_angle_rad, model, sweep_rad
-        As for :func:`skewed_fraction`; wheel_angle_rad of shape (n,), sweep_rad positive.
-
-    Returns
-    -------
-    Shape (2, n).
-    """
-    (low, high), (middle, _) = (
-        _opening_ends(wheel_angle_rad, model),
-        _opening_ends(wheel_angle_rad + sweep_rad / 2, model),
-    )
-    return np.asarray(
-        _skewed_slopes(
-            np.stack([low, high, middle]), np.array(model.cutout_edges_rad), model.opening_angle_rad, sweep_rad
-        )
-    )
-
-
-@njit(cache=True, nogil=True)
-def _skewed_slopes(ends: Array, edges: Array, gamma: float, sweep: float) -> Any:
-    """See skewed_slopes; ends as of _skewed."""
-    out = np.empty((2, ends.shape[1]))
-    for k in range(ends.shape[1]):
-        low, high = ends[2, k], ends[2, k] + gamma
-        moment, within, by_gamma, by_sweep, sign = 0.0, 0.0, 0.0, 0.0, -1.0
-        for i in range(4):
-            arcs = _passages(high, edges[i]) + _passages(low, edges[i])
-            twice = _passages_twice(high, edges[i]) - _passages_twice(low, edges[i])
-            moment += sign * (gamma / 2 * arcs - twice)
-            within += sign * (math.floor((high - edges[i]) / TURN) - math.floor((low - edges[i]) / TURN))
-            for end, way in ((ends[1, k], 1.0), (ends[0, k], -1.0)):
-                before, after = math.floor((end - edges[i]) / TURN), math.floor((end + sweep - edges[i]) / TURN)
-                by_gamma += sign * (after - before) / (2 * sweep)
-                by_sweep += sign * way * ((before + after) / 2 - _passing(end, edges[i], sweep)[0]) / sweep
-            sign = -sign
-        out[0, k] = within / (2 * gamma) - 4 / gamma**3 * moment - by_gamma / 6
-        out[1, k] = -by_sweep / 6
-    return out
-
-
-def bowed_fraction(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
-    """What an opening adds to the exposed fraction that is brighter at both ends than in the middle.
-
-    The light of the opening is taken as 1 + b (3 u^2 - 1) / 2 along its angle, u from -1 to 1: a lens whose magnification
-    changes over the image shows the opening's ends larger or smaller than its middle.
-
-    Parameters
-    ----------
-    wheel_angle_rad, model, sweep_rad
-        As for :func:`exposed_fraction`.
-
-    Returns
-    -------
-    Same shape; the exposed fraction grows by b times this. On a slope it is (u^3 - u) / 4.
-    """
-    return _bow(wheel_angle_rad, model, sweep_rad=sweep_rad)[0]
-
-
-def bowed_slope(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
-    """Derivative of `bowed_fraction` to the opening angle, per rad, the opening's centre kept; parameters and shape as there.
-
-    That to the sweep, the window's middle kept, is 0.
-    """
-    return _bow(wheel_angle_rad, model, sweep_rad=sweep_rad)[1]
-
-
-def _bow(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float) -> Array:
-    """Bowed fraction and its derivative to the opening angle, shape (2, ...)."""
-    centre = np.asarray(model.opening_coordinate_rad + np.asarray(wheel_angle_rad) + sweep_rad / 2)
-    found = _bowed(centre.ravel(), np.array(model.cutout_edges_rad), model.opening_angle_rad)
-    return np.asarray(found.reshape(2, *centre.shape))
-
-
-@njit(cache=True, nogil=True)
-def _bowed(centre: Array, edges: Array, gamma: float) -> Any:
-    """See _bow; from the opening's centre in the middle of the window, shape (2, n)."""
-    out = np.zeros((2, centre.size))
-    for k in range(centre.size):
-        sign = -1.0
-        for i in range(4):
-            u = ((edges[i] - centre[k] + math.pi) % TURN - math.pi) / (gamma / 2)
-            if abs(u) < 1:
-                out[0, k] += sign * (u - u**3) / 4
-                out[1, k] -= sign * (u - 3 * u**3) / (4 * gamma)
-            sign = -sign
     return out
 
 

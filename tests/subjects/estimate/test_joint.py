@@ -256,3 +256,19 @@ def test_a_number_with_two_minima_ends_in_the_lower_one():
     alone = joint.fit([model], [replace(one, may_be_mirrored=False)])
     assert alone.found.values["x"] == pytest.approx(1, abs=0.02)
     assert found.found.n_steps > alone.found.n_steps
+
+
+def test_a_search_that_begins_again_elsewhere_ends_in_the_lower_minimum():
+    """Oracle: by hand; (x - 1)^2 (x - 4)^2 with a slope that lowers the left side: begun at 4.2, and again at 0.5."""
+
+    def at(numbers):
+        x = numbers["x"]
+        residual, slope = np.array([(x - 1) * (x - 4), 0.1 * x]), np.array([[2 * x - 5], [0.1]])
+        return joint.Linearised(residual=residual, jacobian=slope)
+
+    model = joint.LocalModel(names=("x",), at=at)
+    one = shared_numbers.same("x", [None], start=4.2, unit="1")
+    assert joint.fit([model], [one]).found.values["x"] == pytest.approx(4, abs=0.02)
+    found = joint.fit([model], [replace(one, other_starts=(5.0, 0.5, 7.0))])
+    assert found.found.values["x"] == pytest.approx(1, abs=0.02)
+    assert found.found.start == {"x": 4.2}

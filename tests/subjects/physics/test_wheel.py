@@ -9,14 +9,10 @@ import pytest
 from irtiming.errors import GeometryError
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
-    bowed_fraction,
-    bowed_slope,
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
     fading_fraction,
-    skewed_fraction,
-    skewed_slopes,
     slope_centres_rad,
     wheel_model,
 )
@@ -181,85 +177,3 @@ def test_opening_without_plateau_is_refused(edges, opening_deg):
         wheel_model(
             tuple(np.radians(edges)), 0.2, opening_angle_rad=radians(opening_deg), centre_angle_rad=radians(-90)
         )
-
-
-@pytest.mark.parametrize("theta", np.radians([3.0, 40.0, 100.0, 170.0, 200.0, 261.0, 333.0]))
-def test_skewed_opening_against_counting_its_light(theta):
-    """Oracle: brute force; light 1 + s u over 200 000 points, its centre moved back by s gamma / 6, less the even opening."""
-    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
-    skew, gamma = 1e-3, model.opening_angle_rad
-    u = (np.arange(200_000) + 0.5) / 100_000 - 1
-    alpha = model.opening_coordinate_rad + theta + gamma / 2 * u - skew * gamma / 6
-    edges = np.array(model.cutout_edges_rad)
-    beside = np.mod(alpha, 2 * np.pi)
-    is_open = ((beside >= edges[1]) & (beside < edges[2])) | (beside >= edges[3])
-    counted = float(np.mean((1 + skew * u) * is_open))
-    added = (counted - float(exposed_fraction(np.array(theta), model))) / skew
-    assert float(skewed_fraction(np.array(theta), model)) == pytest.approx(added, abs=6e-3)
-
-
-@pytest.mark.parametrize("theta", np.radians([3.0, 40.0, 100.0, 170.0, 200.0, 261.0, 333.0]))
-def test_bowed_opening_against_counting_its_light(theta):
-    """Oracle: brute force; light 1 + b (3 u^2 - 1) / 2 over 200 000 points, less the even opening."""
-    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
-    u = (np.arange(200_000) + 0.5) / 100_000 - 1
-    edges = np.array(model.cutout_edges_rad)
-    beside = np.mod(model.opening_coordinate_rad + theta + model.opening_angle_rad / 2 * u, 2 * np.pi)
-    is_open = ((beside >= edges[1]) & (beside < edges[2])) | (beside >= edges[3])
-    counted = float(np.mean((3 * u**2 - 1) / 2 * is_open))
-    assert float(bowed_fraction(np.array(theta), model)) == pytest.approx(counted, abs=2e-5)
-
-
-def test_bow_on_a_slope_by_hand():
-    """Oracle: by hand; where the edge of a cutout stands at u in the opening it is (u^3 - u) / 4, and 0 where no edge does."""
-    model = wheel_model((0.0, 1.571, 3.143, 4.711), 0.268, opening_angle_rad=np.radians(75), centre_angle_rad=-1.55)
-    u = np.linspace(-0.9, 0.9, 7)
-    at_edge_0 = model.cutout_edges_rad[0] - model.opening_coordinate_rad - model.opening_angle_rad / 2 * u
-    np.testing.assert_allclose(bowed_fraction(at_edge_0, model), (u**3 - u) / 4, atol=1e-12)
-    plateau = at_edge_0[3] + np.radians([-45.0, 45.0])
-    np.testing.assert_allclose(bowed_fraction(plateau, model), 0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("sweep", [0.02, 0.15])
-def test_skew_of_a_window_is_the_mean_of_many_instants(model, sweep):
-    """Oracle: midpoint rule over 4000 instants of the window (eq. 1); the curve is a parabola, up to sweep^2 / 24 of its bend."""
-    angles = np.random.default_rng(5).uniform(0, TURN, 200)
-    instants = (np.arange(4000) + 0.5) / 4000 * sweep
-    mean = skewed_fraction(angles[:, None] + instants, model).mean(axis=1)
-    found = skewed_fraction(angles, model, sweep_rad=sweep)
-    corners = corner_angles_rad(model).ravel()
-    beside = np.angle(np.exp(1j * (angles[:, None] + sweep / 2 - corners)))
-    smooth = np.all(np.abs(beside) > sweep / 2, axis=1)
-    assert smooth.sum() > 50
-    np.testing.assert_allclose(found[smooth], mean[smooth], atol=0.1 * (sweep / model.opening_angle_rad) ** 2)
-
-
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("sweep", [0.005, 0.15])
-def test_slopes_of_skew_and_bow_are_those_of_differences(model, sweep):
-    """Oracle: central differences, but where an edge stands at an end of the opening or of the window: there slopes jump."""
-    start, step = np.random.default_rng(6).uniform(-TURN, TURN, 400), 1e-6
-    wider, narrower = (replace(model, opening_angle_rad=model.opening_angle_rad + sign * step) for sign in (1, -1))
-
-    def differ(ahead, behind):
-        return (ahead - behind) / (2 * step)
-
-    for found, numeric in (
-        (
-            skewed_slopes(start, model, sweep_rad=sweep)[0],
-            differ(*(skewed_fraction(start, one, sweep_rad=sweep) for one in (wider, narrower))),
-        ),
-        (
-            skewed_slopes(start, model, sweep_rad=sweep)[1],
-            differ(
-                *(skewed_fraction(start - sign * step / 2, model, sweep_rad=sweep + sign * step) for sign in (1, -1))
-            ),
-        ),
-        (
-            bowed_slope(start, model, sweep_rad=sweep),
-            differ(*(bowed_fraction(start, one, sweep_rad=sweep) for one in (wider, narrower))),
-        ),
-    ):
-        assert np.abs(numeric).max() > 1e-2
-        assert np.quantile(np.abs(found - numeric), 0.98) < 1e-6 * np.abs(numeric).max()

@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from irtiming.physics.wheel import exposed_fraction, skewed_fraction, wheel_model
+from irtiming.physics.light.bright_ends import bright_ends
+from irtiming.physics.wheel import exposed_fraction, wheel_model
 from irtiming.plan import information, photon_information
 from irtiming.plan.photon_information import KNOWN_WINDOW, OWN_SHAPE, SHARED_SHAPE, FrameNoise, Sampling
 from irtiming.records.camera_description import PhotonCamera
@@ -48,13 +49,16 @@ def _second_blade(angle, width, sweep):
     return behind
 
 
-def _bow(angle):
-    """What light that is stronger at both ends adds: points of an opening, each weighed with (3 u^2 - 1) / 2."""
-    u = (np.arange(40_000) + 0.5) / 20_000 - 1
-    at = np.mod(MODEL.opening_coordinate_rad + angle[:, None] + GAMMA / 2 * u, TURN)
-    edges = MODEL.cutout_edges_rad
-    is_open = ((at >= edges[1]) & (at < edges[2])) | (at >= edges[3])
-    return np.mean(is_open * (3 * u**2 - 1) / 2, axis=1)
+def _bow(angle, sweep):
+    """What light that is stronger at both ends adds: points of an opening, weighed with (3 u^2 - 1) / 2, at instants."""
+    added = np.zeros(angle.size)
+    for share in (np.arange(48) + 0.5) / 48:  # of the window; rows of points are shifted by the golden section
+        u = (np.arange(8_000) + 48 * share * 0.618 % 1) / 4_000 - 1
+        at = np.mod(MODEL.opening_coordinate_rad + angle[:, None] + sweep * share + GAMMA / 2 * u, TURN)
+        edges = MODEL.cutout_edges_rad
+        is_open = ((at >= edges[1]) & (at < edges[2])) | (at >= edges[3])
+        added += np.mean(is_open * (3 * u**2 - 1) / 2, axis=1) / 48
+    return added
 
 
 def _frame_sums(sampling, noise, *, off):
@@ -67,9 +71,9 @@ def _frame_sums(sampling, noise, *, off):
     fraction = exposed_fraction(angle, model, sweep_rad=omega * window)
     wider = replace(model, opening_angle_rad=model.opening_angle_rad + 2 * noise.border_rad)
     plate = exposed_fraction(angle, wider, sweep_rad=omega * window) - fraction
-    light = fraction + off.get("skew", 0.0) * skewed_fraction(angle, model, sweep_rad=omega * window)
+    light = fraction + off.get("skew", 0.0) * bright_ends(angle, model, sweep_rad=omega * window).skew
     if "bow" in off:
-        light += off["bow"] * _bow(angle + omega * window / 2)
+        light += off["bow"] * _bow(angle, omega * window)
     for name, width in (("blades", GAMMA), ("beside", GAMMA + 2 * noise.border_rad)):
         if name in off:
             inner = _second_blade(angle, GAMMA, omega * window) if name == "beside" else 0.0

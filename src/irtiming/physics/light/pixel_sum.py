@@ -34,19 +34,16 @@ from typing import final
 import numpy as np
 
 from irtiming.physics.light import summed_region
+from irtiming.physics.light.bright_ends import BrightEnds, bright_ends
 from irtiming.physics.light.summed_region import SeenRegion, SummedRegion
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
     TURN,
     PointAverage,
     at_point,
-    bowed_fraction,
-    bowed_slope,
     edge_in_opening,
     exposed_fraction,
     fading_fraction,
-    skewed_fraction,
-    skewed_slopes,
 )
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.wheel_geometry import WheelModel
@@ -164,9 +161,9 @@ class Passing:
         return _rings(self, border_rad=self.border_rad, is_even=True)
 
     @cached_property
-    def bowed(self) -> Array:
-        """U, shape (n,)."""
-        return bowed_fraction(self.start_rad, self.actual, sweep_rad=self.sweep_rad)
+    def ends(self) -> BrightEnds:
+        """S and U."""
+        return bright_ends(self.start_rad, self.actual, sweep_rad=self.sweep_rad)
 
     @cached_property
     def of_plate(self) -> SeenRegion | None:
@@ -233,9 +230,9 @@ def shapes(passing: Passing) -> Shapes:
     for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
         fraction = fraction + share * late
     return Shapes(
-        fraction=fraction + passing.bow * passing.bowed,
-        skew=skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad),
-        bow=passing.bowed,
+        fraction=fraction + passing.bow * passing.ends.bow,
+        skew=passing.ends.skew,
+        bow=passing.ends.bow,
         plate=_plate(passing),
         blades=passing.opening.blades,
         beside=passing.wide_sector.blades - passing.sector.blades,
@@ -284,13 +281,15 @@ def slopes(
     plain, astray = passing.opening.fraction_slopes, _beyond(passing.of_lost, passing.opening.fraction)
     out = plain + _beyond_slopes(passing.of_uneven, plain) - passing.glare * _beyond_slopes(passing.of_lost, plain)
     out += blades * passing.opening.blades_slopes
-    out[:6] += plate * _plate_slopes(passing) + skew * _skew_slopes(passing)
-    out[:6] += passing.bow * _bow_slopes(passing)
+    out[:6] += plate * _plate_slopes(passing)
+    out[4:6] += (
+        skew * passing.ends.skew_slopes + passing.bow * passing.ends.bow_slopes
+    )  # to the edges 0, being smaller yet
     out[:6] += beside * (passing.wide_sector.blades_slopes - passing.sector.blades_slopes)[:6]
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
-    others = {"corner_variance": corners, "glare": -astray, "bow": passing.bowed}
+    others = {"corner_variance": corners, "glare": -astray, "bow": passing.ends.bow}
     return dict(zip(names, out, strict=True)) | others | {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
 
 
@@ -406,18 +405,4 @@ def _beyond_slopes(seen: SeenRegion | None, of_fraction: Array) -> Array:
     if seen is not None:
         out -= seen.total * of_fraction
         out[:6] += summed_region.slopes(seen)
-    return out
-
-
-def _skew_slopes(passing: Passing) -> Array:
-    """The same of S: to opening angle and sweep; to the edges 0, being smaller yet."""
-    out = np.zeros((6, passing.start_rad.size))
-    out[4:] = skewed_slopes(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
-    return out
-
-
-def _bow_slopes(passing: Passing) -> Array:
-    """The same of U."""
-    out = np.zeros((6, passing.start_rad.size))
-    out[4] = bowed_slope(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
     return out

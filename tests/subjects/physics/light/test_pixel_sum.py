@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from irtiming.physics.light import pixel_sum
+from irtiming.physics.light.bright_ends import bright_ends
 from irtiming.physics.light.pixel_sum import Passing, Radii
 from irtiming.physics.light.summed_region import SummedRegion
-from irtiming.physics.wheel import bowed_fraction, skewed_fraction, wheel_model
+from irtiming.physics.wheel import wheel_model
 
 TURN = 2 * np.pi
 EDGES = (0.0, 1.5718, 3.1421, 4.7125)
@@ -70,7 +71,7 @@ def test_fraction_is_the_share_of_rays_in_a_cutout(swept):
 
 
 def test_plate_skew_and_bow_are_a_wider_and_an_uneven_opening():
-    """Oracle: the fraction of an opening wider by two borders, and those of the wheel's own skew and bow; no leans in either."""
+    """Oracle: the fraction of an opening wider by two borders, and those of its bright ends; no leans in either."""
     passing = _passing(border_rad=0.07)
     even = replace(passing, lean_low_rad=0.0, lean_high_rad=0.0, radii=Radii())
     wide = replace(even, opening_angle_rad=GAMMA + 0.14)
@@ -79,10 +80,9 @@ def test_plate_skew_and_bow_are_a_wider_and_an_uneven_opening():
         found.plate, pixel_sum.shapes(wide).fraction - pixel_sum.shapes(even).fraction, atol=1e-12
     )
     np.testing.assert_allclose(found.beside, pixel_sum.shapes(wide).blades - pixel_sum.shapes(even).blades, atol=1e-12)
-    expected = skewed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
-    np.testing.assert_allclose(found.skew, expected, atol=1e-12)
-    expected = bowed_fraction(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
-    np.testing.assert_allclose(found.bow, expected, atol=1e-12)
+    expected = bright_ends(passing.start_rad, passing.actual, sweep_rad=passing.sweep_rad)
+    np.testing.assert_allclose(found.skew, expected.skew, atol=1e-12)
+    np.testing.assert_allclose(found.bow, expected.bow, atol=1e-12)
     assert np.ptp(found.plate) > 0.05
 
 
