@@ -9,6 +9,7 @@ from scipy import special
 
 from irtiming.archive import layout
 from irtiming.archive.finding import warning_at
+from irtiming.archive.tick_checks import half_turn_ticks
 from irtiming.physics import edge_motion
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
@@ -67,7 +68,7 @@ def _half_turns(contents: "Contents", n_frames: int) -> "Array | None":
     if numbers.size != n_frames or numbers.min() < 0 or numbers.max() >= triggers.size:
         return None
     times = triggers[numbers].astype(np.float64)
-    half_turns = np.rint(np.cumsum(np.append(0.0, np.diff(edges) / np.median(np.diff(edges)))))
+    half_turns = np.rint(np.cumsum(np.append(0.0, np.diff(edges) / half_turn_ticks(edges))))
     at = np.interp(times, edges.astype(np.float64), half_turns, left=np.nan, right=np.nan)
     return np.asarray(2 * math.pi * at)
 

@@ -110,7 +110,7 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
     clock, nominal = contents.get(layout.CLOCK_FREQUENCY), contents.get(layout.ROTATION_SPEED)
     if edges is None or clock is None or nominal is None or edges.size < 3:
         return
-    if (usual := float(np.median(np.diff(edges)))) == 0:
+    if float(np.median(np.diff(edges))) == 0:
         yield error_at(
             layout.APPLICATION_SLOT.path,
             "repeats the tick before in most of its entries: no wheel turns so",
@@ -118,7 +118,7 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
             cure="check the application light gate and the program that wrote the ticks; record again",
         )
         return
-    speed = clock / (2 * usual)
+    speed = clock / (2 * half_turn_ticks(edges))
     if abs(speed / nominal - 1) > _SPEED_TOLERANCE:
         yield error_at(
             layout.ROTATION_SPEED.path,
@@ -135,6 +135,17 @@ def _rotation_speed(contents: "Contents") -> Iterator[Finding]:
             f"{100 * (speed / nominal - 1):+.2f} %: by as much all times are wrong if it is clock_frequency that is wrong",
             cure="correct clock_frequency or rotation_speed, and see that the chopper is locked",
         )
+
+
+def half_turn_ticks(edges: "Ticks") -> float:
+    """Half of the usual turn, by the edges of the application slots: two belong to one, and need not be half a turn apart.
+
+    Parameters
+    ----------
+    edges
+        Shape (n,), at least 3.
+    """
+    return float(np.median(edges[2:] - edges[:-2])) / 2
 
 
 def _wheel_period(contents: "Contents") -> Iterator[Finding]:

@@ -20,6 +20,17 @@ def test_a_sound_recording_has_nothing_to_tell(sound):
     assert check_recording(sound) == ()
 
 
+@pytest.mark.parametrize("n_left_out", [0, 1], ids=["as many of both", "one more of either"])
+@pytest.mark.parametrize("edge_2_deg", [183.0, 190.0])
+def test_a_wheel_with_unequal_cutouts_turns_as_fast_as_is_stated(edge_2_deg, n_left_out):
+    """Oracle: the simulated wheel's own speed; half turns of 183 and 177 degrees are 1.7 % off it, one way and the other."""
+    scene = paper_scene(16, 20)
+    wheel = replace(scene.wheel, ring_edges_rad=tuple(np.radians([0.0, 92.0, edge_2_deg, 275.0])))
+    scene = with_wheel_speed(replace(scene, wheel=wheel), 3.0, samples=100)
+    found = simulate(scene, seed=2)
+    assert check_recording(replace(found, application_slot_ticks=found.application_slot_ticks[n_left_out:])) == ()
+
+
 @pytest.mark.parametrize(
     ("change", "code"),
     [
