@@ -11,6 +11,7 @@ from irtiming.estimate import (
     by_blackbody,
     frame_steps,
     image_doubts,
+    rivals,
     row_fit,
     row_light,
     sector_fit,
@@ -135,12 +136,18 @@ def _in_turns(
     turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups)
     timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
     views, fits = turns.next(timings)
-    before = fits
+    before, is_searched = fits, False
     for n_round in range(1, _MOST_ROUNDS):
         (earlier, before), is_start = (before, fits), n_round + 1 < _FEWEST_ROUNDS
         views, fits = turns.next(turns.timings(fits), views=views, before=before)
         if not is_start and _are_settled(earlier, before, fits):
-            break
+            if is_searched:
+                break
+            searched, is_searched = turns.searched(fits, views=views), True
+            if _move(fits, searched) <= _NEAR:
+                fits = searched
+                break
+            fits = searched
     if _move(before, fits) <= _NEAR:
         return turns.next(turns.timings(fits), views=views, before=fits, is_last=True)
     raise EstimationError(
@@ -176,6 +183,16 @@ class _Turns:
             for members, timing, start, slopes in every
         ]
         return found, _rows_fitted(self.recordings, self.model, views=found, before=before)
+
+    def searched(self, fits: tuple[RowTimingFit, ...], *, views: list[_View]) -> tuple[RowTimingFit, ...]:
+        """The rows once more, each at the lowest of its minima, or at that which goes better with the others of its group."""
+        anew = _rows_fitted(self.recordings, self.model, views=views, before=fits, is_searched=True)
+        agreed = list(anew)
+        for group in self.groups:
+            found = rivals.consistent([anew[k] for k in group], frame_memory=self.rig.camera.frame_memory)
+            for k, fit in zip(group, found, strict=True):
+                agreed[k] = fit
+        return tuple(agreed)
 
     def timings(self, fits: Sequence[RowTimingFit]) -> list[Timing]:
         """Of each group."""
@@ -228,21 +245,27 @@ def _blades(fits: Sequence[RowTimingFit], model: WheelModel) -> dict[str, float]
 
 
 def _rows_fitted(
-    recordings: Sequence[ReducedRecording], model: WheelModel, *, views: list[_View], before: tuple[RowTimingFit, ...]
-) -> tuple[RowTimingFit, ...]:
-    """All rows of each recording, from the round before on if there was one."""
+    recordings: Sequence[ReducedRecording], model: WheelModel, *, views: list[_View], before: tuple[RowTimingFit, ...],
+    is_searched: bool = False,
+) -> tuple[RowTimingFit, ...]:  # fmt: skip
+    """All rows of each recording, from the round before on if there was one, and from a search of their own where they are."""
     light_of = {k: view.light for view in views for k in view.members}
     bent = {k for view in views if before and row_fit.are_bent([before[k] for k in view.members]) for k in view.members}
     starts = tuple(replace(fit, is_bent=k in bent) for k, fit in enumerate(before)) or (None,) * len(recordings)
     fits = tuple(
-        row_fit.fit(one, model, light=light_of[k], start=start)
+        row_fit.fit(one, model, light=light_of[k], start=start, is_searched=is_searched)
         for k, (one, start) in enumerate(zip(recordings, starts, strict=True))
     )
     return (
         fits
         if not before
         else tuple(
-            replace(now, start=then.start, n_steps=then.n_steps + now.n_steps)
+            replace(
+                now,
+                start=then.start,
+                n_steps=then.n_steps + now.n_steps,
+                rival=now.rival if is_searched else then.rival,
+            )
             for then, now in zip(before, fits, strict=True)
         )
     )

@@ -62,8 +62,9 @@ class _Task:
 
 
 def fit(
-    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None = None
-) -> RowTimingFit:
+    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None = None,
+    is_searched: bool = False,
+) -> RowTimingFit:  # fmt: skip
     """All rows of one recording at once.
 
     Parameters
@@ -76,6 +77,8 @@ def fit(
         Of the rows.
     start
         An earlier fit of the same camera; without one the start values are searched for.
+    is_searched
+        Whether they are searched for beside an earlier fit, too: the light that one was made with may have led it astray.
 
     Returns
     -------
@@ -87,7 +90,7 @@ def fit(
         If the rows show nothing that turns with the wheel.
     """
     with one_thread(), about(rows.name):
-        return _fit(rows, wheel, light=light, start=start)
+        return _fit(rows, wheel, light=light, start=start, is_searched=is_searched)
 
 
 def with_shape_effect(
@@ -108,9 +111,11 @@ def with_shape_effect(
         return replace(found, shape_effect=_shape_effect(task, at, changes))
 
 
-def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None) -> RowTimingFit:
+def _fit(
+    rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: RowTimingFit | None, is_searched: bool
+) -> RowTimingFit:
     task = _task(rows, wheel, light, before=_to_take_out(start, rows, light=light))
-    found, held = _solved(task, start)
+    found, held = _solved(task, start, is_searched=is_searched)
     names = found.minimum.free
     waves = harmonic_data.basis(task.angle, n_harmonics=task.model.n_harmonics)
     whole = row_sum.harmonics(task.model, found.timing)
@@ -140,6 +145,7 @@ def _fit(rows: ReducedRecording, wheel: WheelModel, *, light: RowLight, start: R
         if task.sway is None
         else task.sway.moved(_DAMPED * scored.sway_step, covariance=scored.sway_covariance),
         kept=task.kept,
+        rival=found.rival,
         start=found.began,
         n_steps=found.n_steps,
         shape_effect=np.zeros((len(names), len(SHAPE_NUMBERS))),
@@ -194,7 +200,7 @@ def are_bent(fits: Sequence[RowTimingFit]) -> bool:
     return max(sizes, default=0.0) > _SIGNIFICANT
 
 
-def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
+def _solved(task: _Task, start: RowTimingFit | None, *, is_searched: bool) -> tuple[Solution, Timing]:
     """The solution, and which numbers it holds: a window of which the frames say less than the recording.
 
     With a window held as stated, or found without a statement, the frames' own uncertainty of it decides; an earlier fit has
@@ -203,7 +209,10 @@ def _solved(task: _Task, start: RowTimingFit | None) -> tuple[Solution, Timing]:
     if start is not None:
         whole = completed(start.timing)
         begin = {name: whole[name] for name in task.model.names}
-        return row_timing.solve(task.data, task.model, start=begin, held=start.held), start.held
+        found = row_timing.solve(
+            task.data, task.model, start=begin, signs=task.signs, held=start.held, is_searched=is_searched
+        )
+        return found, start.held
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:
         return found, {}

@@ -20,6 +20,7 @@ from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, Timing
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
+from irtiming.records.row_timing import Rival
 
 _COARSE = 20
 _RESPONSE_TURNS = np.geomspace(
@@ -29,6 +30,8 @@ _SEARCHED_ROWS = 16  # about as many are looked at in the search
 _ALIKE = 0.05  # of a half turn: a frame that is nearer to whole ones after another shows nearly the same
 _LEAST_SHARE = -0.5  # of the frame before: at -1 a filter makes any odd harmonic of next to nothing
 _UNTOLD = 16.0  # of the deviance: frames that say no more against a share of none hardly tell one
+_APART = 3.0  # standard uncertainties from which two minima are two
+_CLEARLY = 4.0  # misfit by which another minimum must be lower than that of the start
 _EARLIEST = 0.2  # of half a turn before the trigger: the earliest that the middle row may be read
 
 
@@ -37,7 +40,9 @@ _EARLIEST = 0.2  # of half a turn before the trigger: the earliest that the midd
 class Solution:
     """Where the search ended, by name; where it ``began``, and how many ``n_steps`` it took.
 
-    ``gain`` and ``variance`` have shape (n_segment, n_row) and (n_row,).
+    ``gain`` and ``variance`` have shape (n_segment, n_row) and (n_row,). ``misfit`` is the deviance, and what numbers that no
+    camera has add to it; ``u`` are the standard uncertainties of response and share of the frame before, were residuals white;
+    ``rival`` is the next higher minimum.
     """
 
     minimum: Minimum
@@ -45,11 +50,18 @@ class Solution:
     n_steps: int
     gain: Array
     variance: Array
+    misfit: float
+    u: Timing
+    rival: Rival | None = None
 
     @property
     def timing(self) -> Timing:
         """All numbers at the minimum."""
         return self.minimum.values
+
+    def is_apart(self, other: "Solution") -> bool:
+        """Whether another search ended in another minimum, whose response or share differs far beyond the uncertainty."""
+        return any(abs(self.timing[name] - other.timing[name]) > _APART * u for name, u in self.u.items())
 
     @property
     def normal(self) -> Array:
@@ -60,7 +72,7 @@ class Solution:
 
 def solve(
     data: Sequence[HarmonicData], model: RowSum, *, start: Timing | None = None, signs: tuple[int, ...] = (1, -1),
-    held: Timing | None = None,
+    held: Timing | None = None, is_searched: bool = False,
 ) -> Solution:  # fmt: skip
     """Least squares in the model's numbers, from a start that the data give.
 
@@ -77,26 +89,49 @@ def solve(
         other one is a quarter turn later.
     held
         Numbers that keep these values.
+    is_searched
+        Whether to search beside a start, too; that is left where another minimum is clearly lower.
 
     Raises
     ------
     EstimationError
         If the rows show nothing that turns with the wheel.
     """
-    fixed, n_coarse = dict(held or {}), 0
-    if start is None:
-        coarse, few = [part.lowest(_COARSE) for part in data], model.lowest(_COARSE)
-        near = _nearest(coarse, few, signs=signs, held=fixed)
-        began, begin, n_coarse = near.start, near.values, near.n_steps
-    else:
+    fixed, n_coarse, begins = dict(held or {}), 0, []
+    if start is not None:
         began, memory = {**start, **fixed}, model.camera.memory.PARAMETER
-        begin = began if _is_share(began[memory]) else {**began, memory: 0.0}
-    found, at = _with_share(data, model, start=begin, held=fixed)
-    return Solution(minimum=found, began=began, n_steps=n_coarse + found.n_steps, gain=at.gain, variance=at.variance)
+        begins.append((began, began if _is_share(began[memory]) else {**began, memory: 0.0}))
+    if start is None or is_searched:
+        coarse, few = [part.lowest(_COARSE) for part in data], model.lowest(_COARSE)
+        near = _near(coarse, few, signs=signs, held=fixed)
+        n_coarse = sum(one.n_steps for one in near)
+        begins += [(one.start, one.values) for one in near]
+    ends = [_end(data, model, began=began, begin=begin, held=fixed) for began, begin in begins]
+    by_depth = sorted(ends, key=lambda end: end.misfit)
+    best = by_depth[0]
+    if start is not None and ends[0].misfit < best.misfit + _CLEARLY:
+        best = ends[0]
+    others = [Rival(timing=end.timing, higher=end.misfit - best.misfit) for end in by_depth if best.is_apart(end)]
+    return replace(best, n_steps=n_coarse + sum(end.n_steps for end in ends), rival=others[0] if others else None)
 
 
-def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...], held: Timing) -> Minimum:
-    """The lowest minimum that a search from some share of the frame before leads to, with a share below one.
+def _end(data: Sequence[HarmonicData], model: RowSum, *, began: Timing, begin: Timing, held: Timing) -> Solution:
+    """Where one search ends; a lag or a share of the frame before that is below zero counts as higher by how unlikely it is."""
+    found, at = _with_share(data, model, start=begin, held=held)
+    memory, response = model.camera.memory.PARAMETER, model.camera.response.PARAMETER
+    u = {name: uncertainty(data, model, timing=found.values, name=name) for name in (memory, response)}
+    of_cameras = [name for name in u if name not in held and not (name == response and not model.camera.lags)]
+    below = np.array([min(0.0, found.values[name]) / u[name] for name in of_cameras])
+    return Solution(
+        minimum=found, began=began, n_steps=found.n_steps, gain=at.gain, variance=at.variance,
+        misfit=found.at.deviance + float(below @ below), u=u,
+    )  # fmt: skip
+
+
+def _near(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...], held: Timing) -> list[Minimum]:
+    """The minima that searches from some shares of the frame before lead to, with a share below one; each once.
+
+    Few harmonics hardly tell a filter from a lag that is as long, so that the lower of two minima may be the wrong one.
 
     A recursive filter of k and one of 1 / k leave each harmonic equally strong, and without bounds k becomes a delay of one
     frame: a search that passes k = 1 ends there, with as good a fit and a wrong delay.
@@ -109,8 +144,8 @@ def _nearest(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, .
     if not possible:
         least = min((one.values[memory.PARAMETER] for one in found), key=abs)
         raise EstimationError(_no_share(least, step_rad=model.step_rad))
-    lowest = min(possible, key=lambda one: round(one.at.deviance, 3))  # of equal ones that from the least share
-    return replace(lowest, n_steps=sum(one.n_steps for one in found))
+    by_depth = {round(one.at.deviance, 3): one for one in reversed(possible)}  # of equal ones that from the least share
+    return list(by_depth.values())
 
 
 def _is_share(value: float) -> bool:

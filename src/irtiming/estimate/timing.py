@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from irtiming.estimate import (
+    agreement,
     by_blackbody,
     doubts,
     frame_jitter,
@@ -23,6 +24,7 @@ from irtiming.estimate import (
     reference_noise,
     relative_delays,
     rig_errors,
+    rivals,
     rolling_camera,
     row_numbers,
     scatter,
@@ -191,7 +193,7 @@ def of_pixel_fits(
         *geometry.findings, *frame_memory.of_result(reported.estimate), *frame_memory.of_stated(fits, rig.frame_memory),
         *doubts.of_window(reported.estimate), *doubts.of_edges(u_edge), *reported.findings,
         *doubts.of_angles(record), *doubts.of_pixel_fits(fits), *scatter.birge_findings(fits, groups), *doubts.of_start(record),
-        *doubts.of_joint(record), *rig.findings,
+        *doubts.of_joint(record), *agreement.findings(found, fits), *rig.findings,
     )  # fmt: skip
     return Combination(
         joint=found, joint_fit=record, profiled=reported.profiled, is_length_checked=reported.is_length_checked,
@@ -312,8 +314,9 @@ def of_row_fits(
         *frame_memory.of_result(reported.estimate), *frame_memory.of_row_fits(fits, reported.estimate),
         *frame_memory.of_stated(fits, rig.frame_memory),
         *nonlinearity.of_joint(found),
-        *doubts.of_row_fits(whole), *image_doubts.of_sectors(whole, sectors), *scatter.birge_findings(fits, groups),
-        *doubts.of_mixture(effective), *doubts.of_angles(record), *doubts.of_joint(record), *rig.findings,
+        *doubts.of_row_fits(whole), *rivals.findings(whole), *image_doubts.of_sectors(whole, sectors),
+        *scatter.birge_findings(fits, groups), *doubts.of_mixture(effective), *doubts.of_angles(record),
+        *doubts.of_joint(record), *agreement.findings(found, fits), *rig.findings,
     )  # fmt: skip
     result = _result(found, fits, reported=reported, rig=rig, findings=findings)
     return Combination(

@@ -251,6 +251,15 @@ class Sway:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Rival:
+    """Another minimum of a recording: its numbers by name, and by how much higher its deviance is."""
+
+    timing: Mapping[str, float]
+    higher: float
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RowTimingFit:
     """The exact model fitted to the row sums of one recording.
 
@@ -303,6 +312,8 @@ class RowTimingFit:
         Factor on the variances because the residuals are correlated; 1 when they are white.
     blackbody_temperature_k
         As the recording tells it; None where it does not.
+    rival
+        The next higher minimum that searches have found; None where there is none.
     """
 
     __repr__ = short_repr
@@ -333,6 +344,7 @@ class RowTimingFit:
     sway: Sway | None = None
     is_bent: bool = False
     bends: Estimate | None = None
+    rival: Rival | None = None
 
     @property
     def timing(self) -> dict[str, float]:

@@ -128,7 +128,8 @@ SPEEDS = [(OMEGA,), (OMEGA, OMEGA, OMEGA), (OMEGA, 2 * OMEGA), (OMEGA, 2 * OMEGA
 def test_estimate_is_that_of_the_textbook(fits, geometry, sector, omegas):
     """Oracle: generalised least squares with the covariance written out element by element."""
     rng = np.random.default_rng(len(omegas))
-    made, rig = fits([SIX + rng.normal(size=6) * U for _ in omegas], omegas=omegas), geometry()
+    noise = fits([SIX])[0].estimate.covariance
+    made, rig = fits([rng.multivariate_normal(SIX, noise) for _ in omegas], omegas=omegas), geometry()
     result = _estimate(made, rig, sector)
     y = np.concatenate([fit.estimate.values for fit in made])
     values, covariance = _textbook(y, _covariance(made, rig, sector), np.tile(DESIGN, (len(made), 1)))
