@@ -184,7 +184,10 @@ def _settled(recording: Recording, sighting: Sighting, correct: Correction, angl
     known, found = np.flatnonzero(np.isfinite(angle)), sighting.opening
     if sighting.steady is not None and sighting.steady.is_disturbed:
         total = sighting.steady.of_sums(total, angle).steady
-    intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
+    try:
+        intervals = plateaus.find(np.mod(angle[known], TURN), total[known], name=recording.name)
+    except ReductionError:  # too narrow ones: the sample frames show the opening no less
+        return found
     bright_when_open = not found.blackbody_is_colder
     means = []
     for bright in (bright_when_open, not bright_when_open):

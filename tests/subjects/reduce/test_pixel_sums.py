@@ -236,3 +236,19 @@ def test_mean_frames_are_of_the_middle_of_a_plateau():
     """Oracle: by hand; a fifth of it is left out at either end, where an edge may touch the border."""
     start, end, level = pixel_sums._middle((6.0, 7.0, 1))
     assert (start, end, level) == (pytest.approx(6.2), pytest.approx(6.8), 1)
+
+
+def test_plateaus_too_narrow_for_a_straight_line_are_no_reason_to_refuse(reduced, paper_camera, monkeypatch):
+    """Oracle: the recording with its plateaus; sums do not know of the mean frames, which the sample then gives, to its noise."""
+    whole, _ = reduced(paper_camera())
+
+    def none(*_, **__):
+        raise ReductionError("no plateau between 57.7 and 60.2 deg")
+
+    monkeypatch.setattr(pixel_sums.plateaus, "find", none)
+    found, _ = reduced(paper_camera())
+    np.testing.assert_array_equal(found.pixels.pixel_sum, whole.pixels.pixel_sum)
+    inside = found.opening.mask
+    step, before = (one.open_frame_dn[inside] - one.covered_frame_dn[inside] for one in (found.opening, whole.opening))
+    assert np.median(step) == pytest.approx(np.median(before), rel=0.01)
+    assert not np.array_equal(step, before)
