@@ -1,6 +1,7 @@
 """What causes of structured residuals add to the sums: by brute force over a wave of the wheel."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from irtiming.estimate import causes
 from irtiming.estimate.frame_residuals import FrameResiduals
 
-_OMEGA = 20.0
+_OMEGA, TURN = 20.0, 2 * np.pi
 
 
 @pytest.fixture
@@ -98,3 +99,20 @@ def test_a_row_delay_shows_bands_of_rows_later_the_lower_they_are(frames):
     expected = (_light(angle + later) - _light(angle - later)) / (2 * small_s)
     found = causes.fitted(bands, lag_s=8e-3)["row delay"]
     np.testing.assert_allclose(found, expected, atol=0.01 * np.ptp(expected))
+
+
+def test_what_sways_does_so_in_each_band_of_rows(frames):
+    """Oracle: by hand; the polynomials of Legendre of the orders 2 to 5 at the end, 1, and of order 2 in the middle, -1/2."""
+    bands = replace(frames, fraction=np.tile(frames.fraction, 3), time=np.append(np.linspace(-1, 1, 719), 0.0))
+    found = causes._level_sways(bands)
+    assert [one.shape for one in found] == [(720, 3)] * 4
+    np.testing.assert_allclose([one[-2] for one in found], 1.0)
+    np.testing.assert_allclose(found[0][-1], -0.5)
+
+
+def test_on_the_border_of_both_halves_of_a_turn_neither_counts():
+    """Oracle: by hand; an eighth of a turn before the middle of the plateau, at it, and a quarter before, between both."""
+    frames = SimpleNamespace(
+        fraction=np.full((3, 1), 0.6), angle_rad=np.array([TURN / 8, TURN / 4, 0.0]), open_at_rad=TURN / 4
+    )
+    np.testing.assert_array_equal(causes._cutouts(frames)[0][:, 0], [0.6, 0.6, 0.0])

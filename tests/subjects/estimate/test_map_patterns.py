@@ -1,5 +1,6 @@
 """What maps say of the readout, from delays made by hand."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -106,3 +107,12 @@ def test_a_shape_that_is_off_turns_pixels_about_its_axle():
     by_axle = 0.02 * down / (down**2 + right**2) / 20
     expected = np.stack([np.full(3, 1e-4 / 20), np.abs(by_axle)], axis=1)
     np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(expected), rtol=1e-6)  # in any order, of any sign
+
+
+def test_pixels_that_scatter_more_than_their_noise_make_the_row_delay_less_certain():
+    """Oracle: the noise that was drawn, three times what is stated for it; and as it is stated."""
+    delays = _delays(lambda row, column: 0.0 * row)
+    stated, sure = (map_patterns.row_clock(replace(delays, u_s=u)) for u in (delays.u_s, delays.u_s / 3))
+    assert stated.scatter == pytest.approx(1, abs=0.05)
+    assert sure.scatter == pytest.approx(3, rel=0.05)
+    assert sure.u_row_delay_s == pytest.approx(stated.u_row_delay_s, rel=0.05)
