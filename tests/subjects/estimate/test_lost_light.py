@@ -1,9 +1,11 @@
 """What glare carries out of the summed pixels, against images of parts of the opening."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from irtiming.estimate import plate_light
 from irtiming.physics import blurred_sector, sector_points
@@ -50,3 +52,34 @@ def test_parts_of_the_opening_lose_what_their_images_lack(mirrored):
         part_area, part_kept = _kept(part, summed)
         assert share[first:last].sum() == pytest.approx((part_area - part_kept) / area, rel=0.03, abs=2e-4)
     assert share[0] > 1.3 * share[7]
+
+
+def test_a_pixel_near_the_axle_spreads_its_plate_by_blur_and_glare_over_its_distance():
+    """Oracle: by hand; one pixel, 1.5 px from the axle and 0.1 rad from the middle, and normal distributions over the angle."""
+    shape = replace(SHAPE, axle_row_px=10.0, axle_column_px=10.5, offset_row_px=0.0, offset_column_px=0.0, blur_px=0.2,
+                    glare=0.25, glare_px=0.6)  # fmt: skip
+    summed = np.zeros((20, 24), bool)
+    summed[10, 12] = True
+    one = np.where(summed, 1.0, 0.0)
+    sector = SimpleNamespace(
+        shape=shape,
+        roi=(0, 20, 0, 24),
+        swept=one,
+        ring=0.3 * one,
+        plate=0.2,
+        contrast=0.8 * one,
+        ring_angle_rad=-0.1 * one,
+    )
+    found = plate_light.beside(sector, summed, shift_rad=0.0)
+    narrow = np.sqrt(0.2**2 + 1 / 12) / 1.5
+    wide = np.hypot(narrow, 0.6 / 1.5)
+    before = 0.75 * ndtr((found.ends_rad - 0.1) / narrow) + 0.25 * ndtr((found.ends_rad - 0.1) / wide)
+    np.testing.assert_allclose(found.plate, np.diff(before) / 0.8)
+    np.testing.assert_allclose(found.uneven, 0.1 * np.diff(before) / 0.8)
+
+
+def test_steps_are_fine_about_both_ends_of_the_opening_and_coarse_within():
+    """Oracle: by hand; 0.57 rad within an opening of 1.3 rad there are four steps, from there to 0.8 rad nine of 1.46 degrees."""
+    ends = plate_light._ends(1.3, 0.8)
+    outer = np.linspace(0.57, 0.8, 10)
+    np.testing.assert_allclose(ends, [*-outer[::-1], -0.285, 0.0, 0.285, *outer], atol=1e-12)
