@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from geometry_by_hand import GATES
 
-from irtiming.estimate import joint, shared_numbers
+from irtiming.estimate import joint, profiles, shared_numbers
 from irtiming.estimate.joint import Measurand
 from irtiming.estimate.shared_residual import Trace
 from irtiming.inference.information import NOISE
@@ -272,3 +272,15 @@ def test_a_search_that_begins_again_elsewhere_ends_in_the_lower_minimum():
     found = joint.fit([model], [replace(one, other_starts=(5.0, 0.5, 7.0))])
     assert found.found.values["x"] == pytest.approx(1, abs=0.02)
     assert found.found.start == {"x": 4.2}
+
+
+def test_a_profile_is_that_of_the_sum_with_its_offset():
+    """Oracle: by hand; deviances of a parabola, 4, 1, 0, 1, 4, at whole standard uncertainties, all of them 5 ms later."""
+    found = _fitted(_drawn(np.random.default_rng(9)))
+    u = found.estimate([DELAY]).u("delay")
+    seen = profiles.profile(replace(DELAY, offset=5e-3), found, u=u)
+    value = found.estimate([DELAY]).value("delay") + 5e-3
+    assert seen.value == pytest.approx(value, abs=1e-12)
+    np.testing.assert_allclose(seen.values, value + u * np.arange(-2, 3), atol=1e-12)
+    np.testing.assert_allclose(seen.deviation, [4, 1, 0, 1, 4], atol=1e-3)
+    assert (seen.lower, seen.upper) == pytest.approx((value - u, value + u), abs=1e-3 * u)
