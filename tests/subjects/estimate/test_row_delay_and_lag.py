@@ -1,12 +1,13 @@
 """The published search on data in closed form: what comes back, where it looks, and what it refuses."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.published import row_delay_and_lag
+from irtiming.estimate.published import plausible_lag, row_delay_and_lag
 from irtiming.estimate.published.plausible_lag import plausible_time_constant_s
 from irtiming.physics.wheel import wheel_model
 from irtiming.records.lag_estimate import WheelInImage
@@ -186,3 +187,20 @@ def test_slopes_without_lag_tell_no_time_constant(data_of):
     data = data_of((3.872e-3, 38.76e-6, 4.819e-3))
     with pytest.raises(EstimationError, match="no range of time constants can be given"):
         plausible_time_constant_s(replace(data, fraction=np.rint(data.fraction)))
+
+
+@pytest.mark.parametrize("first", [3, 12, 33])
+def test_slopes_begin_alike_wherever_the_turn_is_begun_to_count(first):
+    """Oracle: the same turn counted from its start; a slope that the end of the turn parts in two is one all the same."""
+    fraction = np.clip(1.5 * np.abs(np.mod(np.arange(80), 40) / 20 - 1) - 0.25, 0, 1) + 1e-3 * np.arange(80) / 80
+    angle = 2 * np.pi * np.arange(80) / 80
+
+    def starts(by):
+        data = SimpleNamespace(
+            fraction=np.roll(fraction, -by), wheel_angle_rad=np.roll(angle, -by), angular_frequency_rad_per_s=20.0
+        )
+        return sorted(plausible_lag._starts(data), key=lambda one: one[1].tolist())
+
+    assert len(starts(0)) == 4
+    for found, expected in zip(starts(first), starts(0), strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-12)

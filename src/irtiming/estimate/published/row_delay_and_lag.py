@@ -293,9 +293,11 @@ def _minimum(time_constants_s: Array, rms: Array) -> _Search:
     inverse = np.linalg.inv(design.T @ design)
     a, b, c = (float(p) for p in inverse @ design.T @ rms)
     rest = rms - design @ np.array([a, b, c])
-    lowest = middle - half * b / (2 * c) if c > 0 else np.inf
-    along = np.array([0.0, -1 / (2 * c), b / (2 * c**2)]) if c > 0 else np.full(3, np.inf)
-    u = half * np.sqrt(along @ inverse @ along * (rest @ rest) / (x.size - 3)) if c > 0 else np.inf
+    lowest, u = np.inf, np.inf
+    if c > 0:
+        along = np.array([0.0, -1 / (2 * c), b / (2 * c**2)])
+        lowest = middle - half * b / (2 * c)
+        u = half * np.sqrt(along @ inverse @ along * (rest @ rest) / (x.size - 3))
     p1, p2 = b / half, c / half**2
     return _Search(
         time_constants_s=time_constants_s,
