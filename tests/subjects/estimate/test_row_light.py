@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, changes, row_light, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, _powers, changes, row_light, shape_of
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.blur import Blur
@@ -181,3 +181,14 @@ def test_of_the_plates_light_glare_brings_some_from_farther_round(sector, bare):
     np.testing.assert_allclose((seen.harmonics - alone.harmonics)[at], (1 - g) * stays + g * astray, atol=1e-10)
     np.testing.assert_allclose(seen.before[at], (1 - g) * stays + g * astray, atol=1e-10)
     assert abs(astray[6]) < 0.8 * abs(stays[6])
+
+
+def test_powers_of_the_light_are_those_of_each_row_of_the_region(sector):
+    """Oracle: by hand; two pixels of row 12, the eleventh of the region: squares and cubes of their light at their angles."""
+    light, angle = np.zeros((36, 64)), np.zeros((36, 64))
+    light[10, 20:22], angle[10, 20:22] = (0.5, 0.2), (0.3, -0.4)
+    found = _powers(replace(sector, contrast=light, excess_angle_rad=angle), np.array([10, 12]), n_harmonics=6)
+    waves = np.exp(-1j * np.outer(np.arange(7), [0.3, -0.4]))
+    np.testing.assert_allclose(found.squares, [np.zeros(7), waves @ [0.25, 0.04]], atol=1e-12)
+    np.testing.assert_allclose(found.cubes, [np.zeros(7), waves @ [0.125, 0.008]], atol=1e-12)
+    np.testing.assert_allclose(found.askew, [np.zeros(7), waves @ [0.375, 0.096]], atol=1e-12)

@@ -422,3 +422,17 @@ def test_phases_of_a_sector_err_together(camera):
     assert not together[beside > 6.1].any()
     assert np.mean(together[beside < 1.0]) > 0.5
     assert np.array_equal(across[0], across[1])
+
+
+def test_light_counts_where_pixels_are_summed():
+    """Oracle: by hand; of two pixels, one of them summed, all that a row's sum is made of is that of the one."""
+    seen = SimpleNamespace(
+        plate=0.1, over_ring=np.array([[0.2, 0.3]]), ring=np.array([[0.7, 0.8]]), model=np.ones((1, 2)),
+        residual=np.array([[0.04, 0.05]]), light=np.array([[0.9, 0.2]]), centre_angle_rad=np.array([[1.0, 2.0]]),
+        light_angle_rad=np.array([[3.0, 4.0]]),
+    )  # fmt: skip
+    view = SimpleNamespace(summed=np.array([[True, False]]), shape=lambda numbers: numbers, stand_ins=())
+    found = sector_fit._light(seen, {}, view=view)
+    expected = {"ring": [0.2, 0.0], "swept": [0.7, 0.0], "borrowed": [0.0, 0.0], "excess": [0.04, 0.0]}
+    assert {name: found[name][0].tolist() for name in expected} == expected
+    assert found["excess_angle_rad"].tolist() == [[3.0, 2.0]]
