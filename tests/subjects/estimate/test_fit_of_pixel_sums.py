@@ -66,13 +66,14 @@ def recording(track_of, reduced_recording):
 @pytest.mark.parametrize("delay", [DELAY, 0.0, 5e-3, 40e-3, -30e-3])
 @pytest.mark.parametrize("step", [2e6, -5e5])
 def test_noise_free_delay_is_exact(recording, delay, step):
-    """Oracle: the delay that made the sums, before a hot and a cold blackbody: within a nanosecond for each edge."""
-    fit = pixel_sums.fit(recording(_sums(delay=delay), step=step), _model())
+    """Oracle: delay and open shares that made the sums, before a hot and a cold blackbody: within a nanosecond for each edge."""
+    share = _sums(delay=delay)
+    fit = pixel_sums.fit(recording(share, step=step), _model())
     np.testing.assert_allclose(fit.edge_delay_s, delay, atol=1e-9)
     assert fit.estimate.value("opening_angle") == pytest.approx(GAMMA, abs=1e-7)
     assert fit.noise < 1e-6
     assert fit.n_dropped == 0
-    np.testing.assert_allclose(fit.fraction, np.clip(fit.fraction, -1e-6, 1 + 1e-6))
+    np.testing.assert_allclose(np.sort(fit.fraction), np.sort(share), atol=1e-6)
     assert np.all(np.diff(fit.wheel_angle_rad) >= 0)
 
 
@@ -278,3 +279,15 @@ def test_too_short_recording_is_refused(recording):
     """Oracle: by hand; 90 frames are fewer than 100."""
     with pytest.raises(EstimationError, match="90 frames lie a quarter turn inside the recorded wheel, at least 100"):
         pixel_sums.fit(recording(_sums(n=90)), _model())
+
+
+def test_levels_that_sway_are_shares_of_the_step_whatever_it_was_taken_for(recording):
+    """Oracle: the curve that was put in, 3 % of the step; the step is first taken for half of what it is."""
+    share = _sums(n=400)
+    offset = 0.03 * np.cos(2 * np.pi * np.arange(400) / 400)
+    reduced = recording(share + offset + np.random.default_rng(2).normal(0, 1e-4, 400))
+    given = replace(pixel_sums.pixel_sums(reduced, _model()), unit_dn=1e6)
+    numbers = dict.fromkeys(EDGE_DELAYS, DELAY + WINDOW / 2) | dict.fromkeys(SHAPE, 0.0)
+    found, _ = pixel_sums._levelled(given, numbers | {"opening_angle": GAMMA, "integration_time": WINDOW})
+    np.testing.assert_allclose(found.levels.relative_offset, offset - offset.mean(), atol=3e-4)
+    assert found.levels.step_dn == pytest.approx(2e6, rel=1e-3)
