@@ -437,3 +437,12 @@ def test_fewer_harmonics_are_the_first_ones():
     np.testing.assert_allclose(few.row_harmonics, _model(9).row_harmonics, atol=1e-12)
     waves = basis(np.array([0.3]), n_harmonics=9)
     assert (packed(_shown(few, TRUTH)) @ waves).shape == (10, 1)
+
+
+def test_angles_that_differ_by_rounding_alone_count_as_one():
+    """Oracle: the truth's row delay, 60 us, found from twenty angles, one too few for 20 orders, that scatter by 1e-9 rad."""
+    random, angle = np.random.default_rng(0), np.repeat(TURN * np.arange(20) / 20, 10)
+    sums = -600 * at_angles(_shown(MODEL, TRUTH), angle).T + random.normal(0, 30, (200, 10))
+    data = [compress(angle + 1e-9 * random.normal(size=200), sums, n_harmonics=20)]
+    found = row_timing._search(data, MODEL.lowest(20), signs=(1, -1), held={"recursive_filter": 0.0})
+    assert found["row_delay"] == pytest.approx(60e-6, abs=6e-6)
