@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.physics.sector_points import half_turn, light_points
+from irtiming.physics.sector_points import _even, half_turn, light_points
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -50,3 +50,10 @@ def test_nodes_are_close_enough_for_the_corner_where_the_blur_is_narrowest():
     for axis in (0, 1):
         gap = np.hypot(np.diff(row, axis=axis), np.diff(column, axis=axis)).max()
         assert 0.8 * narrowest < gap < 1.2 * narrowest
+
+
+def test_two_nodes_are_those_of_gauss_and_legendre():
+    """Oracle: by hand; one over the root of three to either side, of equal weight; a single node would be too wide."""
+    place, weight = _even(2)
+    np.testing.assert_allclose(place, [-(3**-0.5), 3**-0.5])
+    np.testing.assert_allclose(weight, [1, 1])
