@@ -240,3 +240,10 @@ def test_a_lens_that_draws_the_opening_larger_hides_no_row(monkeypatch, distorti
     )
     expected = np.flatnonzero(lit.real.sum(axis=1) > 3.0)
     assert rolling_information.rows_of(bent, n_harmonics=4).row_px.tolist() == expected.tolist()
+
+
+def test_glare_leaves_the_most_of_a_row_s_light_in_its_sum(run):
+    """Oracle: by hand; of rows that are 23 px long in the mean, a Gaussian of 6 px carries a tenth at most 5 px beyond an end."""
+    lost = -run.rows.changes[rolling_information._SHAPE.index("glare"), :, 0].real.sum()
+    light = run.rows.harmonics[:, 0].real.sum()
+    assert -1e-6 < lost / light < 0.1
