@@ -202,3 +202,23 @@ def test_the_u_of_a_grid_is_that_of_its_scatter():
         pulls.append((late_s - free_camera.usual_latency_s(FreeRunning(arrival_shortest_s=0.0))) / found.u_at_middle_s)
     assert 0.7 < np.std(pulls) < 1.15
     assert abs(np.mean(pulls)) < 0.3
+
+
+def test_of_many_exchanges_the_slowest_have_no_say():
+    """Oracle: by hand; 2000 exchanges of 20 us about a clock 3 ms ahead, and one of 1 ms that contradicts them by 4 ms."""
+    reading = np.linspace(0.0, 10.0, 2001)
+    before, after = reading + 3e-3 - 10e-6, reading + 3e-3 + 10e-6
+    before[700], after[700] = reading[700] + 7e-3, reading[700] + 8e-3
+    found = clocks.relation(reading, before_s=before, after_s=after, name="a clock")
+    assert found.slack_s == 0
+    assert found.offset_s == pytest.approx(3e-3, abs=1e-8)
+
+
+def test_the_clock_s_part_is_that_of_the_middle_of_the_frames():
+    """Oracle: the relation of both clocks, asked for there: the longer away from the exchanges, the less is known of it."""
+    run, _ = _recorded(FreeRunning(event="arrival"), lost=0)
+    placed = placing.placed(run)
+    middle = (placed.camera_trigger_ticks[0] + placed.camera_trigger_ticks[-1]) / 2 - clocks.zeros(run).counter_ticks
+    there, away = (clocks.of_counter(run, middle_s=k * middle / run.clock_frequency_hz).u_offset_s for k in (1, 2))
+    assert placed.events.u_clock_s == pytest.approx(there, rel=1e-3)
+    assert away > 1.1 * there
