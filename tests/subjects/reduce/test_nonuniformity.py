@@ -1,5 +1,6 @@
 """Two-point correction folded into one raw threshold per pixel, against correcting and comparing in the open."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -185,3 +186,15 @@ def test_a_pixel_is_noisy_against_the_others(flat_reference, usual):
     references = flat_reference(np.ones((20, 30)), np.zeros((20, 30)), noise=noise)
     recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((2, 20, 30)), name="made up")
     assert np.argwhere(correction(recording).bad).tolist() == [[4, 5]]
+
+
+@pytest.mark.parametrize(
+    ("step", "says"), [(-4, "are exchanged"), (-2, "no more than"), (2, "no more than"), (4, None)]
+)
+def test_references_differ_where_they_do_so_by_three_of_their_own_noise(flat_reference, step, says):
+    """Oracle: by hand; a mean of 50 frames of 3 DN of noise has 3 / sqrt(50) DN: references differ by two or four of that."""
+    nothing = np.zeros((20, 30))
+    references = flat_reference(nothing + 1, nothing, levels=(5000.0, 5000.0 + step * 3 / np.sqrt(50)))
+    recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((2, 20, 30)), name="made up")
+    with pytest.raises(ReductionError, match=says) if says else nullcontext():
+        assert not correction(recording).bad.any()

@@ -252,3 +252,17 @@ def test_plateaus_too_narrow_for_a_straight_line_are_no_reason_to_refuse(reduced
     step, before = (one.open_frame_dn[inside] - one.covered_frame_dn[inside] for one in (found.opening, whole.opening))
     assert np.median(step) == pytest.approx(np.median(before), rel=0.01)
     assert not np.array_equal(step, before)
+
+
+def test_full_scale_is_the_largest_number_of_so_many_bits(reduced, paper_camera):
+    """Oracle: by hand; of 14 bits it is 16 383, as one frame shows; one of 16 382 is merely not what the wheel shows."""
+
+    def spoil(frames):
+        frames[100], frames[300] = 16_383, 16_382
+        return frames
+
+    told = [one.what for one in reduced(paper_camera(), spoil=spoil)[0].findings]
+    assert any(
+        what.startswith("1 frame dropped: more than half of the pixels are at zero or full scale") for what in told
+    )
+    assert "1 single frame dropped: not what the wheel angle demands" in told

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from irtiming.reduce.renumbered import shifts
+from irtiming.reduce.renumbered import Shift, _joined, shifts
 
 TURN, N = 2 * np.pi, 500
 
@@ -94,3 +94,11 @@ def test_more_than_three_frames_lost_or_won_are_not_told(k):
     angle = _angle(0.07)
     light = np.where(np.arange(N) >= 250, np.roll(_light(angle), -k), _light(angle))
     assert [one.by for one in shifts(light, angle)] == [k] * (abs(k) <= 3)
+
+
+def test_three_blocks_in_a_row_make_a_stretch_from_the_first_frame_to_the_last():
+    """Oracle: by hand; blocks of three frames, each a frame after the one before; two in a row or an uncertain one are none."""
+    blocks = 10 + np.arange(11)[:, None] + np.arange(3)
+    by = [0, 2, 2, 2, 2, None, 1, 1, -1, -1, -1]
+    expected = (Shift(first_frame=11, end_frame=17, by=2), Shift(first_frame=18, end_frame=23, by=-1))
+    assert _joined(by, blocks) == expected
