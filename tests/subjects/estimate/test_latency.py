@@ -6,6 +6,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import latency
 from irtiming.records.rig import Measured
+from irtiming.reduce.wheel import gate_register
 from irtiming.reduce.wheel.gate_register import register
 
 CLOCK_HZ = 49_152_000
@@ -145,3 +146,11 @@ def test_a_trigger_that_is_led_back():
         latency.of_loop(trigger, stamps[:2], name="x", line="spare", clock_frequency_hz=1e6)
     with pytest.raises(EstimationError, match="no trigger came back"):
         latency.of_loop(trigger, stamps[:0], name="x", line="spare", clock_frequency_hz=1e6)
+
+
+def test_no_phase_is_known_better_than_the_clock_s_ticks():
+    """Oracle: by hand; two edges a turn at 0.2 and 0.4 slots, four times and nine, all alike: ticks of 0.01 slots over root n."""
+    of_class = np.repeat([0, 1], [4, 9])
+    value, u = gate_register._mean_over_classes(np.where(of_class == 0, 0.2, 0.4), of_class, 0.01)
+    assert value == pytest.approx(0.3)
+    assert u == pytest.approx(0.01 * np.sqrt(1 / 4 + 1 / 9) / 2)

@@ -1,9 +1,11 @@
 """How much of the turn each frame stands for, by hand."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from irtiming.reduce.wheel.nominal_angles import share_of_turn
+from irtiming.reduce.wheel.nominal_angles import samples_per_turn, share_of_turn
 
 TURN = 2 * np.pi
 
@@ -46,3 +48,10 @@ def test_the_mean_over_a_turn_is_right_where_frames_are_lost():
     share = share_of_turn(angle, 300)
     assert np.mean(share * wave) == pytest.approx(trapezoid, abs=1e-12)
     assert trapezoid == pytest.approx(3, abs=1e-3)
+
+
+@pytest.mark.parametrize(("turn", "expected"), [(400, 400), (401, 100), (200, 200)])
+def test_a_turn_has_four_angles_a_trigger_at_most(turn, expected):
+    """Oracle: by hand; 100 triggers, a tick apart: up to 400 angles are a scheme, of more there is about one a trigger."""
+    recording = SimpleNamespace(wheel_period_ticks=turn, camera_period_ticks=1, camera_trigger_ticks=np.arange(100))
+    assert samples_per_turn(recording) == expected

@@ -164,3 +164,15 @@ def test_slots_that_are_uncertain_each_for_itself_have_one_variance():
     """Oracle: by hand; a track that tells no orders has the mean square of its 20 slots' uncertainties in each of 0 to 10."""
     track = replace(_track(_table()), order_variance_rad2=None, u_slot_deviation_rad=np.full(N, 3e-5))
     np.testing.assert_allclose(table_of(track).order_variance_rad2, [9e-10] * 11)
+
+
+def test_the_zero_is_that_of_all_turns():
+    """Oracle: by hand; the zero lies between slots 1 and 2, and in the fourth of nine turns, where an edge is lost, 1 and 3."""
+    old, new = _table(1), _table(2)
+    whole = _track(old)
+    kept = np.arange(9 * N) != 3 * N + 2
+    before = replace(whole, edge_ticks=whole.edge_ticks[kept], edge_angle_rad=whole.edge_angle_rad[kept])
+    place, change = TURN * np.arange(4) / N + old.deviation_rad[:4], (new.deviation_rad - old.deviation_rad)[:4]
+    usual, other = (np.interp(0.5, place[[1, k]], change[[1, k]]) for k in (2, 3))
+    assert abs(other - usual) > 1e-5
+    assert with_slots(before, new).gate_separation_rad == pytest.approx(0.5 + (8 * usual + other) / 9, abs=1e-12)

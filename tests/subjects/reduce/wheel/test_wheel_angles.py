@@ -1,6 +1,7 @@
 """Wheel angle of every trigger from tick streams of a wheel whose angle is known at all times."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from irtiming.errors import ReductionError
 from irtiming.physics.wheel_angle import wheel_angle_rad
 from irtiming.records.rig import Wheel
+from irtiming.reduce.wheel import wheel_angles
+from irtiming.reduce.wheel.edge_train import EdgeTrain
 from irtiming.reduce.wheel.wheel_angles import frame_trigger_ticks, track
 
 TURN = 2 * np.pi
@@ -316,3 +319,34 @@ def test_too_few_half_turns_are_refused(paper_wheel, recorded, rig):
     few = recording.application_slot_ticks[:5]
     with pytest.raises(ReductionError, match=r"application_slot holds 5 edges, at least 8 are needed"):
         track(replace(recording, application_slot_ticks=few), rig)
+
+
+def test_the_scatter_of_half_turns_is_that_of_neighbours():
+    """Oracle: the double sum over pairs of half turns at most four apart, of weight 1 - distance / 5, written out."""
+    half_turns = 8_192_000 + np.random.default_rng(3).integers(-3000, 3001, 39)
+    sign = np.where(np.arange(1, 38) % 2 == 0, 1.0, -1.0)
+    longer = sign * (half_turns[1:-1] - (half_turns[:-2] + half_turns[2:]) / 2)
+    off, total = longer - longer.mean(), 0.0
+    for a in range(37):
+        for b in range(37):
+            total += max(0.0, 1 - abs(a - b) / 5) * off[a] * off[b]
+    train = EdgeTrain(ticks=np.append(0, np.cumsum(half_turns)), number=np.arange(40), n_missing=0, n_spurious=0)
+    with pytest.raises(ReductionError, match=rf"uncertainties \({np.sqrt(total) / 36:.0f} ticks\)"):
+        wheel_angles._reference_edges(train, "automatic")
+
+
+def test_long_gaps_are_broken_in_their_middle():
+    """Oracle: by hand; gaps of ten slots right after the first edge and before the last, one of three that is bridged."""
+    control = SimpleNamespace(ticks=np.array([0, 1000, 1100, 1400, 2400]), number=np.array([0, 10, 11, 14, 24]))
+    ticks, angle = wheel_angles._break_long_gaps(control, np.arange(5.0))
+    assert ticks.tolist() == [0, 500, 1000, 1100, 1400, 1900, 2400]
+    np.testing.assert_array_equal(angle, [0, np.nan, 1, 2, 3, np.nan, 4])
+
+
+@pytest.mark.parametrize(("n_edges", "known"), [(8, True), (7, False)])
+def test_each_of_the_four_edges_must_pass_twice(n_edges, known):
+    """Oracle: by hand; the wheel turns by a quarter a thousand ticks; two turns of edges, or one edge less."""
+    recording = SimpleNamespace(application_edge_ticks=1000 * np.arange(1, n_edges + 1))
+    ticks = np.array([0, 10_000])
+    found = wheel_angles._application_edges(recording, ticks, ticks / 1000 * TURN / 4)
+    assert [one is not None for one in found] == [known, known]
