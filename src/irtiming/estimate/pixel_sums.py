@@ -288,8 +288,8 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
     drift, gain = np.zeros((n_frames, found.drift.shape[1])), np.zeros((n_frames, found.gain.shape[1]))
     relative, offset = np.ones(n_frames), np.zeros(n_frames)
     drift[given.kept], gain[given.kept], relative[given.kept] = found.drift, found.gain, found.relative_gain
-    offset[given.kept] = found.offset_change / found.contrast
-    ends = (found.offset_change, found.offset_change + found.relative_gain)
+    offset[given.kept] = change = found.offset_change / found.contrast
+    ends = (change, change + found.relative_gain)
     levels = DriftingLevels(
         drift=drift,
         gain=gain,

@@ -18,10 +18,12 @@ from irtiming.inference.condensed import condensed
 from irtiming.inference.optimiser import Linearised, Minimum, minimise
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.row_sum import EDGE_DELAYS, RowSum, Timing
+from irtiming.physics.response import integration_window
 from irtiming.physics.wheel import TURN
 from irtiming.records.arrays import Array
 from irtiming.records.row_timing import Rival
 
+_WINDOW = integration_window.PARAMETER
 _COARSE = 20
 _RESPONSE_TURNS = np.geomspace(
     1e-3, 0.3, 9
@@ -60,8 +62,12 @@ class Solution:
         return self.minimum.values
 
     def is_apart(self, other: "Solution") -> bool:
-        """Whether another search ended in another minimum, whose response or share differs far beyond the uncertainty."""
-        return any(abs(self.timing[name] - other.timing[name]) > _APART * u for name, u in self.u.items())
+        """Whether another search ended in another minimum, whose response or share differs far beyond the uncertainty.
+
+        A window may be longer or shorter, but has no sign.
+        """
+        ends = [dict(end.timing) | {_WINDOW: abs(end.timing.get(_WINDOW, 0.0))} for end in (self, other)]
+        return any(abs(ends[0][name] - ends[1][name]) > _APART * u for name, u in self.u.items())
 
     @property
     def normal(self) -> Array:

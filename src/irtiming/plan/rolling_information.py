@@ -115,7 +115,7 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     for name in _SHAPE:
         step = _STEPS[name]
         ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        gained = (_pixels(ahead, roi) - _pixels(behind, roi))[here]  # each pixel's light about its own angle
+        gained = (summed * (_pixels(ahead, roi) - _pixels(behind, roi)))[here]  # each pixel's light about its own angle
         kept = pixel_waves.by_row(gained, angle, smear=smear, n_harmonics=n_harmonics)
         changes.append((harmonics(ahead) - harmonics(behind) - kept) / (2 * step))
     return Rows(row_px=rows.astype(float), harmonics=harmonics(sector), changes=np.array(changes), weight=weight)

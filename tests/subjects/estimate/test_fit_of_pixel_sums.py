@@ -291,3 +291,4 @@ def test_levels_that_sway_are_shares_of_the_step_whatever_it_was_taken_for(recor
     found, _ = pixel_sums._levelled(given, numbers | {"opening_angle": GAMMA, "integration_time": WINDOW})
     np.testing.assert_allclose(found.levels.relative_offset, offset - offset.mean(), atol=3e-4)
     assert found.levels.step_dn == pytest.approx(2e6, rel=1e-3)
+    assert found.levels.sway == pytest.approx(0.06, rel=0.02)
