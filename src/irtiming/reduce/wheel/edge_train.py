@@ -76,10 +76,7 @@ def number_edges(edge_ticks: Ticks, *, period_ticks: float, name: str, tolerance
         return EdgeTrain(ticks=edge_ticks, number=np.arange(edge_ticks.size), n_missing=0, n_spurious=0)
     seed = _first_run(regular, _LOCK - 1)
     if seed is None:
-        raise ReductionError(
-            f"{name} comes every {np.median(steps):.0f} ticks (median) with no {_LOCK} regular edges in a row, the "
-            f"rotation speed asks for {period_ticks:.0f}; correct rotation_speed or check the wheel's lock"
-        )
+        raise ReductionError(_no_rhythm(steps, period_ticks, tolerance=tolerance, name=name))
     seed += _LOCK // 2  # an end of the run may be one of a doubled pair; its middle is not
     period = float(np.median(steps[regular]))
     ahead = _follow(edge_ticks[seed:], period, tolerance, name=name)
@@ -95,6 +92,21 @@ def number_edges(edge_ticks: Ticks, *, period_ticks: float, name: str, tolerance
     )
     _refuse_ruins(train, edge_ticks.size, name)
     return train
+
+
+def _no_rhythm(steps: Ticks, period_ticks: float, *, tolerance: float, name: str) -> str:
+    """Why edges that are ``steps`` (n - 1,) apart have no regular run, and what to do."""
+    usual = float(np.median(steps))
+    cure = (
+        f"edges are missing, doubled or spurious among the {steps.size + 1} there are: check the light gate, its cable and "
+        "threshold, and record longer"
+        if abs(usual / period_ticks - 1) < tolerance
+        else "correct rotation_speed or check the wheel's lock"
+    )
+    return (
+        f"{name} comes every {usual:.0f} ticks (median) with no {_LOCK} regular edges in a row, the rotation speed asks for "
+        f"{period_ticks:.0f}; {cure}"
+    )
 
 
 def _first_run(flags: np.ndarray, length: int) -> int | None:

@@ -173,3 +173,18 @@ def test_lost_rhythm_is_refused_by_name():
     ticks[500:] += PERIOD // 2
     with pytest.raises(ReductionError, match=r"control_slot loses its rhythm after tick 88756160: .* 1.50"):
         _numbered(ticks)
+
+
+@pytest.mark.parametrize(
+    ("asked", "cure"),
+    [
+        (1.0, r"edges are missing, doubled or spurious among the 28 there are: check the light gate"),
+        (0.5, "correct rotation_speed"),
+    ],
+)
+def test_few_edges_with_gaps_are_no_wrong_speed(asked, cure):
+    """Oracle: by hand; of 32 edges every eighth is gone: no 8 follow each other at the speed that is asked for, or at half."""
+    ticks = np.delete(_regular(32), np.arange(3, 32, 8))
+    period = asked * float(np.median(np.diff(ticks)))
+    with pytest.raises(ReductionError, match=cure):
+        number_edges(ticks, period_ticks=period, name="application_slot")
