@@ -72,7 +72,7 @@ def groups(camera: CameraType) -> tuple[Group, ...]:
     return tuple(group for group in get_args(Group) if group not in foreign)
 
 
-def draw(wanted: Wanted, *, seed: int) -> SimulatedRig:
+def draw(wanted: Wanted, *, seed: int, experiment: Scene | None = None) -> SimulatedRig:
     """A laboratory with its own camera, wheel, gates, mask, optics and defects; the same seed gives the same one.
 
     Parameters
@@ -81,6 +81,8 @@ def draw(wanted: Wanted, *, seed: int) -> SimulatedRig:
         Kind of laboratory.
     seed
         Of the rig.
+    experiment
+        As it is meant to be; None: that of `nominal`.
 
     Raises
     ------
@@ -90,7 +92,7 @@ def draw(wanted: Wanted, *, seed: int) -> SimulatedRig:
         If this camera does not have that defect.
     """
     timed = Tolerances(trigger_delay_s=0.0, bolometer_delay_s=0.0, time_constant_s=0.0, row_delay_s=0.0)
-    rig = rigs.draw(_nominal(wanted, seed), seed=seed, tolerances=timed)
+    rig = rigs.draw(experiment or nominal(wanted, seed=seed), seed=seed, tolerances=timed)
     defects = draw_defects(rig.scene, seed=seed, always=wanted.only is not None)
     if wanted.lens == "pincushion" and defects.distortion is not None:
         defects = replace(defects, distortion=-defects.distortion)
@@ -134,8 +136,19 @@ def recordings(rig: SimulatedRig, wanted: Wanted, *, seed: int) -> Iterator[Reco
         yield rigs.simulate(scene, seed=seed + 1_000_003 * (index + 1), name=f"{wanted.camera}-{rate_hz:g}Hz")
 
 
-def _nominal(wanted: Wanted, seed: int) -> Scene:
-    """Another camera before the paper's experiment."""
+def nominal(wanted: Wanted, *, seed: int) -> Scene:
+    """Another camera before the paper's experiment, without imperfections.
+
+    Parameters
+    ----------
+    wanted, seed
+        As for `draw`.
+
+    Raises
+    ------
+    GeometryError
+        If the image is smaller than 16 rows or columns.
+    """
     random = generator(seed, "laboratory", index=2)
     scene = camera_scene(wanted.camera, wanted.readout, rows=wanted.rows, columns=wanted.columns)
     scene = with_wheel_speed(scene, wanted.wheel_hz[0], samples=wanted.frames)
