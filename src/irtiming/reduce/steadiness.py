@@ -22,6 +22,7 @@ from irtiming.reduce.passing_wave import PASSING
 from irtiming.reduce.wheel.frame_angles import FrameAngles
 
 _PARTS = 4
+_FEWEST_TURNS = 3.0  # of a part: in fewer, a gain that sways as slowly as that looks like light that comes later
 _ORDERS = (1, 2, 3, *range(4, 17, 2))  # waves a turn: of two cutouts, and what tells them apart
 _CORNERS = tuple(
     range(18, 49, 2)
@@ -58,7 +59,11 @@ def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
         Shape (n_frame,), at the trigger; nan where unknown.
     """
     known = np.flatnonzero(np.isfinite(wheel_angle_rad) & np.isfinite(light_dn))
-    parts = np.array_split(known, _PARTS)
+    n_turns = float(np.ptp(wheel_angle_rad[known])) / TURN if known.size else 0.0
+    n_parts = min(_PARTS, int(n_turns / _FEWEST_TURNS))
+    if n_parts < 2:
+        return None
+    parts = np.array_split(known, n_parts)
     if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
         return None
     if not passing_wave.is_told(wheel_angle_rad, parts, orders=_ORDERS):

@@ -105,3 +105,12 @@ def test_a_gain_that_sways_over_a_slow_pattern_of_angles_is_no_lateness():
         sway = sum(0.01 * np.sin(TURN * k * frames / 1200 + random.uniform(0, TURN)) for k in range(4, 16, 2))
         doubted += bool(_found(_light(angle, seed=seed) * (1 + sway), angle))
     assert doubted == 0
+
+
+@pytest.mark.parametrize(("n_turns", "n_parts"), [(5.9, None), (6.1, 2), (9.1, 3), (12.1, 4), (81.3, 4)])
+def test_a_part_has_three_turns_at_least(n_turns, n_parts):
+    """Oracle: by hand; so many threes in the turns of the run, four at most, and a part alone has nothing to be late against."""
+    angle = np.linspace(0.3, 0.3 + 2 * np.pi * n_turns, 400)
+    light = np.cos(2 * angle) + np.random.default_rng(1).normal(0, 1e-3, 400)
+    found = steadiness.lateness(light, angle)
+    assert (found if found is None else found.angle_rad.size) == n_parts
