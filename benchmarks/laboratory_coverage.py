@@ -26,9 +26,11 @@ import numpy as np
 
 from irtiming.errors import IrTimingError
 from irtiming.measurement import analyse
+from irtiming.records.recording import Recording
 from irtiming.records.result import Result
 from irtiming.twin import rig as rigs
 from irtiming.twin.random_laboratory import Wanted, draw, groups, recordings
+from irtiming.twin.rig import SimulatedRig
 
 FAR_OFF = 4.0
 KEY = ("camera", "readout", "rows", "columns", "frames", "wheel_hz", "only", "lens", "seed")
@@ -52,18 +54,21 @@ def one_rig(wanted: Wanted, seed: int) -> dict[str, object]:
     begun = monotonic()
     line: dict[str, object] = json.loads(json.dumps({**asdict(wanted), "seed": seed}))
     rig = draw(wanted, seed=seed)
-    truth = rigs.truth(rig.scene)
+    return line | outcome(rig, recordings(rig, wanted, seed=seed)) | {"seconds": monotonic() - begun}
+
+
+def outcome(rig: SimulatedRig, made: Iterable[Recording]) -> dict[str, object]:
+    """What the analysis makes of recordings of one rig: errors and findings, or why it was refused."""
     try:
-        found = analyse(recordings(rig, wanted, seed=seed), rig.measured)
+        found = analyse(made, rig.measured)
         result = found.best
     except (IrTimingError, ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-        return line | {"refused": f"{type(error).__name__}: {error}", "seconds": monotonic() - begun}
-    return line | {
-        "parameters": errors_of(result, truth),
+        return {"refused": f"{type(error).__name__}: {error}"}
+    return {
+        "parameters": errors_of(result, rigs.truth(rig.scene)),
         "withheld": [bound.name for bound in result.bounds],
         "doubts": sorted({finding.code for finding in found.findings if finding.severity == "doubt"}),
         "warnings": sorted({finding.code for finding in found.findings if finding.severity == "warning"}),
-        "seconds": monotonic() - begun,
     }
 
 

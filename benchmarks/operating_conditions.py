@@ -12,6 +12,7 @@ spurious, and recordings without references or integration time. A refusal is no
 import argparse
 import json
 import math
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -20,8 +21,6 @@ from typing import final
 
 import numpy as np
 
-from irtiming.errors import IrTimingError
-from irtiming.measurement import analyse
 from irtiming.records.recording import CameraType, ReadoutMode, Recording
 from irtiming.records.rig import Measured
 from irtiming.twin import random_laboratory
@@ -30,7 +29,7 @@ from irtiming.twin.noise import generator
 from irtiming.twin.random_laboratory import Wanted
 from irtiming.twin.rig import SimulatedRig
 from irtiming.twin.scene import CameraTiming, EdgeFaults, Faults, Scene, with_wheel_speed
-from laboratory_coverage import errors_of, known_lines, table
+from laboratory_coverage import known_lines, outcome, table
 
 KINDS: tuple[tuple[CameraType, ReadoutMode, float], ...] = (
     ("photon", "snapshot", 0.35), ("photon", "rolling", 0.2),
@@ -131,9 +130,9 @@ def laboratory(wanted: Wanted, point: Conditions, *, seed: int) -> SimulatedRig:
     return replace(rig, measured=replace(rig.measured, camera=replace(rig.measured.camera, roll_rad=roll)))
 
 
-def recordings(rig: SimulatedRig, wanted: Wanted, point: Conditions, *, seed: int) -> list[Recording]:
+def recordings(rig: SimulatedRig, wanted: Wanted, point: Conditions, *, seed: int) -> Iterator[Recording]:
     """One run at each wheel rate, each with faults of its own."""
-    random, made = generator(seed, "laboratory", index=21), []
+    random = generator(seed, "laboratory", index=21)
     for index, rate_hz in enumerate(wanted.wheel_hz):
         scene = with_wheel_speed(rig.scene, rate_hz, frame_hz=point.frame_hz, samples=wanted.frames)
         slots = EdgeFaults(
@@ -144,8 +143,7 @@ def recordings(rig: SimulatedRig, wanted: Wanted, point: Conditions, *, seed: in
         scene = replace(scene, trigger=trigger, faults=faults)
         run = rigs.simulate(scene, seed=seed + 1_000_003 * (index + 1), name=f"{wanted.camera}-{rate_hz:g}Hz")
         run = run if point.has_references else replace(run, nonuniformity=None)
-        made.append(run if point.states_window else replace(run, integration_time_s=None))
-    return made
+        yield run if point.states_window else replace(run, integration_time_s=None)
 
 
 def one_laboratory(seed: int) -> dict[str, object]:
@@ -153,16 +151,8 @@ def one_laboratory(seed: int) -> dict[str, object]:
     begun = monotonic()
     wanted, point = drawn(seed)
     line: dict[str, object] = json.loads(json.dumps({**asdict(wanted), "conditions": asdict(point), "seed": seed}))
-    try:
-        rig = laboratory(wanted, point, seed=seed)
-        found = analyse(recordings(rig, wanted, point, seed=seed), rig.measured)
-    except (IrTimingError, ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-        return line | {"refused": f"{type(error).__name__}: {error}", "seconds": monotonic() - begun}
-    return line | {
-        "parameters": errors_of(found.best, rigs.truth(rig.scene)),
-        "doubts": sorted({finding.code for finding in found.findings if finding.severity == "doubt"}),
-        "seconds": monotonic() - begun,
-    }
+    rig = laboratory(wanted, point, seed=seed)
+    return line | outcome(rig, recordings(rig, wanted, point, seed=seed)) | {"seconds": monotonic() - begun}
 
 
 def main() -> None:

@@ -10,14 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from irtiming.physics.response import in_camera_filter, pixel_memory
+from irtiming.estimate.shared_numbers import MEMORIES
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Measured
 from irtiming.records.row_timing import Rival, RowTimingFit
 
-_MEMORIES = (in_camera_filter.PARAMETER, pixel_memory.PARAMETER)
 _NEARLY = 9.0  # deviance: three standard uncertainties
-_OF_CAMERA = ("time_constant", *_MEMORIES)
+_OF_CAMERA = ("time_constant", *MEMORIES)
 
 
 def consistent(fits: Sequence[RowTimingFit], *, frame_memory: Measured | None) -> tuple[RowTimingFit, ...]:
@@ -61,14 +60,14 @@ def findings(fits: Sequence[RowTimingFit]) -> tuple[Finding, ...]:
 
 def _said(timing: Mapping[str, float]) -> str:
     """The camera's own numbers, for a person."""
-    shares = [f"{name.replace('_', ' ')} {100 * timing[name]:.2f} %" for name in _MEMORIES if name in timing]
+    shares = [f"{name.replace('_', ' ')} {100 * timing[name]:.2f} %" for name in MEMORIES if name in timing]
     times = [f"time constant {1e3 * timing['time_constant']:.3f} ms"] if "time_constant" in timing else []
     return " with ".join([*times, *shares])
 
 
 def _of_memory(fit: RowTimingFit, stated: Measured | None) -> dict[str, Measured]:
     """What is stated of a fit's numbers."""
-    return {name: stated for name in _MEMORIES if stated is not None and name in fit.estimate}
+    return {name: stated for name in MEMORIES if stated is not None and name in fit.estimate}
 
 
 def _of_fit(fit: RowTimingFit) -> dict[str, Measured]:

@@ -143,11 +143,10 @@ def _in_turns(
         if not is_start and _are_settled(earlier, before, fits):
             if is_searched:
                 break
-            searched, is_searched = turns.searched(fits, views=views), True
-            if _move(fits, searched) <= _NEAR:
-                fits = searched
+            found, is_searched = fits, True
+            fits = turns.searched(found, views=views)
+            if _move(found, fits) <= _NEAR:
                 break
-            fits = searched
     if _move(before, fits) <= _NEAR:
         return turns.next(turns.timings(fits), views=views, before=fits, is_last=True)
     raise EstimationError(

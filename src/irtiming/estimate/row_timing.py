@@ -125,7 +125,7 @@ def _end(data: Sequence[HarmonicData], model: RowSum, *, began: Timing, begin: T
     """Where one search ends; a lag or a share of the frame before that is below zero counts as higher by how unlikely it is."""
     found, at = _with_share(data, model, start=begin, held=held)
     memory, response = model.camera.memory.PARAMETER, model.camera.response.PARAMETER
-    u = {name: uncertainty(data, model, timing=found.values, name=name) for name in (memory, response)}
+    u = {name: _white_u(at.normal, model.names.index(name)) for name in (memory, response)}
     of_cameras = [name for name in u if name not in held and not (name == response and not model.camera.lags)]
     below = np.array([min(0.0, found.values[name]) / u[name] for name in of_cameras])
     return Solution(
@@ -196,7 +196,11 @@ def _no_share(least: float, *, step_rad: float) -> str:
 
 def uncertainty(data: Sequence[HarmonicData], model: RowSum, *, timing: Timing, name: str) -> float:
     """Standard uncertainty of one number at a minimum in the others, were residuals white; infinite where nothing tells it."""
-    normal, k = _project(data, model, timing).normal, model.names.index(name)
+    return _white_u(_project(data, model, timing).normal, model.names.index(name))
+
+
+def _white_u(normal: Array, k: int) -> float:
+    """Standard uncertainty of the k-th number by the normal equations' matrix of all."""
     others = np.delete(np.arange(len(normal)), k)
     apart = normal[k, others] @ np.linalg.solve(normal[np.ix_(others, others)], normal[others, k])
     left = float(normal[k, k] - apart)
