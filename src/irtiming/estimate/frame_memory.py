@@ -157,7 +157,7 @@ def of_row_fits(fits: Sequence[RowTimingFit], estimate: Estimate) -> tuple[Findi
     if not low:
         return ()
     largest = max((one[0] for one in low), key=abs)
-    if abs(largest) > _MUCH and of_result(estimate):
+    if all(abs(one) > _MUCH for one, _ in correlations) and of_result(estimate):  # a filter is in every recording
         return (_of_another_kind(largest),)
     return (
         Finding(

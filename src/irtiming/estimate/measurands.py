@@ -16,7 +16,7 @@ from irtiming.estimate.shared_numbers import DELAY, MEMORIES
 from irtiming.inference.information import NOISE, prior
 from irtiming.physics.camera import EXACT_SHARE
 from irtiming.physics.covariance import inverse
-from irtiming.physics.response.integration_window import TAILS
+from irtiming.physics.response.integration_window import TAILS, tail_delay_s
 from irtiming.records import sources
 from irtiming.records.estimate import EDGE_DELAYS, Estimate
 from irtiming.records.finding import Finding
@@ -60,8 +60,8 @@ class Window:
     """What is known of the integration window beside the fit.
 
     ``stated_s`` is its length as the recordings state it, None where they do not, ``u_stated_s`` the standard uncertainty of
-    that, None where it is taken on trust; ``is_determined`` whether the recordings determine its length at all; ``tails_s`` by
-    how much its centre is later than its middle per share that comes after its end, by name.
+    that, None where it is taken on trust; ``is_determined`` whether the recordings determine its length at all; ``tails_s`` the
+    time constants of what comes after its end, by name, none where it is taken on trust that nothing does.
     """
 
     stated_s: float | None
@@ -139,7 +139,8 @@ class _Start:
     @classmethod
     def of(cls, found: Estimate, window: Window, *, is_significant: bool) -> "_Start":
         """By the length that was found where frames, or frames and its stated u together, tell it; else by the stated one."""
-        tail = {name: -late_s for name, late_s in window.tails_s.items() if name in found}
+        length_s = window.stated_s or (found.value(WINDOW) if WINDOW in found else 0.0)
+        tail = {name: -tail_delay_s(length_s, fades_s) for name, fades_s in window.tails_s.items() if name in found}
         if WINDOW in found and (window.stated_s is None or window.u_stated_s is not None):
             has_start = is_significant or window.stated_s is not None
             return cls(weights={WINDOW: -0.5} | tail if has_start else None)
@@ -180,11 +181,13 @@ def _of_statement(rows: Iterable[str], start: _Start) -> tuple[Contribution, ...
 
 
 def _of_frames(joint: Joint, window: Window) -> Estimate:
-    """The length as the frames alone say it, whatever is stated."""
+    """The length as the frames alone say it, whatever is stated; as if nothing came after it where that is taken on trust."""
     priors = [one for one in joint.priors if window.u_stated_s is None or WINDOW not in one.names]
     if len(priors) < len(joint.priors):
         gap = -joint.found.values[WINDOW]
         priors.append(prior(WINDOW, UNKNOWN_S, source=sources.WINDOW, gap=gap))
+    trusted = [name for name in TAILS if name in joint.names and name not in window.tails_s]
+    priors += [prior(name, EXACT_SHARE, source=sources.TAIL, gap=-joint.found.values[name]) for name in trusted]
     return replace(joint, priors=tuple(priors)).estimate([Measurand(name=WINDOW, weights={WINDOW: 1.0})])
 
 

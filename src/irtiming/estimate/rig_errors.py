@@ -46,7 +46,9 @@ class RigErrors:
     u_window_s
         Of the integration time that the recordings state; None where unknown.
     window_tail
-        What is known of what comes after the window; None of a camera without one, and where the window is taken on trust.
+        What is known of what comes after the window; None of a camera without one.
+    is_window_on_trust
+        Whether the start counts on a length that recordings state and rig.toml does not vouch for, and on nothing after it.
     frame_memory
         Share of the frame before in each frame; None where the frames alone tell it.
     findings
@@ -59,6 +61,7 @@ class RigErrors:
     clock: Measured = _EXACT
     u_window_s: float | None = None
     window_tail: WindowTail | None = None
+    is_window_on_trust: bool = False
     frame_memory: Measured | None = None
     findings: tuple[Finding, ...] = ()
     not_held: tuple[str, ...] = ()
@@ -95,6 +98,7 @@ def of(
         clock=clock,
         u_window_s=rig.camera.integration_time_u_s,
         window_tail=_tail(recordings, rig),
+        is_window_on_trust=_is_window_on_trust(recordings, rig),
         frame_memory=rig.camera.frame_memory,
         findings=(
             *_of_latency(rig.latency, missing),
@@ -109,13 +113,18 @@ def of(
 
 
 def _tail(recordings: Sequence[ReducedRecording], rig: Rig) -> WindowTail | None:
-    """What is known of what comes after the window, of a camera whose recordings state one."""
-    has_window = recordings[0].camera_type == "photon" and recordings[0].integration_time_s is not None
-    return latency.window_tail(rig.camera) if has_window else None
+    """What is known of what comes after the window of a photon camera."""
+    return (rig.camera.window_tail or USUAL_TAIL) if recordings[0].camera_type == "photon" else None
+
+
+def _is_window_on_trust(recordings: Sequence[ReducedRecording], rig: Rig) -> bool:
+    """Whether recordings state the length of a window of which rig.toml says nothing."""
+    is_stated = recordings[0].integration_time_s is not None
+    return is_stated and latency.window_tail(rig.camera) is None
 
 
 def _of_tail(recordings: Sequence[ReducedRecording], rig: Rig) -> list[Finding]:
-    if _tail(recordings, rig) is None or rig.camera.window_tail is not None:
+    if _tail(recordings, rig) is None or rig.camera.window_tail is not None or _is_window_on_trust(recordings, rig):
         return []
     usual = USUAL_TAIL
     return [
@@ -124,7 +133,7 @@ def _of_tail(recordings: Sequence[ReducedRecording], rig: Rig) -> list[Finding]:
             severity="info",
             what="rig.toml states no window_tail: nothing is taken to come after the window, with u = "
             f"{100 * usual.share.standard_uncertainty:.2g} % of all that the camera takes in, over "
-            f"{1e3 * usual.time_constant_s:g} ms, in the budget of trigger_delay",
+            f"{1e3 * usual.time_constant_s:g} ms, in the budgets of trigger_delay and integration_time",
             cure="measure it with a pulse of light, and state [camera] window_tail and window_tail_u; "
             "exposure_midpoint_delay does not depend on it",
         )

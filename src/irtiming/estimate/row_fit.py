@@ -35,7 +35,8 @@ _WINDOW = integration_window.PARAMETER
 _DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
 _SIGNIFICANT = 3.0  # standard uncertainties from which a filter is undone, a blade has two numbers, a curve is fitted
 _BLOCK = 256  # frames whose scores are made together
-_RANK = 1e-6  # relative: amounts of a sway that are determined worse stay where they are
+_RANK = 1e-6  # relative: amounts of a sway that timing nearly takes over count as determined so well, and hardly move
+_NONE = 1e-300
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
@@ -392,8 +393,11 @@ def _without_sway(scores: Array, information: Array, *, normal: Array) -> _Score
     free = np.hstack([np.eye(k), -taken])
     of_timing = np.linalg.solve(normal, mixed)
     left = own - mixed.T @ of_timing
-    scale = np.sqrt(np.where(np.diag(own) > 0, np.diag(own), 1.0))  # a column that timing takes over is none beside it
-    covariance = np.linalg.pinv(left / np.outer(scale, scale), rcond=_RANK, hermitian=True) / np.outer(scale, scale)
+    says = np.diag(own) > 0  # a number that moves nothing is known to be none
+    scale = np.sqrt(np.where(says, np.diag(own), 1.0))
+    sizes, axes = np.linalg.eigh(left / np.outer(scale, scale))
+    axes = axes * (says / scale)[:, None]
+    covariance = (axes / np.maximum(sizes, _RANK * np.max(sizes, initial=_NONE))) @ axes.T
     return _Scores(
         timing=scores @ free.T,
         information=free @ information @ free.T,

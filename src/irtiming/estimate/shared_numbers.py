@@ -170,7 +170,9 @@ def _stated_numbers(
     ]
 
 
-def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_time_s: float) -> list[SharedNumber]:
+def window_tails(
+    fits: Sequence[RecordingFit], tail: WindowTail, *, integration_time_s: float | None
+) -> list[SharedNumber]:
     """Shares that come after the window's end; delays count to the centre, so that only their width shows in the frames.
 
     Parameters
@@ -180,16 +182,12 @@ def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_
     tail
         What is known of them together.
     integration_time_s
-        Length of the window.
+        Length of the window as stated; None where it is not, so that sums of rows say it.
     """
-    window = integration_window.PARAMETER
     found = []
     for name, part in integration_window.tails(tail).items():
-        wider_s2 = integration_window.tail_variance_s2(integration_time_s, part.time_constant_s)
-        longer_s = _LONGER * wider_s2 / max(integration_time_s, part.time_constant_s)
         effects = [
-            ({window: longer_s} if window in fit.estimate else {}) if isinstance(fit, RowTimingFit) else {name: 1.0}
-            for fit in fits
+            _longer(fit, part, integration_time_s) if isinstance(fit, RowTimingFit) else {name: 1.0} for fit in fits
         ]
         found.append(
             SharedNumber(
@@ -199,6 +197,16 @@ def window_tails(fits: Sequence[RecordingFit], tail: WindowTail, *, integration_
             )
         )  # fmt: skip
     return found
+
+
+def _longer(fit: RowTimingFit, tail: WindowTail, stated_s: float | None) -> dict[str, float]:
+    """By how much longer the window of these rows looks per share that comes after it."""
+    window = integration_window.PARAMETER
+    if window not in fit.estimate:
+        return {}
+    length_s = abs(fit.timing[window]) if stated_s is None else stated_s
+    wider_s2 = integration_window.tail_variance_s2(length_s, tail.time_constant_s)
+    return {window: _LONGER * wider_s2 / max(length_s, tail.time_constant_s)}
 
 
 def rig_errors(fits: Sequence[RecordingFit], geometry: WheelGeometry, *, u_edge_rad: float) -> list[SharedNumber]:

@@ -44,7 +44,7 @@ from irtiming.inference.optimiser import Linearised, Model
 from irtiming.physics.camera import camera
 from irtiming.physics.light import row_sum
 from irtiming.physics.light.bent_rows import NONLINEARITIES
-from irtiming.physics.response.integration_window import TAILS, tail_delay_s, tails
+from irtiming.physics.response.integration_window import TAILS, tails
 from irtiming.physics.wheel import TURN
 from irtiming.records.analysis import Fits
 from irtiming.records.arrays import Array
@@ -212,10 +212,8 @@ def _window(
 
 
 def _stated_window(stated_s: float | None, rig: RigErrors, *, is_determined: bool) -> Window:
-    tail = rig.window_tail
-    if stated_s is None or tail is None:
-        return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_determined=is_determined)
-    tails_s = {name: tail_delay_s(stated_s, part.time_constant_s) for name, part in tails(tail).items()}
+    parts = {} if rig.window_tail is None or rig.is_window_on_trust else tails(rig.window_tail)
+    tails_s = {name: part.time_constant_s for name, part in parts.items()}
     return Window(stated_s=stated_s, u_stated_s=rig.u_window_s, is_determined=is_determined, tails_s=tails_s)
 
 
@@ -224,9 +222,8 @@ def _with_stated(
 ) -> list[SharedNumber]:
     """The camera's numbers with what is stated of memory and window."""
     own = shared_numbers.with_stated_memory(own, rig.frame_memory)
-    if stated_s is None:
-        return own
-    own = shared_numbers.with_stated_window(own, stated_s=stated_s, u_s=rig.u_window_s)
+    if stated_s is not None:
+        own = shared_numbers.with_stated_window(own, stated_s=stated_s, u_s=rig.u_window_s)
     if rig.window_tail is None:
         return own
     return [*own, *shared_numbers.window_tails(fits, rig.window_tail, integration_time_s=stated_s)]

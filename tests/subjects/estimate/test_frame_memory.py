@@ -117,4 +117,8 @@ def test_a_filter_that_leaves_successive_frames_correlated_is_of_another_kind(sh
     estimate = _fit("recursive_filter", share, 0.02).estimate
     found = frame_memory.of_row_fits([fit], estimate)
     assert [one.code for one in found] == codes
+    with_white = frame_memory.of_row_fits([fit, _Residuals(rng.standard_normal((2000, 40)))], estimate)
+    assert [one.code for one in with_white] == (
+        ["residuals-not-white-in-time"] if kept else []
+    )  # a level that swayed in one
     assert all((one.severity == "doubt") == (one.code == "filter-of-another-kind") for one in found)

@@ -152,11 +152,14 @@ def test_a_stated_length_that_no_frame_tells_is_half_in_the_start():
     _squares_add_up(known)
 
 
+_FADES_S = {"window_tail_fast": 0.1e-3 / 3, "window_tail_slow": 0.5e-3 / 3}
+
+
 def test_a_tail_makes_the_start_earlier_and_less_certain():
     """Oracle: by hand; 3 % with u = 2 % over 0.1 ms, of 0.4 ms: parts 1/3 and 5/3 of 0.1 ms beyond the half window."""
     tail, stated = WindowTail(share=Measured(0.03, 0.02), time_constant_s=0.1e-3), (400e-6, 1e-9)
-    late_s = {"window_tail_fast": 200e-6 + 0.1e-3 / 3, "window_tail_slow": 200e-6 + 0.5e-3 / 3}
-    found = _of_window(_window(400e-6, stated=stated, tail=tail), stated_s=400e-6, u_stated_s=1e-9, tails_s=late_s)
+    late_s = {name: 200e-6 + fades_s for name, fades_s in _FADES_S.items()}
+    found = _of_window(_window(400e-6, stated=stated, tail=tail), stated_s=400e-6, u_stated_s=1e-9, tails_s=_FADES_S)
     estimate = found.estimate
     assert estimate.value("exposure_midpoint_delay") == pytest.approx(600e-6)
     assert estimate.value("trigger_delay") == pytest.approx(600e-6 - 200e-6 - 0.03 * 300e-6, abs=1e-10)

@@ -230,6 +230,23 @@ def test_a_number_of_the_sway_that_says_nothing_is_as_good_as_none():
     np.testing.assert_allclose(beside.sway_covariance, np.pad(without.sway_covariance, (0, 1)), atol=1e-12)
 
 
+def test_a_number_of_the_sway_that_timing_takes_over_is_not_known_better_for_that():
+    """Oracle: a law; what looks more and more like the timing is known worse and worse, and never all at once as if exactly."""
+    random, n_rows = np.random.default_rng(9), 6
+    timing, other = (random.normal(size=(50, 2, n_rows)) for _ in range(2))
+    residual, normal = random.normal(size=(50, n_rows)), (timing @ timing.transpose(0, 2, 1)).sum(axis=0)
+
+    def variance(unlike):
+        columns = np.concatenate([timing, timing[:, :1] + unlike * other[:, :1], other[:, 1:]], axis=1)
+        information, scores = columns @ columns.transpose(0, 2, 1), np.einsum("nky,ny->nk", columns, residual)
+        return np.diag(row_fit._without_sway(scores, information, normal=normal).sway_covariance)
+
+    of_sway = np.array([variance(unlike) for unlike in (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5)])
+    assert np.all(np.diff(of_sway[:, 0]) > -1e-3 * of_sway[1:, 0])
+    assert of_sway[-1, 0] > 1e5 * of_sway[0, 0]
+    np.testing.assert_allclose(of_sway[1:, 1], of_sway[1, 1], rtol=0.1)
+
+
 def test_likelihood_is_a_parabola_to_four_standard_uncertainties(camera, exact, light):
     """Oracle: twice the log-likelihood of white noise; steps^2 at each standard uncertainty of the time constant."""
     rows = _noisy(exact, _white(150.0), seed=5)

@@ -9,11 +9,13 @@ import pytest
 from geometry_by_hand import geometry_by_hand
 
 from irtiming.estimate import doubts, timing
+from irtiming.estimate.rig_errors import RigErrors
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADES, timing_names
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
+from irtiming.records.rig import Measured, WindowTail
 from irtiming.records.row_timing import RowTimingFit
 
 TURN = 2 * np.pi
@@ -413,6 +415,27 @@ def test_edges_that_part_with_the_blackbody_do_not_move_the_time_constant(fits, 
     found = _estimate(made, geometry(), sector)
     assert found.effective.time_constant_s == pytest.approx([SIX[4], warmer[4]], abs=1e-12)
     assert found.estimate.values[0] == pytest.approx(SIX[0], abs=1e-9)
+
+
+def test_a_window_that_is_not_stated_looks_longer_by_what_comes_after_it(fits, geometry, sector):
+    """Oracle: by hand; an even window has T^2 / 12, so that dT = 6 / T of the added variance; half of the share in each part.
+
+    The start is half of that length before the centre, which the tail makes later: of T nothing is left, some 2 tau are.
+    """
+    (fit,) = fits([SIX], effect=0.0)
+    names = ("integration_time" if name == "time_constant" else name for name in SIX_NAMES)
+    fit = replace(fit, estimate=replace(fit.estimate, names=tuple(names)))
+    tail = WindowTail(share=Measured(0.0, 0.02), time_constant_s=0.1e-3)
+    plain, tailed = (
+        _estimate([fit], geometry(), sector, rig=RigErrors(window_tail=one)).estimate for one in (None, tail)
+    )
+    length_s, fades_s = 6e-3, np.array([0.1e-3 / 3, 0.5e-3 / 3])
+    longer_s = 6 / length_s * ((length_s / 2 + fades_s) ** 2 + fades_s**2 - length_s**2 / 12)
+    for name, effect_s in (("integration_time", longer_s), ("trigger_delay", longer_s / 2 - length_s / 2 - fades_s)):
+        assert tailed.value(name) == pytest.approx(plain.value(name))
+        beside = np.sqrt(tailed.u(name) ** 2 - plain.u(name) ** 2)
+        assert beside == pytest.approx(0.02 / np.sqrt(2) * np.hypot(*effect_s), rel=1e-3)
+    assert tailed.u("exposure_midpoint_delay") == pytest.approx(plain.u("exposure_midpoint_delay"))
 
 
 def test_unknown_blackbodies_are_one(fits, geometry, sector):
