@@ -53,7 +53,7 @@ def served(hostile, tmp_path_factory):
 
 
 @contextmanager
-def _browser(served, *, patience_ms=60_000):
+def _browser(served, *, patience_ms=180_000):
     """A page of a narrow browser that has come in; at its end no other host was asked, and the console has no error."""
     from playwright.sync_api import sync_playwright
 
@@ -86,7 +86,7 @@ def test_a_session_in_a_browser_from_the_plan_to_the_certificate(served):
 
     lab, base = served.around / "lab", f"http://{served.host}"
     with _browser(served) as page:
-        expect.set_options(timeout=60_000)
+        expect.set_options(timeout=180_000)
         assert "token" not in page.url
 
         _start_rig(page, base, lab)

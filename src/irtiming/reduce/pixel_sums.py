@@ -10,7 +10,7 @@ from scipy import ndimage
 from irtiming.errors import ReductionError
 from irtiming.physics import robust
 from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array, Mask
+from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.choices import Choices
 from irtiming.records.finding import Finding
 from irtiming.records.recording import Recording
@@ -34,6 +34,7 @@ from irtiming.units import counted
 
 _DEAD_SHARE, _REPEATED_SHARE = 0.05, 0.2
 _LONE_SHARE = 0.02
+_ODD_COUNT = 0.2  # of the opening: by how much the number of bright pixels of a frame may be off
 _MIDDLE_PART = 0.6  # of a plateau, whose mean frame is free of edges
 _NEAR, _MARGIN, _SCATTERS = 2, 2, 8.0  # frames: of one event, kept away from it; of the sums' usual scatter
 _FEWEST_SETTLED, _MOST_SETTLED = 5, 60
@@ -76,7 +77,7 @@ def reduce(
         feeding = Accumulators(every=(counts, sums, limits, repeats), judge=judge, good=good)
         stretches = frame_pass.run(recording, found.roi, feeding=feeding, progress=progress, choices=choices)
         if not judge.is_shut.any() and not judge.is_odd.any():
-            judge.leave_out(_far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn))
+            judge.leave_out(_far(sighting, np.where(judge.good, angles.angle_rad, np.nan), sums.total_dn, counts.count))
         if judge.good.sum() == n_known:
             break
     kept, dropped = _kept(recording, judge)
@@ -148,13 +149,19 @@ class _Alive:
         return self.good[first:end], np.zeros(min(end, n_read) - first, bool)
 
 
-def _far(sighting: Sighting, angle: Array, total: Array) -> Mask:
-    """Frames that do not show what the wheel demands, shape (n_frame,)."""
+def _far(sighting: Sighting, angle: Array, total: Array, count: Ticks) -> Mask:
+    """Frames that do not show what the wheel demands, shape (n_frame,).
+
+    A closed shutter may look as bright as the opening should, by chance, but not in part: pixels above the threshold are all or
+    none then.
+    """
     if sighting.steady is None:
         return np.zeros(angle.size, bool)
-    strays = np.abs(np.nan_to_num(sighting.steady.of_sums(total, angle).strays))
-    usual = robust.spread(strays)
-    return np.asarray(strays > max(steady_levels.ODD, _SCATTERS * usual))
+    far = np.zeros(angle.size, bool)
+    for values, least in ((total, steady_levels.ODD), (count.astype(float), _ODD_COUNT)):
+        strays = np.abs(np.nan_to_num(sighting.steady.of_sums(values, angle).strays))
+        far |= strays > max(least, _SCATTERS * robust.spread(strays))
+    return far
 
 
 def _shut(near: Mask) -> Mask:

@@ -99,6 +99,26 @@ def test_a_lone_frame_of_something_else_leaves_the_image_alone(reduced, paper_ca
     assert np.abs(one - other)[spoilt.contrast.good].max() < 6 * whole.contrast.u_dn
 
 
+def test_a_closed_shutter_that_is_as_bright_as_the_opening_should_be_is_left_out(reduced, paper_camera):
+    """Oracle: the frame that was spoilt; all of it shows the opening's own mean level, in a frame where an edge passes."""
+    whole, _ = reduced(paper_camera())
+    low, high = np.quantile(whole.pixels.pixel_sum, [0.02, 0.98])
+    half = int(whole.frame_index[np.argmin(np.abs(whole.pixels.pixel_sum - (low + high) / 2))])
+
+    def close(frames):
+        weight = np.zeros(frames.shape[1:])
+        weight[slice(*whole.opening.roi[:2]), slice(*whole.opening.roi[2:])] = whole.opening.weight[
+            slice(*whole.opening.roi[:2]), slice(*whole.opening.roi[2:])
+        ]
+        level = np.sum(frames[half] * weight) / weight.sum()
+        frames[half] = np.random.default_rng(2).normal(level, 3, frames[half].shape)
+        return frames
+
+    spoilt, _ = reduced(paper_camera(), spoil=close)
+    assert np.setdiff1d(whole.frame_index, spoilt.frame_index).tolist() == [half]
+    assert "odd-frames" in [one.code for one in spoilt.findings]
+
+
 def test_repeated_frames_are_dropped(reduced, paper_camera):
     """Oracle: the recording without them; six frames that are the one before, and one later: seven are dropped and told."""
 

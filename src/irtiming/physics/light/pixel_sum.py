@@ -235,7 +235,7 @@ def shapes(passing: Passing) -> Shapes:
         bow=passing.ends.bow,
         plate=_plate(passing),
         blades=passing.opening.blades,
-        beside=passing.wide_sector.blades - passing.sector.blades,
+        beside=_beside(passing),
     )
 
 
@@ -285,7 +285,7 @@ def slopes(
     out[4:6] += (
         skew * passing.ends.skew_slopes + passing.bow * passing.ends.bow_slopes
     )  # to the edges 0, being smaller yet
-    out[:6] += beside * (passing.wide_sector.blades_slopes - passing.sector.blades_slopes)[:6]
+    out[:6] += beside * _beside_slopes(passing)
     corners = out[5] * _OF_A_SPAN / (2 * passing.sweep_rad)
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
@@ -390,6 +390,20 @@ def _plate_slopes(passing: Passing) -> Array:
     if passing.of_plate is None:
         return passing.wide_sector.fraction_slopes[:6] - narrow
     return _beyond_slopes(passing.of_plate, narrow)
+
+
+def _beside(passing: Passing) -> Array:
+    """B': where the plate is, too, less the opening."""
+    narrow, seen = passing.sector.blades, passing.of_plate
+    return passing.wide_sector.blades - narrow if seen is None else summed_region.blades(seen) - seen.total * narrow
+
+
+def _beside_slopes(passing: Passing) -> Array:
+    """Derivatives of B', as the first six of F."""
+    narrow, seen = passing.sector.blades_slopes[:6], passing.of_plate
+    if seen is None:
+        return passing.wide_sector.blades_slopes[:6] - narrow
+    return summed_region.blades_slopes(seen) - seen.total * narrow
 
 
 def _beyond(seen: SeenRegion | None, fraction: Array) -> Array:

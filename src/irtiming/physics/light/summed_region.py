@@ -98,12 +98,15 @@ def together(*regions: SummedRegion | None) -> SummedRegion | None:
 class SeenRegion:
     """A region while the wheel sweeps past it by ``sweep_rad`` (`physics.wheel.PointAverage`, weighed over the region's ends).
 
-    ``exposed`` (n,) is R, ``at_ends`` (n,) the same averaged over the window's two ends only, ``passed`` (4, n) how often each
-    edge has passed. ``total`` is R where all is open.
+    ``exposed`` (n,) is R, ``at_ends`` (n,) the same averaged over the window's two ends only, ``covered`` and ``covered_at_ends``
+    (n,) the like of what the second blade covers, ``passed`` (4, n) how often each edge has passed. ``total`` is R where all is
+    open.
     """
 
     exposed: Array
     at_ends: Array
+    covered: Array
+    covered_at_ends: Array
     passed: Array
     total: float
     sweep_rad: float
@@ -124,13 +127,17 @@ def seen(region: SummedRegion, centre_rad: Array, *, edges: EdgeAngles, sweep_ra
         Angle of the window.
     """
     n, some = centre_rad.size, max(1, _POINTS_AT_ONCE // region.ends_rad.size)
-    arc, ends, passed = np.empty(n), np.empty(n), np.empty((4, n))
+    (arc, ends, blade, blade_ends), passed = np.empty((4, n)), np.empty((4, n))
     for first in range(0, n, some):
         part = slice(first, first + some)
         points = at_point(centre_rad[part] + region.ends_rad[:, None], edges, sweep_rad=sweep_rad)
         arc[part], ends[part] = region.weight @ points.arc_rad, region.weight @ points.ends_rad
+        blade[part], blade_ends[part] = region.weight @ points.blade_arc_rad, region.weight @ points.blade_ends_rad
         passed[:, part] = region.weight @ points.passed
-    return SeenRegion(exposed=arc, at_ends=ends, passed=passed, total=region.total, sweep_rad=sweep_rad)
+    return SeenRegion(
+        exposed=arc, at_ends=ends, covered=blade, covered_at_ends=blade_ends, passed=passed, total=region.total,
+        sweep_rad=sweep_rad,
+    )  # fmt: skip
 
 
 def slopes(region: SeenRegion) -> Array:
@@ -144,4 +151,30 @@ def slopes(region: SeenRegion) -> Array:
     out = np.zeros((6, region.exposed.size))
     out[:4] = np.array(EDGE_SIGNS)[:, None] * region.passed
     out[5] = (region.at_ends - region.exposed) / region.sweep_rad
+    return out
+
+
+def blades(region: SeenRegion) -> Array:
+    """Half of what the second blade covers less half of what the first does, shape (n,).
+
+    Parameters
+    ----------
+    region
+        As it is seen.
+    """
+    return region.covered - (region.total - region.exposed) / 2
+
+
+def blades_slopes(region: SeenRegion) -> Array:
+    """Derivatives of `blades` per rad, shape (6, n), as of `slopes`.
+
+    Parameters
+    ----------
+    region
+        As it is seen.
+    """
+    out = slopes(region) / 2
+    out[2] += region.passed[2]
+    out[3] -= region.passed[3]
+    out[5] += (region.covered_at_ends - region.covered) / region.sweep_rad
     return out

@@ -171,7 +171,7 @@ def _sum_of(made, uneven, plate, blades):
 
 @pytest.mark.parametrize(
     ("uneven", "plate", "blades"),
-    [(0.0, 0.0, 0.0), (5e-3, 0.0, 0.0), (0.0, 0.2, 0.0), (5e-3, -0.2, 0.0), (0.0, 0.0, 0.4)],
+    [(0.0, 0.0, 0.0), (5e-3, 0.0, 0.0), (0.0, 0.2, 0.0), (5e-3, -0.2, 0.0), (0.0, 0.0, 0.4), (0.0, -0.2, 0.4)],
 )
 @pytest.mark.parametrize(
     "name",

@@ -69,3 +69,37 @@ def test_derivatives_are_those_of_differences():
     plus, minus = (_seen(region, sweep_rad=SWEEP + sign * step).exposed for sign in (1, -1))
     np.testing.assert_allclose(found[5], (plus - minus) / (2 * step), atol=1e-4)
     assert not np.any(found[4])
+
+
+def test_blades_are_counted_point_by_point():
+    """Oracle: points spread over the parts and instants over the window, each before one blade, the other, or a cutout."""
+    edges, region = (
+        (0.0, 1.62, 3.2, 4.65),
+        SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, 0.3])),
+    )
+    place = np.concatenate(
+        [low + (high - low) * (np.arange(400) + 0.5) / 400 for low, high in ((-0.4, 0.0), (0.0, 0.6))]
+    )
+    instant = SWEEP * ((np.arange(40) + 0.5) / 40 - 0.5)
+    centre = WHEEL.opening_coordinate_rad + ANGLES[:, None, None] + place[:, None] + instant
+    cover = [
+        (np.mod(centre, TURN) >= low) & (np.mod(centre, TURN) < high)
+        for low, high in zip(edges[::2], edges[1::2], strict=True)
+    ]
+    first, second = (np.mean(one, axis=2) @ np.repeat([0.7, 0.3], 400) / 400 for one in cover)
+    seen = _seen(region, edges=edges)
+    np.testing.assert_allclose(summed_region.blades(seen), (second - first) / 2, atol=1e-3)
+    np.testing.assert_allclose(seen.exposed, 1 - first - second, atol=1e-3)
+
+
+def test_derivatives_of_blades_are_those_of_differences():
+    """Oracle: central differences to each edge and to the sweep; the opening has no part in the region."""
+    region, step = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, 0.3])), 1e-6
+    found = summed_region.blades_slopes(_seen(region))
+    for k in range(4):
+        moved = [tuple(e - sign * step * (j == k) for j, e in enumerate(EDGES)) for sign in (1, -1)]
+        plus, minus = (summed_region.blades(_seen(region, edges=edges)) for edges in moved)
+        np.testing.assert_allclose(found[k], (plus - minus) / (2 * step), atol=1e-4)
+    plus, minus = (summed_region.blades(_seen(region, sweep_rad=SWEEP + sign * step)) for sign in (1, -1))
+    np.testing.assert_allclose(found[5], (plus - minus) / (2 * step), atol=1e-4)
+    assert not np.any(found[4])
