@@ -254,9 +254,7 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
     """
     given = _inside_track(replace(pixel_sums(reduced, wheel), radii=Radii()))
     starts = _starts(given, _scan(given))
-    given, first = _levelled(
-        given, min((_solved(given, one) for one in starts), key=lambda one: given.at(one).deviance)
-    )
+    given, first = _levelled(given, _solved(given, *starts))
     kept = given.kept.copy()
     kept[np.flatnonzero(kept)[_wild(given, first)]] = False
     given, first = _levelled(replace(given, kept=kept), first)
@@ -312,20 +310,33 @@ def _starts(given: PixelSums, delay_s: float) -> list[dict[str, float]]:
     return [dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True)) for shape in shapes]
 
 
-def _solved(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
-    """Edge delays, opening angle, memory and bow at their best, and the window's length where it is not stated."""
+def _solved(given: PixelSums, *starts: Mapping[str, float]) -> dict[str, float]:
+    """Edge delays, opening angle, memory and bow at their best, and the window's length where it is not stated.
+
+    A wide opening behind a window that sweeps little looks like a narrow one behind a window that sweeps much: of several starts,
+    those that end in another opening than rig.toml's do not count.
+    """
+    found = [_solved_from(given, start) for start in starts]
+    stated_rad = given.wheel.opening_angle_rad
+    possible = [one for one in found if 0.2 < one["opening_angle"] / stated_rad < 5]
+    if not possible:
+        raise EstimationError(
+            f"{given.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "
+            f"{np.degrees(found[0]['opening_angle']):.2f} deg, rig.toml says {np.degrees(stated_rad):.2f} deg; check rig.toml "
+            "and that the timestamps belong to these frames"
+        )
+    return min(possible, key=lambda one: given.at(one).deviance)
+
+
+def _solved_from(given: PixelSums, start: Mapping[str, float]) -> dict[str, float]:
     free = _OWN_SHAPE if given.reduced.integration_time_s is not None else (*_OWN_SHAPE, "integration_time")
     held = [name for name in SHAPE if name not in free]
     found = optimiser.minimise(given.at, start=start, held=held).values
-    if not abs(found[MEMORY]) < 1:  # no share: frames that hardly tell a memory do not tell it here
-        found = optimiser.minimise(given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)).values
-    if not 0.2 < found["opening_angle"] / given.wheel.opening_angle_rad < 5:
-        raise EstimationError(
-            f"{given.reduced.name}: the pixel sums do not follow the wheel: fitted opening angle "
-            f"{np.degrees(found['opening_angle']):.2f} deg, rig.toml says {np.degrees(given.wheel.opening_angle_rad):.2f} deg; "
-            "check rig.toml and that the timestamps belong to these frames"
-        )
-    return found
+    if abs(found[MEMORY]) < 1:
+        return found
+    return optimiser.minimise(
+        given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)
+    ).values  # frames hardly tell one
 
 
 def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:

@@ -292,3 +292,17 @@ def test_levels_that_sway_are_shares_of_the_step_whatever_it_was_taken_for(recor
     np.testing.assert_allclose(found.levels.relative_offset, offset - offset.mean(), atol=3e-4)
     assert found.levels.step_dn == pytest.approx(2e6, rel=1e-3)
     assert found.levels.sway == pytest.approx(0.06, rel=0.02)
+
+
+@pytest.mark.parametrize("mirrored_first", [False, True])
+def test_a_narrow_opening_behind_a_long_window_is_not_taken_for_a_wide_one_behind_a_short(recording, mirrored_first):
+    """Oracle: opening and window that made the sums; with both angles swapped, the sums are the same."""
+    given = pixel_sums.pixel_sums(recording(_sums(), integration_time_s=None), _model())
+    middle = dict.fromkeys(EDGE_DELAYS, DELAY + WINDOW / 2) | dict.fromkeys(SHAPE, 0.0)
+    true = middle | {"opening_angle": 1.02 * GAMMA, "integration_time": 1.1 * WINDOW}
+    swapped = middle | {"opening_angle": 1.02 * OMEGA * WINDOW, "integration_time": GAMMA / OMEGA}
+    found = pixel_sums._solved(given, *((swapped, true) if mirrored_first else (true, swapped)))
+    assert found["opening_angle"] == pytest.approx(GAMMA, rel=1e-4)
+    assert found["integration_time"] == pytest.approx(WINDOW, rel=1e-2)
+    with pytest.raises(EstimationError, match="do not follow the wheel: fitted opening angle"):
+        pixel_sums._solved(given, swapped)
