@@ -3,7 +3,8 @@ r"""Whether frames belong to the triggers that their numbers say: short blocks o
 A frame is lost, or delivered twice, uncounted: from then on each frame is given the trigger before or after its own.
 The light of some ten frames follows the wheel in a wave :math:`\exp(2 i \theta)`, since two cutouts pass in a turn. Where frames
 are given triggers k before their own, and the wheel turns by :math:`\Delta` from one trigger to the next, its phase is off by
-:math:`2 k \Delta`: much more than the noise of a block, so that a block tells k to a whole number.
+:math:`2 k \Delta`: much more than the noise of a block, so that a block tells k to a whole number. What counts is the phase
+beside that of the usual light at the same angles: a block that visits three of them has another phase than a wave all around.
 """
 
 from collections import Counter
@@ -23,7 +24,10 @@ from irtiming.reduce.wheel.frame_angles import FrameAngles
 _BLOCK = 15  # frames, of which half overlap
 _MOST = 3  # frames that are looked for: half a turn has five, and more would be as good as fewer the other way
 _FAR = 6.0  # standard uncertainties: by chance never
+_SLIGHT_RAD = 0.1  # by as much a level that sways by a twentieth turns a block that visits three places of the wave
 _CERTAIN = 0.2  # of a frame: the standard uncertainty from which a block tells a whole number by three of them
+_ORDERS = np.array([1, 2, 4, 6, 8])  # of the light over the wheel's angle
+_ALIKE = 1e-6  # relative: waves that the visited angles hardly distinguish
 _IN_A_ROW = 3  # blocks, which a shutter that closes hardly is
 
 
@@ -52,7 +56,10 @@ def shifts(light_dn: Array, wheel_angle_rad: Array) -> tuple[Shift, ...]:
         return ()
     step_rad = float(np.median(np.mod(np.diff(wheel_angle_rad[known]), TURN)))
     blocks = sliding_window_view(known, _BLOCK)[:: _BLOCK // 2]
-    phases, u_rad = _phases(light_dn[blocks], wheel_angle_rad[blocks])
+    usual_dn, angle = np.full(light_dn.size, np.nan), wheel_angle_rad[blocks]
+    usual_dn[known] = _usual(light_dn[known], wheel_angle_rad[known])
+    (phases, u_rad), (expected, _) = _phases(light_dn[blocks], angle), _phases(usual_dn[blocks], angle)
+    phases = np.angle(np.exp(1j * (phases - expected)))
     usual = Counter(np.digitize(phases, np.linspace(-np.pi, np.pi, 13)).tolist())
     fullest = usual.most_common(1)[0][0]
     about = np.linspace(-np.pi, np.pi, 13)[fullest - 1] + np.pi / 12
@@ -66,6 +73,13 @@ def shifts(light_dn: Array, wheel_angle_rad: Array) -> tuple[Shift, ...]:
 def _folded(phase: float) -> float:
     """Between -pi and pi."""
     return float(np.angle(np.exp(1j * phase)))
+
+
+def _usual(light: Array, angle: Array) -> Array:
+    """Light of all frames as their angles alone tell it, shape (n,): few orders, which follow no jump of the numbers."""
+    waves = np.multiply.outer(angle, _ORDERS)
+    columns = np.concatenate([np.ones((angle.size, 1)), np.cos(waves), np.sin(waves)], axis=1)
+    return np.asarray(columns @ np.linalg.lstsq(columns, light, rcond=_ALIKE)[0])
 
 
 def _phases(light: Array, angle: Array) -> tuple[Array, Array]:
@@ -86,7 +100,7 @@ def _by(off_rad: float, u_rad: float, *, step_rad: float) -> int | None:
     if not u_rad < _CERTAIN * abs(_folded(PASSING * step_rad)):
         return None
     fits = [k for k in range(-_MOST, _MOST + 1) if abs(_folded(off_rad + PASSING * k * step_rad)) < 3 * u_rad]
-    if 0 in fits or not fits or abs(off_rad) < _FAR * u_rad:
+    if 0 in fits or not fits or abs(off_rad) < max(_FAR * u_rad, _SLIGHT_RAD):
         return 0
     return min(fits, key=abs)
 

@@ -52,6 +52,15 @@ def test_a_run_in_order_has_no_shift(step):
         assert shifts(_light(_angle(step), noise=noise, seed=seed), _angle(step)) == ()
 
 
+def test_a_wheel_that_goes_round_in_six_frames_and_a_little_has_no_shift():
+    """Oracle: nothing was changed; blocks visit three places of the wave, which drift, and a level sways by a twentieth."""
+    angle = _angle(1 / 6 + 1e-4)
+    for seed, noise in enumerate((1e-4, 5e-4, 2e-3)):
+        light = _light(angle, noise=noise, seed=seed)
+        assert shifts(light, angle) == ()
+        assert shifts(light * (1 + 0.05 * np.sin(np.arange(N) / 15)) + 0.05 * np.sin(np.arange(N) / 14), angle) == ()
+
+
 def test_a_shutter_or_a_drift_is_no_shift():
     """Oracle: what was changed is not which trigger made a frame."""
     share = np.linspace(0, 1, N)
