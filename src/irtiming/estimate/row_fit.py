@@ -32,7 +32,6 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 from irtiming.records.wheel_geometry import WheelModel
 
 _WINDOW = integration_window.PARAMETER
-_DAMPED = 0.7  # of the step to the best amounts of a sway, lest rounds go to and fro where the wheel passes slowly
 _SIGNIFICANT = 3.0  # standard uncertainties from which a filter is undone, a blade has two numbers, a curve is fitted
 _BLOCK = 256  # frames whose scores are made together
 _RANK = 1e-6  # relative: amounts of a sway that timing nearly takes over count as determined so well, and hardly move
@@ -144,7 +143,7 @@ def _fit(
         bends=None if start is None else _bends(task, found, light, known=estimate, inflation=variance_inflation),
         sway=None
         if task.sway is None
-        else task.sway.moved(_DAMPED * scored.sway_step, covariance=scored.sway_covariance),
+        else row_sway.improved(task.sway, scored.sway_step, covariance=scored.sway_covariance),
         kept=task.kept,
         rival=found.rival,
         start=found.began,

@@ -8,6 +8,7 @@ other.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,12 @@ from irtiming.records.row_timing import RowTimingFit, Sway
 _FEWEST_FRAMES = 24  # of a stretch: offset, gain and one number more, at eight frames for each
 _SPANNED = 1e-9  # relative: less than this of a column's square is rounding
 _LOOKS = 2
+_DAMPED, _LEAST_DAMPED = (
+    0.7,
+    0.1,
+)  # of a step: where the wheel passes slowly, all else follows the sway, and they go to and fro
+_BACK = 0.2  # of the step before: by how much the next one goes back where they do
+_NONE = 1e-300
 
 
 def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: Array) -> Sway:
@@ -79,6 +86,30 @@ def _over_all(columns: Array, place: Array, *, kept: Mask, part: Mask) -> Array:
 
 def _amounts(columns: Array, curve: Array) -> Array:
     return np.asarray(np.linalg.lstsq(columns, curve, rcond=1e-12)[0], dtype=float)
+
+
+def improved(sway: Sway, step: Array, *, covariance: Array) -> Sway:
+    """With amounts that are nearer to the best ones.
+
+    Parameters
+    ----------
+    sway
+        With its last step, from which it may be on its way to and fro: then it moves by half the share that it did.
+    step
+        By how much its amounts are off while all else stays as it is, shape (p + q,).
+    covariance
+        Of the amounts, shape (p + q, p + q).
+    """
+    damping = min(sway.damping, _DAMPED)
+    if sway.step.size == step.size:
+        weight = 1 / np.maximum(np.diag(covariance), _NONE)
+        if (step * weight) @ sway.step < -_BACK * (sway.step * weight) @ sway.step:
+            damping = max(damping / 2, _LEAST_DAMPED)
+    p, moved = sway.offset_amounts.size, damping * step
+    return replace(
+        sway, offset_amounts=sway.offset_amounts + moved[:p], gain_amounts=sway.gain_amounts + moved[p:],
+        covariance=covariance, step=step, damping=damping,
+    )  # fmt: skip
 
 
 def columns(sway: Sway, model: Array, *, pixels: Array, stretches: Sequence[Mask]) -> Array:

@@ -215,6 +215,8 @@ class Sway:
         Shape (p + q, p + q); of the amounts, those of the offset first.
     n_looks
         How often curves were chosen.
+    step, damping
+        By how much the amounts were off when they were last improved, shape (p + q,) or none; share of it that they moved.
     """
 
     offsets: Array
@@ -223,6 +225,8 @@ class Sway:
     gain_amounts: Array
     covariance: Array
     n_looks: int = 0
+    step: Array = field(default_factory=lambda: np.zeros(0))
+    damping: float = 1.0
 
     @property
     def relative_gain(self) -> Array:
@@ -237,16 +241,6 @@ class Sway:
     def of(self, frames: Mask) -> "Sway":
         """That of some of the frames, (n_kept,)."""
         return replace(self, offsets=self.offsets[frames], gains=self.gains[frames])
-
-    def moved(self, step: Array, *, covariance: Array) -> "Sway":
-        """With other amounts, and their covariance: ``step``, shape (p + q,), is by how much."""
-        p = self.offset_amounts.size
-        return replace(
-            self,
-            offset_amounts=self.offset_amounts + step[:p],
-            gain_amounts=self.gain_amounts + step[p:],
-            covariance=covariance,
-        )
 
 
 @final

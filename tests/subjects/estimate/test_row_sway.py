@@ -139,3 +139,18 @@ def test_an_offset_that_goes_as_the_gain_is_the_rows_own():
         left = row_sway.beside_own(own, shared, stretches=stretches)
         assert np.all(left[0] == 0) == is_spanned  # the offset's column
         assert np.any(left[1] != 0)  # the gain's own light stays
+
+
+@pytest.mark.parametrize("follows", [1.0, 2.0, 3.5])
+def test_amounts_that_go_to_and_fro_come_to_rest(follows):
+    """Oracle: amounts to be found, 1 and -2; a step is ``follows`` times what it should be, since all else follows the sway.
+
+    With 0.7 of each step, as at first, a step that is 3.5 times too large would make the next one 1.45 times as large.
+    """
+    sway, wanted = _sway(_curve(0.02), _curve(0.01)), np.array([1.0, -2.0])
+    covariance = np.diag([1.0, 4.0])
+    for _ in range(30):
+        amounts = np.concatenate([sway.offset_amounts, sway.gain_amounts])
+        sway = row_sway.improved(sway, follows * (wanted - amounts), covariance=covariance)
+    np.testing.assert_allclose([*sway.offset_amounts, *sway.gain_amounts], wanted, atol=1e-6)
+    assert np.array_equal(sway.covariance, covariance)
