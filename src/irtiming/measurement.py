@@ -21,7 +21,7 @@ from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.reduce import recipes
 from irtiming.reduce.events import placing
 from irtiming.reduce.published import average_runs, row_averages
-from irtiming.reduce.wheel import pooled_slots
+from irtiming.reduce.wheel import common_reference, pooled_slots
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called with the recording's name, frames done and frames in all."""
@@ -60,7 +60,7 @@ def analyse(
         If a recording cannot be reduced or the data do not determine the timing; a note names the stage.
     """
     reduced: list[ReducedRecording] = []
-    for recording in in_order(recordings):
+    for recording in common_reference.clear_first(in_order(recordings)):
         one = reduce(recording, rig, before=reduced, choices=choices, progress=progress, maps="maps" in extras)
         reduced.append(one)
     return estimate(reduced, rig, choices=choices, wheel_calibration=wheel_calibration, extras=extras)
@@ -84,7 +84,7 @@ def reduce(
         return recipes.reduce(
             recording,
             placing.rig_for(rig, [recording.events]),
-            choices=choices,
+            choices=common_reference.named(recording, [one.track for one in before], rig=rig, choices=choices),
             progress=done,
             before=before[0].opening if before else None,
             maps=maps,

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from irtiming.errors import ReductionError
 from irtiming.measurement import analyse
 from irtiming.twin import rig as twin
 from irtiming.twin.scene import EdgeFaults, Faults, paper_scene, with_wheel_speed
@@ -147,6 +148,22 @@ def test_several_wheel_speeds_need_no_caliper(two_speeds):
     assert estimate.standard_uncertainties[k] == pytest.approx(np.hypot(memory, np.linalg.norm(list(lines.values()))))
     u = estimate.standard_uncertainties[k]
     assert estimate.values[k] == pytest.approx(rig.scene.timing.trigger_delay_s, abs=2 * u)
+
+
+def test_a_recording_that_does_not_tell_its_reference_edge_takes_that_of_the_others(two_speeds):
+    """Oracle: the analysis of the recordings as they were; in one the edges beside the reference are put midway."""
+    rig, (slow, fast), analysis = two_speeds
+    edges, halves = slow.application_slot_ticks.copy(), np.diff(slow.application_slot_ticks)
+    others = np.arange(1 if halves[::2].mean() > halves[1::2].mean() else 2, edges.size - 1, 2)
+    edges[others] = (edges[others - 1] + edges[others + 1]) // 2
+    alike = replace(slow, application_slot_ticks=edges)
+    with pytest.raises(ReductionError, match="the reference edge cannot be determined"):
+        analyse([alike], rig.measured)
+    found, expected = analyse([alike, fast], rig.measured).best.estimate, analysis.best.estimate
+    assert found.names == expected.names
+    np.testing.assert_allclose(
+        (found.values - expected.values) / expected.standard_uncertainties, 0, atol=0.5
+    )  # half a turn would be millions
 
 
 def test_no_order_of_files_changes_a_result(two_speeds):

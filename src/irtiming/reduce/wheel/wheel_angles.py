@@ -92,9 +92,7 @@ def _gates(recording: Recording, rig: Rig, reference_edge: ReferenceEdge) -> _Ga
     n_slots = rig.wheel.control_slots
     turn_ticks = recording.clock_frequency_hz / recording.rotation_speed_hz
     control = number_edges(recording.control_slot_ticks, period_ticks=turn_ticks / n_slots, name="control_slot")
-    application = number_edges(
-        recording.application_slot_ticks, period_ticks=turn_ticks / 2, name="application_slot", tolerance=0.1
-    )
+    application = _application(recording)
     reference = _reference_edges(application, reference_edge)
     late = latency.stated(rig.latency).register_s * recording.rotation_speed_hz * n_slots
     slots = learn_slots(control, n_slots)
@@ -177,11 +175,45 @@ def frame_trigger_ticks(recording: Recording) -> Ticks:
     return recording.camera_trigger_ticks[recording.frame_number]
 
 
-def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
-    """Times of the reference edge, the one before the longer half turn, ticks.
+def tells_reference(recording: Recording) -> bool:
+    """Whether the timestamps tell which half turn is longer; so too where they tell nothing, which another error says.
 
-    Each half turn is held against the mean of the one before and the one after it, so that a wheel that slowly wanders does
-    not blur the difference.
+    Parameters
+    ----------
+    recording
+        Its ticks.
+    """
+    try:
+        return not _longer_half(_application(recording)).is_hidden
+    except ReductionError:
+        return True
+
+
+def _application(recording: Recording) -> EdgeTrain:
+    turn_ticks = recording.clock_frequency_hz / recording.rotation_speed_hz
+    ticks = recording.application_slot_ticks
+    return number_edges(ticks, period_ticks=turn_ticks / 2, name="application_slot", tolerance=0.1)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class _LongerHalf:
+    """By how much the half turn after an even edge is longer, its standard uncertainty, and the mean of all, ticks."""
+
+    difference: float
+    u_difference: float
+    half_turn: float
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether it is less than a tick or 3 of its standard uncertainties."""
+        return abs(self.difference) <= max(3 * self.u_difference, 1.0)
+
+
+def _longer_half(application: EdgeTrain) -> _LongerHalf:
+    """Each half turn is held against the mean of the one before and the one after it.
+
+    So a wheel that slowly wanders does not blur the difference.
     """
     after = np.diff(application.ticks).astype(float)
     whole = np.diff(application.number) == 1
@@ -194,14 +226,21 @@ def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
         )
     difference, n = float(longer.mean()), longer.size
     spread = hac_covariance((longer - difference)[:, None], n_neighbours=min(_NEIGHBOURS, n - 1), is_circular=False)
-    u_difference = float(np.sqrt(spread[0, 0])) / (n - 1)
-    if choice == "automatic" and abs(difference) <= max(3 * u_difference, 1.0):
+    return _LongerHalf(
+        difference=difference, u_difference=float(np.sqrt(spread[0, 0])) / (n - 1), half_turn=float(after[whole].mean())
+    )
+
+
+def _reference_edges(application: EdgeTrain, choice: ReferenceEdge) -> Array:
+    """Times of the reference edge, the one before the longer half turn, ticks."""
+    found = _longer_half(application)
+    if choice == "automatic" and found.is_hidden:
         raise ReductionError(
-            f"the two half turns differ by {abs(difference):.0f} of {after[whole].mean():.0f} ticks, which is less than a tick "
-            f"or 3 of its standard uncertainties ({u_difference:.0f} ticks): the reference edge cannot be determined; "
-            "record longer or name it with --reference-edge first|second"
+            f"the two half turns differ by {abs(found.difference):.0f} of {found.half_turn:.0f} ticks, which is less than a tick "
+            f"or 3 of its standard uncertainties ({found.u_difference:.0f} ticks): the reference edge cannot be determined; "
+            "record longer or name it with --reference-edge first|second, or give a recording of the same wheel along that does"
         )
-    parity = {"automatic": int(difference < 0), "first": 0, "second": 1}[choice]
+    parity = {"automatic": int(found.difference < 0), "first": 0, "second": 1}[choice]
     return application.ticks[application.number % 2 == parity].astype(float)
 
 
