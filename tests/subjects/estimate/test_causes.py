@@ -116,3 +116,14 @@ def test_on_the_border_of_both_halves_of_a_turn_neither_counts():
         fraction=np.full((3, 1), 0.6), angle_rad=np.array([TURN / 8, TURN / 4, 0.0]), open_at_rad=TURN / 4
     )
     np.testing.assert_array_equal(causes._cutouts(frames)[0][:, 0], [0.6, 0.6, 0.0])
+
+
+def test_levels_that_jump_stand_higher_after_each_place(frames):
+    """Oracle: by hand; nothing before each eighth of the recording, one after it, in each band of rows."""
+    two_bands = replace(frames, fraction=np.repeat(frames.fraction, 2, axis=1))
+    found = _columns("jump", two_bands)
+    assert len(found) == len(causes._JUMPS)
+    for column, place in zip(found, causes._JUMPS, strict=True):
+        n_before = np.count_nonzero(frames.time <= place)
+        assert 0 < n_before < 720
+        assert column.tolist() == [[0.0, 0.0]] * n_before + [[1.0, 1.0]] * (720 - n_before)

@@ -45,9 +45,10 @@ def test_a_steady_drift_is_found_and_the_error_is_that_of_the_middle():
 
 
 def test_missing_and_extra_pulses_are_named():
-    """Oracle: pulses 5 and 17 were taken out; an echo of pulse 9 and a stray at 3.2 s were put in."""
-    ticks = np.rint(CLOCK_HZ * (1 + 2e-5) * np.arange(30)).astype(np.int64)
-    stray = int(3.2 * CLOCK_HZ)
+    """Oracle: pulses 5 and 17 were taken out; an echo of pulse 9 and a stray at 3.2 s were put in, both since the first pulse."""
+    first = 10**12
+    ticks = first + np.rint(CLOCK_HZ * (1 + 2e-5) * np.arange(30)).astype(np.int64)
+    stray = first + int(3.2 * CLOCK_HZ)
     found = _checked(np.sort([*np.delete(ticks, [5, 17]), ticks[9] + 400, stray]))
     assert found.missing_s == (5.0, 17.0)
     assert found.extra_s == pytest.approx((3.2, 9.0), abs=1e-3)

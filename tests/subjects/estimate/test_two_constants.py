@@ -1,6 +1,7 @@
 """Constants of substrate and scene against exact steady states, and what is said when they cannot be told apart."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -129,3 +130,18 @@ def test_constants_that_do_not_follow_the_model_are_doubted():
     assert any("do not follow the two-constant model" in text for text in _texts(found))
     assert any("--wheel-temperature" in text for text in _texts(found))
     assert found.surroundings.wheel_temperature_from == "assumption"
+
+
+@pytest.mark.parametrize(("last", "is_bounded"), [(-2, True), (-1, False)])
+def test_a_share_next_to_the_largest_still_bounds_the_substrates_constant(last, is_bounded):
+    """Oracle: by hand; the constants at the ends of the shares that cost little, no bound where the last of all does."""
+    shares = two_constants._SHARES
+    problem = SimpleNamespace(
+        effective=SimpleNamespace(time_constant_s=np.zeros(2)), constants=lambda share: np.array([1 + share, 9 - share])
+    )
+    deviation = np.full(shares.size, 1e9)
+    deviation[[3, last]] = 0.0
+    substrate, scene = two_constants._bounds(problem, deviation)
+    assert (substrate.lower, scene.upper) == (1 + shares[3], 9 - shares[3])
+    assert substrate.upper == (1 + shares[last] if is_bounded else None)
+    assert scene.lower == 9 - shares[last]

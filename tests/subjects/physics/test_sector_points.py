@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from irtiming.physics.sector_points import _even, half_turn, light_points
+from irtiming.physics.sector_points import _even, _sharpest, half_turn, light_points, places
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -57,3 +57,29 @@ def test_two_nodes_are_those_of_gauss_and_legendre():
     place, weight = _even(2)
     np.testing.assert_allclose(place, [-(3**-0.5), 3**-0.5])
     np.testing.assert_allclose(weight, [1, 1])
+
+
+@pytest.mark.parametrize(("mirrored", "sense"), [(True, -1.0), (False, 1.0)])
+def test_a_sector_that_is_displaced_from_the_axle_lies_so_much_beside_it(mirrored, sense):
+    """Oracle: by hand; each place 2 px higher, and 3 px to the right as the wheel is seen from its own side."""
+    plain = replace(SHAPE, mirrored=mirrored)
+    moved = replace(plain, offset_row_px=-2.0, offset_column_px=3.0)
+    (down, right, area), (down_there, right_there, area_there) = (
+        places(one, n_radial=3, n_around=4) for one in (plain, moved)
+    )
+    np.testing.assert_allclose(down_there - down, -2.0, atol=1e-12)
+    np.testing.assert_allclose(right_there - right, sense * 3.0, atol=1e-12)
+    np.testing.assert_allclose(area_there, area)
+
+
+@pytest.mark.parametrize("opening_rad", [0.3, 1.0, 1.5])
+def test_the_blur_is_narrowest_somewhere_within_the_opening(opening_rad):
+    """Oracle: widths of an ellipse, of 0.7 and 1.4 px along its axes, over 2001 directions of the sector and no others."""
+    shape = replace(SHAPE, blur_px=0.7 * 2**0.5, blur_ellipticity=0.6, bisector_rad=0.8, opening_angle_rad=opening_rad)
+    polar = 0.8 + opening_rad * np.linspace(-0.5, 0.5, 2001)
+    rows, columns = shape.blur.rows_px, shape.blur.columns_px
+    along = np.hypot(rows * np.sin(polar), columns * np.cos(polar))
+    across = np.hypot(rows * np.cos(polar), columns * np.sin(polar))
+    mixed = (rows**2 - columns**2) * np.sin(polar) * np.cos(polar)
+    diagonal = np.sqrt(np.minimum(1, 2 * (1 - np.abs(mixed) / (along * across)))).min()
+    assert _sharpest(shape, 1.0) == pytest.approx((diagonal * along.min(), diagonal * across.min()), rel=2e-3)

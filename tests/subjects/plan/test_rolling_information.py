@@ -248,3 +248,11 @@ def test_each_number_leaves_a_row_as_much_light_as_the_image_shows(run):
     changes = {name: run.rows.changes[k, :, 0].real for k, name in enumerate(rolling_information._SHAPE)}
     assert np.abs(changes["glare"] / light).max() < 1e-6
     assert max(np.abs(change).max() for change in changes.values()) < 1e-4 * light.max()
+
+
+def test_numbers_of_very_unequal_size_keep_their_covariance():
+    """Oracle: the covariance that the columns add up to by what they are; standard deviations of 1e6, 1 and 1e-6, correlated."""
+    size = np.array([1e6, 1.0, 1e-6])
+    covariance = np.outer(size, size) * (0.5 + 0.5 * np.eye(3))
+    root = rolling_information._root(covariance)
+    np.testing.assert_allclose(root @ root.T, covariance, rtol=1e-9)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.records.reduced import ShutterEvent
+from irtiming.reduce import shutter
 from irtiming.reduce.shutter import FrameLevels, Watch, events, fewest_pixels, tolerance_dn, watch
 
 
@@ -123,3 +124,13 @@ def test_an_event_may_reach_over_either_end():
     assert [(e.first_frame, e.end_frame) for e in events(event, zone, levels=levels)] == [(0, 4), (47, 50)]
     everywhere = np.ones(50, bool)
     assert [(e.first_frame, e.end_frame) for e in events(event, everywhere, levels=levels)] == [(1, 49)]
+
+
+def test_a_level_is_usual_where_half_of_the_frames_within_reach_have_it():
+    """Oracle: by hand; another level is a step for fewer than half of the window's frames, and usual for more of them."""
+    long = 2 * shutter._HALF_WINDOW + 1
+    for n, is_usual in ((shutter._HALF_WINDOW, False), (shutter._HALF_WINDOW + 1, True)):
+        levels = _levels(6 * long)
+        levels.quiet_dn[2 * long : 2 * long + n] = 150.0
+        suspicious = _judged(levels)[0]
+        assert (2 * long + n // 2 not in suspicious) == is_usual

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import ReductionError
+from irtiming.reduce.opening import wheel_contrast
 from irtiming.reduce.opening.sample_frames import SampleFrames
 from irtiming.reduce.opening.wheel_contrast import noise_between_neighbours, outline
 
@@ -148,3 +149,16 @@ def test_a_plate_that_follows_the_wheel_is_the_zero_of_the_contrast():
     np.testing.assert_allclose(found.contrast[20:40, 30:50], 1, atol=2e-3)
     np.testing.assert_allclose(found.contrast[8:16, 30:50], 0, atol=2e-3)
     np.testing.assert_allclose(found.contrast[:4, 30:50], -0.25, atol=2e-3)
+
+
+@pytest.mark.parametrize(("side", "is_deep"), [(40, True), (3, False)])
+def test_contrast_is_over_that_of_the_pixels_inside_the_opening(side, is_deep):
+    """Oracle: by hand; 8 DN inside and 2 DN on the border, which counts where fewer than 30 pixels lie inside."""
+    seeds = np.zeros((60, 60), bool)
+    seeds[5 : 5 + side, 5 : 5 + side] = True
+    inside = np.zeros_like(seeds)
+    inside[6 : 4 + side, 6 : 4 + side] = True
+    harmonic = np.exp(0.4j) * np.where(inside, 8.0, np.where(seeds, 2.0, 0.0))
+    contrast, level = wheel_contrast._contrast(harmonic, seeds)
+    assert level == pytest.approx(8.0 if is_deep else 2.0)
+    assert contrast[6, 6] == pytest.approx(8.0 / level)

@@ -187,3 +187,14 @@ def test_what_turns_have_in_common_is_no_scatter():
     influence = random.normal(size=(40, 20))
     moved = influence + 5 * random.normal(size=20)
     np.testing.assert_allclose(slot_table._variance_of_mean(moved), slot_table._variance_of_mean(influence))
+
+
+@pytest.mark.parametrize(("turns", "lags"), [(4, 2), (64, 4), (343, 7)])
+def test_variance_of_a_mean_over_turns_is_that_of_newey_and_west(turns, lags):
+    """Oracle: Bartlett's weights over pairs of turns, as many lags as the cube root of the turns says, at least two."""
+    deviation = np.random.default_rng(5).normal(size=(turns, 8)).cumsum(axis=0)
+    wave = (deviation - deviation.mean(axis=0)) @ np.exp(-2j * np.pi * np.arange(8) / 8) / 8**0.5
+    apart = np.abs(np.subtract.outer(np.arange(turns), np.arange(turns)))
+    weight = np.clip(1 - apart / (lags + 1), 0, None)
+    expected = float((wave.conj() @ weight @ wave).real) / turns / (turns - 1 - lags)
+    assert slot_table._variance_of_mean(deviation)[1] == pytest.approx(expected, rel=1e-9)
