@@ -312,3 +312,15 @@ def test_frames_that_a_busy_computer_takes_have_no_usual_latency():
     verdict = pairing.judge(_timestamps(20), earliest_s=lambda t: t / CLOCK_HZ, speed=1.0, usual_latency_s=0.0228)
     assert "which were missed cannot be determined" in verdict.reasons[0]
     assert verdict.latency_s is None
+
+
+@pytest.mark.parametrize(("share", "trusted"), [(0.11, True), (0.14, False)])
+def test_latencies_of_the_first_and_the_last_quarter_are_compared(share, trusted):
+    """Oracle: by hand; the median of a quarter counts what lasts for an eighth of the run, and nothing shorter."""
+    n = 1000
+    pairing = Pairing(period_s=PERIOD_S, n_triggers=n, device_frequency_hz=1e6)
+    for k in range(n):
+        frame = _frame(k, k, clock_error=0.02)
+        pairing.take(replace(frame, host_time_s=frame.host_time_s + 9e-3 * (k >= (1 - share) * n)))
+    verdict = pairing.judge(_timestamps(n), earliest_s=lambda ticks: ticks / CLOCK_HZ, speed=1.0, usual_latency_s=None)
+    assert verdict.is_trusted is trusted

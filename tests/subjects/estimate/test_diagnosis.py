@@ -209,10 +209,13 @@ def test_later_rows_are_a_delay_and_a_row_delay(sound):
 
 
 def test_what_a_recording_has_of_its_own_stands_beside_its_u():
-    """Oracle: by hand; a memory of 0.06 known to 0.02 is 3 u from none, and without it the deviance is larger by 9."""
+    """Oracle: by hand; a memory of 0.06 known to 0.02 is 3 u from none, and without it the deviance is larger by 9.
+
+    A number that was held has no u, and is none of the recording's own.
+    """
     estimate = Estimate(
-        names=("time_constant", "recursive_filter"), units=("s", "1"), values=np.array([8e-3, 0.06]),
-        covariance=np.diag([1e-10, 4e-4]),
+        names=("time_constant", "recursive_filter", "held"), units=("s", "1", "1"), values=np.array([8e-3, 0.06, 0.1]),
+        covariance=np.diag([1e-10, 4e-4, 0.0]),
     )  # fmt: skip
     nothing = dict.fromkeys(one.name for one in fields(RowTimingFit))
     (found,) = diagnosis._own(RowTimingFit(**nothing | {"name": "a", "estimate": estimate}))

@@ -154,3 +154,13 @@ def test_amounts_that_go_to_and_fro_come_to_rest(follows):
         sway = row_sway.improved(sway, follows * (wanted - amounts), covariance=covariance)
     np.testing.assert_allclose([*sway.offset_amounts, *sway.gain_amounts], wanted, atol=1e-6)
     assert np.array_equal(sway.covariance, covariance)
+
+
+def test_what_is_not_known_of_a_sway_begins_at_nothing_for_all_its_amounts():
+    """Oracle: by hand; one number for each pair of amounts, those of the offset and those of the gain."""
+    found = row_sway.chosen(
+        _fit(_curve(0.02), _curve(0.01, 1.0)), trigger_ticks=TICKS, segment=np.zeros(N, int), pixels=PIXELS
+    )
+    assert found.offset_amounts.size > 0 < found.gain_amounts.size
+    n = found.offsets.shape[1] + found.gains.shape[1]
+    assert found.covariance.tolist() == np.zeros((n, n)).tolist()

@@ -62,3 +62,14 @@ def test_what_an_unknown_gain_does_to_the_image_turns_with_it(camera, rows, rig_
         expected[row, column] = rows.contrast.frame_weight @ (0.02 * wave * (seen - 0.5))
     (found,) = look.swayed
     np.testing.assert_allclose(found, expected, atol=0.02 * np.abs(expected).max())
+
+
+def test_where_light_ends_within_a_pixel_its_phase_is_uncertain_as_the_blurs_shape_is(camera, sector_of):
+    """Oracle: by hand; twice the polar angle of a fifth of the width of blur and pixel, by the root of the light's slope."""
+    light = np.clip(0.25 * (np.arange(camera.columns) - 20.0), 0, 1) * np.ones((camera.rows, 1))
+    found = sector_images._imperfect(sector_of(camera, model_contrast=light))
+    wide_px = np.hypot(camera.shape.blur_px, 12**-0.5)
+    away_px = np.hypot(15 - camera.shape.axle_row_px, 22 - camera.shape.axle_column_px)
+    border = (0.25 * np.sqrt(2 * np.pi) * wide_px) ** 0.5
+    assert found[15, 22].imag == pytest.approx(2 * 0.2 * border * wide_px / away_px, rel=1e-3)
+    assert found[15, 22].real == 0

@@ -1,6 +1,7 @@
 """The contrast image of a camera whose levels sway, against frames of made-up pixels that were summed one by one."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -233,3 +234,20 @@ def test_a_warmer_blade_shows_in_the_image_where_frames_are_missing(camera, brut
     assert (
         np.vdot(known.projection, rows.contrast.projection_dn).real * contrast_dn > 0
     )  # a cold opening is turned over
+
+
+def test_waves_are_rid_of_the_own_levels_of_their_pixels_wherever_the_region_of_interest_lies():
+    """Oracle: by hand; a gain that is a wave twice a turn, and two pixels of a region from row 3 and column 10 on."""
+    angle, segment = 2 * np.pi * np.arange(12) / 12, np.zeros(12, int)
+    own_dn = np.arange(6.0).reshape(2, 3)
+    waves = PixelWaves(
+        signal_orders=np.array([2]), quiet_orders=np.array([4]), wheel_angle_rad=angle, segment=segment,
+        row_px=np.array([3, 4]), column_px=np.array([12, 10]), sums_dn=np.zeros((4, 2)),
+    )  # fmt: skip
+    gain = 1 + 0.1 * np.cos(2 * angle)
+    sway = steady_image._Sway(found=SimpleNamespace(relative_gain=gain), offset_dn=np.zeros(12), own_dn=own_dn)
+    recording = SimpleNamespace(waves=waves, opening=SimpleNamespace(roi=(3, 5, 10, 13)))
+    found = sway.waves_of(recording).sums_dn
+    weight = wheel_waves.waves(angle, waves.orders, segment=segment)
+    np.testing.assert_allclose(found, -np.outer(weight @ gain, [2.0, 3.0]), atol=1e-12)
+    assert np.abs(found).max() > 0.1

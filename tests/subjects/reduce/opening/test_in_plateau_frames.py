@@ -284,3 +284,16 @@ def test_glare_is_that_of_the_pixels_from_six_to_twelve_steps_around(look):
     glare = 100 * share[around].mean()
     with pytest.raises(ReductionError, match=rf"glare: pixels far from the opening follow it by {glare:.1f}%"):
         look(frames, wheel_angle_rad=_THETA)
+
+
+@pytest.mark.parametrize(("swing_dn", "is_opening"), [(4.9, False), (5.1, True), (5.9, True)])
+def test_an_opening_swings_by_four_times_the_others_and_a_count(swing_dn, is_opening):
+    """Oracle: by hand; the others vary by 1 DN, so at least 5 DN must be; 10 x 10 pixels of 40 x 40."""
+    swing = np.ones((40, 40))
+    swing[10:20, 10:20] = swing_dn
+    if is_opening:
+        found = in_plateau_frames._changing_pixels(swing, _flat(swing.shape), "x")
+        assert np.array_equal(found, swing > 1)
+    else:
+        with pytest.raises(ReductionError, match=r"at least 5\.0 DN must be"):
+            in_plateau_frames._changing_pixels(swing, _flat(swing.shape), "x")
