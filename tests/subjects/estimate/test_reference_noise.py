@@ -156,3 +156,13 @@ def test_the_same_references_are_one_number_and_none_are_none(recordings):
     ]
     assert reference_noise.shared(bare, fits, rotation="clockwise") == []
     assert reference_noise.shared([replace(one, axle=None) for one in made], fits, rotation="clockwise") == []
+
+
+def test_an_image_of_three_times_the_noise_counts_a_ninth(recordings):
+    """Oracle: a law; beside one with noise of a third, a recording weighs as it does beside nine like it."""
+    one, other = recordings(_gains(2), True, ["a", "b"])
+    noisy = replace(other, contrast=replace(other.contrast_image, u_dn=3 * other.contrast_image.u_dn))
+    found, alike = reference_noise.light_turns([one, noisy])[0], reference_noise.light_turns([*[one] * 9, other])[0]
+    assert found.image_rad == pytest.approx(alike.image_rad, rel=1e-9)
+    assert found.u_references_rad == pytest.approx(alike.u_references_rad, rel=1e-9)
+    assert found.u_references_rad > 0

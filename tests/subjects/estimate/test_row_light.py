@@ -192,3 +192,16 @@ def test_powers_of_the_light_are_those_of_each_row_of_the_region(sector):
     np.testing.assert_allclose(found.squares, [np.zeros(7), waves @ [0.25, 0.04]], atol=1e-12)
     np.testing.assert_allclose(found.cubes, [np.zeros(7), waves @ [0.125, 0.008]], atol=1e-12)
     np.testing.assert_allclose(found.askew, [np.zeros(7), waves @ [0.375, 0.096]], atol=1e-12)
+
+
+def test_a_row_is_smeared_as_the_mean_square_width_of_its_light_says(sector):
+    """Oracle: by hand; of two pixels of 0.5 and 0.2 of the light, blur and pixel over their distances from the axle."""
+    light = np.zeros((36, 64))
+    light[10, [12, 30]] = 0.5, 0.2
+    found = _powers(replace(sector, contrast=light), np.array([12]), n_harmonics=6)
+    shape = sector.shape
+    away = np.hypot(12 - shape.axle_row_px, sector.roi[2] + np.array([12, 30]) - shape.axle_column_px)
+    squares = (shape.blur_px**2 + 1 / 12) / away**2
+    assert squares[0] != pytest.approx(squares[1], rel=0.1)
+    mean = (0.25 * squares[0] + 0.04 * squares[1]) / 0.29
+    assert -2 * np.log(found.smear) == pytest.approx([mean], rel=1e-6)

@@ -142,3 +142,13 @@ def test_two_parts_are_apart_by_the_uncertainty_of_both():
     )  # fmt: skip
     apart, pull = places.between(0, 1)
     assert (apart.tolist(), pull) == ([3.0, 0.0], pytest.approx(3.0))
+
+
+@pytest.mark.parametrize("wave", [np.cos, np.sin])
+def test_waves_of_corners_leak_into_no_part(wave):
+    """Oracle: the passing wave of 5000 DN that was put in, late by 0.4 rad, beside one of the lowest order of corners."""
+    angle = np.random.default_rng(2).uniform(0, TURN, N)
+    values = 20_000 + 5000 * np.cos(2 * angle - 0.4) + 5000 * wave(motion._CORNERS[0] * angle)
+    frames = np.rint(values).astype(np.uint16)[:, None, None] * np.ones((1, 2, 2), np.uint16)
+    for found in motion._harmonics(frames, angle, parts=np.array_split(np.arange(N), 4)):
+        np.testing.assert_allclose(found, 5000 * np.exp(-0.4j), atol=5)
