@@ -152,3 +152,16 @@ def test_waves_of_corners_leak_into_no_part(wave):
     frames = np.rint(values).astype(np.uint16)[:, None, None] * np.ones((1, 2, 2), np.uint16)
     for found in motion._harmonics(frames, angle, parts=np.array_split(np.arange(N), 4)):
         np.testing.assert_allclose(found, 5000 * np.exp(-0.4j), atol=5)
+
+
+def test_the_axles_distance_is_that_of_pixels_two_from_the_border():
+    """Oracle: the geometry; a strip of seven rows about 40 px above the axle, whose outermost pixels show anything."""
+    row, column = np.mgrid[:15, :61].astype(float)
+    inner = np.zeros(row.shape, bool)
+    inner[4:11, 10:51] = True
+    direction = np.exp(2j * np.arctan2(column - 30, 47 - row))
+    anything = np.exp(1j * np.random.default_rng(3).uniform(0, TURN, row.shape))
+    direction = np.where(inner & np.roll(inner, 1, 0) & np.roll(inner, -1, 0), direction, anything)
+    deep = inner & (np.abs(row - 7) <= 1) & (np.abs(column - 30) <= 18)
+    expected = np.median(np.hypot(row - 47, column - 30)[deep])
+    assert motion._radius_px(direction, inner) == pytest.approx(expected, rel=0.01)
