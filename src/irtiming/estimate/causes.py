@@ -100,7 +100,7 @@ def _rows_bend(frames: FrameResiduals) -> list[Array]:
 
 def _every_second(frames: FrameResiduals) -> list[Array]:
     sign = np.where(frames.number % 2 == 0, 1.0, -1.0)[:, None]
-    return [sign * np.ones_like(frames.fraction), sign * (frames.fraction - 0.5)]
+    return [sign * np.ones_like(frames.fraction), sign * frames.fraction]
 
 
 CANDIDATES = (

@@ -19,7 +19,7 @@ _STEP_RAD = float(np.radians(1.5))
 _FINE_RAD = 0.08  # within the opening's ends
 _N_COARSE = 4  # farther in, where little changes
 _REACH = 3.0  # standard deviations of the spread
-_PARTS_OF_SPREAD, _MOST_PARTS = 1.0, 64  # what single pixels show: parts of their spread, and of all at most
+_MOST_PARTS = 64  # of what single pixels show, each of which is about as wide as the least of their spreads
 _INSIDE = 0.98  # of a pixel in the light
 _SMOOTH = 3  # powers of the angle, from none on, that light may follow along the opening
 _HARDLY = 1e-3  # of the largest part
@@ -120,7 +120,7 @@ def of_single_pixels(sector: SectorFit, summed: Mask, *, weight: Array, shift_ra
     spread = blurred_sector.angular_reach(sector.shape, roi=sector.roi)[changed]
     place = shift_rad - sector.borrowed_angle_rad[changed]
     farthest = float(np.max(np.abs(place) + _REACH * spread))
-    n_parts = min(_MOST_PARTS, int(np.ceil(2 * farthest / (float(np.min(spread)) / _PARTS_OF_SPREAD))))
+    n_parts = min(_MOST_PARTS, int(np.ceil(2 * farthest / float(np.min(spread)))))
     ends = np.linspace(-farthest, farthest, n_parts + 1)
     before = np.array([ndtr((end - place) / spread) @ more[changed] for end in ends])
     share = np.diff(before) / np.sum(sector.contrast[plain])

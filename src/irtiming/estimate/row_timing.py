@@ -25,9 +25,7 @@ from irtiming.records.row_timing import Rival
 
 _WINDOW = integration_window.PARAMETER
 _COARSE = 20
-_RESPONSE_TURNS = np.geomspace(
-    1e-3, 0.3, 9
-)  # of half a turn over pi: where the search looks for the response's parameter
+_RESPONSES_RAD = np.geomspace(2e-3, 0.6, 9)  # of the wheel: where the search looks for the response's parameter
 _SEARCHED_ROWS = 16  # about as many are looked at in the search
 _ALIKE = 0.05  # of a half turn: a frame that is nearer to whole ones after another shows nearly the same
 _LEAST_SHARE = -0.5  # of the frame before: at -1 a filter makes any odd harmonic of next to nothing
@@ -290,7 +288,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
         raise EstimationError(
             "the row sums do not change with the wheel; check the recording and its region of interest"
         )
-    tried = [held[response]] if response in held else (2 / omega * _RESPONSE_TURNS).tolist()
+    tried = [held[response]] if response in held else (_RESPONSES_RAD / omega).tolist()
     trials = [
         _by_phases(wave, model, sign=sign, held={response: value, memory: held[memory]})
         for value in tried

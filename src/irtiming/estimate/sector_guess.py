@@ -30,7 +30,6 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
     radius = np.hypot(down, across)
     inner, outer = (float(r) for r in np.quantile(radius, [0.005, 0.995]))
     angle = min(2 * mask.sum() / max(outer**2 - inner**2, 1.0), 3.0)
-    down, across = down / radius, across / radius
     turned = look.projection[mask] * look.values(np.arctan2(down, across) - middle).conj()
     return dict.fromkeys(NUMBERS, 0.0) | {
         "axle_row_px": float(centre[0]),

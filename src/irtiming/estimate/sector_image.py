@@ -319,7 +319,7 @@ def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
     if not look.own_phase:
         return look
     parts = _parts(replace(look, own_phase=False), numbers, view)
-    own = float(np.angle(np.sum((parts.lit.conj() * parts.seen)[view.good])))
+    own = float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good])))
     return replace(look, turn_rad=look.turn_rad + own / 2)
 
 

@@ -200,6 +200,33 @@ def test_analytic_derivatives_are_those_of_the_model(recording):
         assert np.quantile(apart, 0.98) < 2e-2, name
 
 
+def test_derivatives_of_frames_that_hold_much_of_the_one_before_are_those_of_the_model(recording):
+    """Oracle: central differences of the projected residual in delay, opening and share, of noise-free sums near the truth."""
+    light = _sums()
+    given = pixel_sums.pixel_sums(recording(0.6 * light + 0.4 * np.append(light[:1], light[:-1])), _model())
+    steps = dict.fromkeys(EDGE_DELAYS, 1e-8) | {"opening_angle": 1e-6, pixel_sums.MEMORY: 1e-6}
+    point = dict.fromkeys(SHAPE, 0.0) | dict.fromkeys(EDGE_DELAYS, DELAY + WINDOW / 2 + 1e-7)
+    point |= {"opening_angle": GAMMA, "integration_time": WINDOW, pixel_sums.MEMORY: 0.4}
+    analytic = given.at(point).jacobian
+    for name, step in steps.items():
+        ahead, behind = (given.at(point | {name: point[name] + sign * step}).residual for sign in (1, -1))
+        numeric = (ahead - behind) / (2 * step)
+        apart = np.abs(analytic[:, list(point).index(name)] - numeric) / np.abs(numeric).max()
+        assert np.quantile(apart, 0.98) < 2e-2, name
+
+
+def test_the_frame_before_the_wheel_was_recorded_is_that_of_a_wheel_that_turned_evenly(track_of, reduced_recording):
+    """Oracle: by hand; the record begins at 0.4 rad, 1 ms before the first trigger and 32 ms after the one before that."""
+    made = reduced_recording(
+        track_of(start=START, duration_s=2.0), START + 49_152 + 1_622_016 * np.arange(30), np.zeros(30)
+    )
+    given = pixel_sums.PixelSums(
+        reduced=made, wheel=_model(), kept=np.ones(30, bool), levels=None, unit_dn=1.0, border_rad=0.0
+    )
+    expected = 0.4 + OMEGA * (1e-3 + DELAY + 0.033 * (np.arange(30) - 1))
+    np.testing.assert_allclose(given.angle(DELAY, is_before=True), expected, atol=1e-6)
+
+
 def test_pulls_of_40_noisy_repetitions_are_standard(recording):
     """Oracle: the delay that made the sums; (estimate - truth) / u of each edge and of the mean has mean 0, spread 1.
 

@@ -1,6 +1,7 @@
 """Means of the published fits by hand."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -101,6 +102,21 @@ def test_relative_delays_are_taken_within_one_speed(fit):
         told = {one.file: one for one in rolling_published.estimate(order).relative_delays}
         assert [told[k].nominal_s for k in "abcd"] == pytest.approx([0, 0.01, 0, 0.02])
         assert [told[k].value_s for k in "abcd"] == pytest.approx([0, 0.010002, 0, 0.020003])
+
+
+def test_the_row_delay_is_looked_for_from_a_frame_period_over_all_rows(monkeypatch):
+    """Oracle: by hand, as in the paper: a frame in 33 ms, 120 rows, 275 us."""
+    recording = SimpleNamespace(
+        axle=SimpleNamespace(row_px=35.2, column_px=31.3), opening=SimpleNamespace(mask=np.ones((120, 160), bool)),
+        trigger_ticks=1_622_016 * np.arange(9), track=SimpleNamespace(clock_frequency_hz=49_152_000),
+    )  # fmt: skip
+    begun = []
+    monkeypatch.setattr(
+        procedure.row_delay_and_lag, "fit", lambda *_, initial_row_delay_s, **__: begun.append(initial_row_delay_s)
+    )
+    geometry = SimpleNamespace(model=None, camera_roll_rad=None, rotation="clockwise")
+    procedure._lag_fit(None, geometry, first=recording)
+    assert begun == [pytest.approx(275e-6)]
 
 
 def test_fits_are_left_as_they_were(fit):

@@ -225,6 +225,20 @@ def test_first_guess_is_of_the_opening_whatever_swings_beside_it(camera, brute_r
     assert guess["opening_angle_rad"] == pytest.approx(camera.opening_rad, abs=0.055)
 
 
+@pytest.mark.parametrize("axle", [(17.7, 31.8), (18, 32)], ids=["between pixels", "on a pixel"])
+def test_first_guess_of_light_all_round_the_axle_is_half_a_turn_at_most(camera, brute_rows, lag, axle):
+    """Oracle: the limit; a disc of 15 px whose phases are those of all directions fills a turn, and no opening is so wide."""
+    (look,) = contrast_look.looks([brute_rows(camera)], camera.model, timing=lag)
+    wide = _view(brute_rows(camera))
+    down, across = np.arange(36)[:, None] - axle[0], np.arange(64)[None, :] - axle[1]
+    angle, radius = np.arctan2(down, across), np.hypot(down, across)
+    shown = np.where(radius < 15, look.values(angle), 0.0)
+    guess = sector_guess.first_guess(replace(look, projection=shown), replace(wide, summed=np.ones((36, 64), bool)))
+    assert (guess["axle_row_px"], guess["axle_column_px"]) == pytest.approx(axle, abs=1.0)
+    assert np.isfinite(list(guess.values())).all()
+    assert guess["opening_angle_rad"] == 3.0
+
+
 @pytest.mark.parametrize(("axis", "away"), [(0, 1), (1, 2)])
 def test_a_pixel_exchanges_light_with_two_others(axis, away):
     """Oracle: by hand; of one pixel in the light, 6 % go to either side, and nothing is lost."""

@@ -1,6 +1,7 @@
 """`inference.clustered`: covariances of parameters whose residuals err alike within clusters."""
 
 import numpy as np
+import pytest
 
 from irtiming.inference import clustered
 
@@ -54,10 +55,14 @@ def test_the_normal_matrix_is_its_inverse_and_says_nothing_where_residuals_do_no
     np.testing.assert_allclose(again[:3, :3], found, rtol=1e-6)
 
 
-def test_numbers_that_look_nearly_alike_keep_what_tells_them_apart():
-    """Oracle: by hand; 100 residuals without scatter, each of which tells a tenth of 100 numbers' sum and 3e-5 of one of them."""
-    jacobian = np.full((100, 100), 0.1) + 3e-5 * np.eye(100)
+@pytest.mark.parametrize(("own", "told"), [(3e-5, True), (3e-6, False)])
+def test_numbers_that_look_nearly_alike_keep_what_tells_them_apart(own, told):
+    """Oracle: by hand; 100 residuals without scatter, each of which tells a tenth of 100 numbers' sum and ``own`` of one of them.
+
+    The sum's size is 100: 9e-10 is more than 1e-12 of it, and 9e-12 is less, which is nothing.
+    """
+    jacobian = np.full((100, 100), 0.1) + own * np.eye(100)
     found = clustered.normal_matrix(jacobian, np.zeros(100), clusters=np.arange(100))
     apart = np.eye(100)[3] - np.eye(100)[70]
-    np.testing.assert_allclose(apart @ found @ apart, 2 * 3e-5**2, rtol=1e-3)
+    np.testing.assert_allclose(apart @ found @ apart, 2 * own**2 if told else 0.0, rtol=1e-3, atol=1e-14)
     np.testing.assert_allclose(found.sum(), np.sum(jacobian.sum(axis=1) ** 2))

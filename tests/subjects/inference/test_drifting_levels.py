@@ -50,6 +50,12 @@ def test_a_jump_in_a_smooth_drift_is_no_bend():
     assert found.jumps == (427,)
 
 
+def test_a_jump_of_the_offset_beside_a_gain_that_drifts_asks_for_no_spline():
+    """Oracle: by hand; the frame of the jump, and a straight line and a step each of offset and gain."""
+    found = _chosen(0.01 * (np.arange(N) >= 427), 1 + 0.01 * PLACE)
+    assert (found.jumps, found.n_offset, found.n_gain, found.n_numbers) == ((427,), 0, 0, 4)
+
+
 def test_wild_values_bend_nothing():
     """Oracle: the same numbers as without the ten values that lie a third of the range off."""
     values = MOVING + np.random.default_rng(3).normal(0, NOISE, N)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import erf
 from scipy.stats import multivariate_normal, norm
 
 from irtiming.physics import gaussian_spread
@@ -15,6 +16,13 @@ def test_pixels_share_a_gaussian_by_its_distribution(first, last):
     gaussian_spread._along_axis.py_func(3.3, first, last, 0.8, out)
     ends = np.arange(first, last + 2) - 0.5
     np.testing.assert_allclose(out, np.diff(norm.cdf(ends, 3.3, 0.8)), atol=1e-9)
+
+
+def test_what_lies_below_a_place_is_counted_from_the_middle():
+    """Oracle: the error function; places from seven standard deviations below on, 128 steps for each."""
+    places = np.array([-6.5, -1.234, 0.0, 0.77, 5.1])
+    found = [gaussian_spread._below.py_func(at) for at in (places + 7) * 128]
+    np.testing.assert_allclose(found, erf(places / np.sqrt(2)) / 2, atol=1e-11)
 
 
 def test_light_is_spread_over_rows_and_columns_and_none_is_lost():

@@ -150,7 +150,7 @@ def simulate(
     advance = angular_frequency_rad_per_s * (timing.trigger_delay_s + mask.row_px * timing.row_delay_s)
     rows = _follow_rows((mask.first, mask.angle_rad, mask.fraction), np.mod(advance, TURN), lag_rad, samples)
     # eq. (2) is linear: the lagging sum is the sum of the lagging rows
-    whole = (mask.pixels @ rows / mask.pixels.sum())[None, :]
+    whole = (mask.pixels @ rows)[None, :]
     if not (_normalise(rows) and _normalise(whole)):
         raise EstimationError(
             f"simulated with a time constant of {1e3 * timing.time_constant_s:.3f} ms, an opening fraction does not rise and "
