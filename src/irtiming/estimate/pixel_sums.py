@@ -332,11 +332,9 @@ def _solved_from(given: PixelSums, start: Mapping[str, float]) -> dict[str, floa
     free = _OWN_SHAPE if given.reduced.integration_time_s is not None else (*_OWN_SHAPE, "integration_time")
     held = [name for name in SHAPE if name not in free]
     found = optimiser.minimise(given.at, start=start, held=held).values
-    if abs(found[MEMORY]) < 1:
-        return found
-    return optimiser.minimise(
-        given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)
-    ).values  # frames hardly tell one
+    if not abs(found[MEMORY]) < 1:  # no share: frames that hardly tell a memory do not tell it here
+        found = optimiser.minimise(given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)).values
+    return found
 
 
 def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:

@@ -14,12 +14,13 @@ from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.wheel import wheel_angles
+from irtiming.reduce.wheel.wheel_calibration import has_learned
 
 _EDGES: tuple[ReferenceEdge, ReferenceEdge] = ("first", "second")
 _APART, _TIMES = (
     25.0,
     4.0,
-)  # by which the pattern must go worse with the other edge: more in chi-square, and so many times
+)  # of chi-square: by how much, and how many times, the pattern must go worse with the other edge
 
 
 def clear_first(recordings: Iterable[Recording]) -> list[Recording]:
@@ -53,15 +54,14 @@ def named(recording: Recording, others: Sequence[WheelTrack], *, rig: Rig, choic
 
 
 def _misfit(track: WheelTrack, others: Sequence[WheelTrack]) -> float:
-    """Chi-square of its slots about the mean of the others', which are as many."""
-    weights = np.array([one.u_slot_deviation_rad**-2.0 for one in others if _is_learned(one, track)])
-    if not weights.size or not np.any(track.slot_deviation_rad):
+    """Chi-square of its slots about the mean of as many that others learned; 0 where there is nothing to compare."""
+    n_slots = track.slot_deviation_rad.size
+    learned = [one for one in others if has_learned(one) and one.slot_deviation_rad.size == n_slots]
+    if not learned or not has_learned(track):
         return 0.0
-    known = np.array([one.slot_deviation_rad for one in others if _is_learned(one, track)])
-    mean = np.sum(weights * known, axis=0) / weights.sum(axis=0)
-    variance = track.u_slot_deviation_rad**2 + 1 / weights.sum(axis=0)
-    return float(np.sum((track.slot_deviation_rad - mean) ** 2 / variance))
-
-
-def _is_learned(other: WheelTrack, track: WheelTrack) -> bool:
-    return other.slot_deviation_rad.size == track.slot_deviation_rad.size and bool(np.any(other.slot_deviation_rad))
+    known, u = (
+        np.array([getattr(one, name) for one in learned]) for name in ("slot_deviation_rad", "u_slot_deviation_rad")
+    )
+    weight = np.sum(u**-2.0, axis=0)
+    off = track.slot_deviation_rad - np.sum(known * u**-2.0, axis=0) / weight
+    return float(np.sum(off**2 / (track.u_slot_deviation_rad**2 + 1 / weight)))
