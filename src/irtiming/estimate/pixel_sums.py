@@ -191,8 +191,11 @@ class PixelSums:
         return np.concatenate([np.ones_like(moving), moving, small, gain, drift], axis=1)
 
     def at(self, numbers: Mapping[str, float]) -> Linearised:
-        """Residuals over the noise, and derivatives; the model of the optimiser."""
-        return self.projected(numbers).at
+        """Residuals over the noise, and derivatives; the model of the search, which steps back from windows of a whole turn."""
+        if abs(self.angular_frequency_rad_per_s * numbers["integration_time"]) < TURN:
+            return self.projected(numbers).at
+        nowhere = np.full((self.kept.sum(), len(numbers)), np.nan)
+        return Linearised(residual=nowhere[:, 0], jacobian=nowhere)
 
     def trace(self, numbers: Mapping[str, float]) -> Trace:
         """Residuals over the noise along the wheel angle, and all that the recording's own fit can take from them."""

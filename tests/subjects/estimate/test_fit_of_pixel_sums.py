@@ -92,6 +92,28 @@ def test_unknown_integration_time_is_found_and_gives_the_middle(recording, windo
     assert fit.estimate.value("opening_angle") == pytest.approx(GAMMA, abs=1e-5)
 
 
+@pytest.mark.parametrize("seed", [6, 10, 26])
+def test_a_window_that_noise_hides_is_never_searched_beyond_a_turn(recording, monkeypatch, seed):
+    """Oracle: the middle that made the sums.
+
+    A window of 0.2 ms changes them by less than their noise does, so steps of the search come to hours, whose turns would be
+    counted one by one.
+    """
+    modelled, projected = [], pixel_sums.PixelSums.projected
+
+    def counted(self, numbers):
+        modelled.append(abs(OMEGA * numbers["integration_time"]))
+        return projected(self, numbers)
+
+    monkeypatch.setattr(pixel_sums.PixelSums, "projected", counted)
+    share = _sums(window=2e-4, n=250)
+    noisy = share + np.random.default_rng(seed).normal(0, 4e-3, share.size)
+    fit = pixel_sums.fit(recording(noisy, integration_time_s=None), _model())
+    assert max(modelled) < TURN
+    middle = np.mean(fit.edge_delay_s)
+    assert middle == pytest.approx(DELAY + 1e-4, abs=4 * np.sqrt(fit.covariance_s2.mean()))
+
+
 @pytest.mark.parametrize("share", [0.01, -0.002, 0.1])
 def test_a_memory_of_the_pixels_is_found_and_its_delay_taken_off(recording, share):
     """Oracle: f_n = (1 - s) F_n + s F_{n-1} frame by frame; without the memory the delay would be off by s frames."""
