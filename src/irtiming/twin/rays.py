@@ -21,7 +21,7 @@ from irtiming.twin.spread import VARIANTS, Offsets, edge_rays, graded_spread, re
 Indices: TypeAlias = npt.NDArray[np.int32]
 Counts: TypeAlias = npt.NDArray[np.int64]
 
-_RAY_BUDGET = 3.4e7
+_RAY_BUDGET = 5e7
 _MOST_EVEN_RAYS = 256
 
 
