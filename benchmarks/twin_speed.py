@@ -3,8 +3,8 @@
 Frames of 640 x 480 pixels, with pattern and noise, of a cooled camera and of a rolling microbolometer. The reference follows the
 rays of the cooled camera's pixels through lens, mask and wheel in NumPy, each anew at each instant of the window, without tables
 and without knowing which pixels see no edge: some pixels are taken, the time of a frame is that of all. As many rays are counted
-as leave an rms error of 1e-4 of full scale. How far the simulated frame is from the truth is told by 32 768 rays, which are right to
-2e-5 of full scale, of many pixels: those that an edge passes are few, and the farthest off.
+as leave an rms error of 1e-4 of full scale. How far the simulated frame is from the truth is told by 32 768 rays, which are right
+to 2e-5 of full scale, of many pixels: those that an edge passes are few, and the farthest off.
 
     .venv/bin/python benchmarks/twin_speed.py
 """
