@@ -29,6 +29,8 @@ _ORDERS = np.arange(-_HARMONICS, _HARMONICS + 1)  # of the table's spectrum: the
 _SHORTEST_WAVE = 2.0  # in gaps of a quadrature: what it resolves
 _SHARPNESS = 8  # with which what is shorter ends
 _POWERS = _ORDERS.astype(float) ** _SHARPNESS
+_LIT = 0.97
+"""Quantile of what pixels show: an opening is a thirtieth of its region at least, and a plate may be nearly all else."""
 
 
 @final
@@ -177,6 +179,7 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
     for members in by_speed.groups([one.track.angular_frequency_rad_per_s for one in recordings]):
         group = [recordings[k] for k in members]
         projection = np.sum([_turned_over(one) for one in group], axis=0)
+        size = np.abs(projection)
         table, unsteady = np.zeros(_TABLE, complex), list[Unsteady]()
         for one in group:  # a recording's waves are many, and go with it
             point = _Point.of(one, wheel, timing)
@@ -188,12 +191,17 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
                 u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
                 table=table,
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
-                full_dn=float(np.quantile(np.abs(projection), 0.9)),
+                full_dn=float(np.median(size[is_bright(size)])),
                 own_phase=bool(found),
                 unsteady=tuple(unsteady),
             )
         )
     return found
+
+
+def is_bright(size: Array) -> Mask:
+    """Pixels that swing by more than half of what the opening does; of the shape of their contrasts ``size``."""
+    return np.asarray(size > 0.5 * np.quantile(size, _LIT))
 
 
 def _turned_over(recording: ReducedRecording) -> ComplexArray:

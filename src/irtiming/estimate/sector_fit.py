@@ -140,7 +140,7 @@ def _from(
     if start is None:
         begin = _first_guess(images)
         return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), gain=FIRST)
-    best = sector_best.searched(images, begin=numbers_of(start), held=held, gain=gain, slopes=slopes)
+    best = sector_best.searched(images, begin=images.begin, held=held, gain=gain, slopes=slopes)
     if "distortion" in best.free and not is_first:
         sector_limits.check_lens(
             best.numbers, images.lens.start, name=images.name, columns=images.view.image[1], sense=images.sense

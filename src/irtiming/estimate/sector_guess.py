@@ -3,6 +3,7 @@
 import numpy as np
 from scipy import ndimage
 
+from irtiming.estimate import contrast_look
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.sector_image import GLARE_PX, NUMBERS, View
 from irtiming.records.arrays import Array, Mask
@@ -10,8 +11,6 @@ from irtiming.records.arrays import Array, Mask
 _CENTRE_STEPS = 9
 _FIRST_BLUR_PX = 0.7
 _CUTOUT_MARGIN_PX = 1.5
-_LIT = 0.97
-"""Quantile of what pixels show: an opening is a thirtieth of its region at least, and a plate may be nearly all else."""
 
 
 def first_guess(look: Look, view: View) -> dict[str, float]:
@@ -21,7 +20,7 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
     """
     told = view.good | ~view.good.any(axis=1, keepdims=True)  # dead rows show what those beside them do
     size = ndimage.median_filter(np.where(told, np.abs(look.projection), 0.0), 3)
-    mask = _largest(is_bright(size) & view.summed & told)
+    mask = _largest(contrast_look.is_bright(size) & view.summed & told)
     row, column = (np.broadcast_to(place, mask.shape)[mask] for place in (view.rows, view.columns))
     sense = -1.0 if view.mirrored else 1.0
     centre = _phase_centre(row, sense * column, np.asarray(-np.angle(look.projection[mask]), dtype=float))
@@ -45,11 +44,6 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
         "ring_outer_px": outer + _CUTOUT_MARGIN_PX,
         "plate_reflection": 0.5,
     }
-
-
-def is_bright(size: Array) -> Mask:
-    """Pixels that swing by more than half of what the opening does; of the shape of their contrasts ``size``."""
-    return np.asarray(size > 0.5 * np.quantile(size, _LIT))
 
 
 def _largest(mask: Mask) -> Mask:

@@ -314,13 +314,22 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     )
 
 
+def met(look: Look, numbers: Mapping[str, float], *, view: View) -> dict[str, float]:
+    """The numbers with the turn of this image: it goes with the delay that the image is taken to have been made with."""
+    return {**numbers, "turn_rad": numbers["turn_rad"] + _turn_beside_rad(look, numbers, view=view)}
+
+
 def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
     """The image with what its phase says of its own turn, if it has one."""
     if not look.own_phase:
         return look
+    return replace(look, turn_rad=look.turn_rad + _turn_beside_rad(look, numbers, view=view))
+
+
+def _turn_beside_rad(look: Look, numbers: Mapping[str, float], *, view: View) -> float:
+    """By how much the image is turned beside a sector of these numbers, as the mean phase of its light says."""
     parts = _parts(replace(look, own_phase=False), numbers, view)
-    own = float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good])))
-    return replace(look, turn_rad=look.turn_rad + own / 2)
+    return float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good]))) / 2
 
 
 def _shown(

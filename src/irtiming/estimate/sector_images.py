@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate import contrast_look, sector_guess, sector_image, sector_limits
+from irtiming.estimate import contrast_look, sector_image, sector_limits
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import Fitted, SeenContrast, Sharp, View
@@ -38,7 +38,8 @@ _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie be
 class Images:
     """Contrast images, one per wheel speed, the region, and uncertainties along (real) and across each pixel's phase, DN.
 
-    ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``rig`` what is stated of rotation and mask.
+    ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``rig`` what is stated of rotation and mask,
+    ``begin`` the numbers of the earlier fit, with the turn that the first image has by now; none without one.
     """
 
     seen: list[Look]
@@ -47,11 +48,12 @@ class Images:
     lens: LensKnowledge
     name: str
     rig: Rig
+    begin: Mapping[str, float]
 
     def sense(self) -> Contradiction | None:
         """What the edges' way says against the stated rotation, by the bright pixels; asked for where no sector is found."""
         projection = self.seen[0].projection
-        in_light = np.where(sector_guess.is_bright(np.abs(projection)), projection, 0.0)
+        in_light = np.where(contrast_look.is_bright(np.abs(projection)), projection, 0.0)
         return edge_motion.contradiction(in_light, self.rig, least_turn_rad=1 / max(projection.shape))
 
     def residuals(self, numbers: Mapping[str, float], sharp: Sequence[Sharp]) -> Array:
@@ -111,9 +113,11 @@ def of(
         field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.unevenness, *_FIELD_PRIORS)),
         lens_terms=lens.terms,
     )
+    begin: dict[str, float] = {}
     if known is not None:
-        seen = [sector_image.turned(look, numbers_of(known), view=view) for look in seen]
-        seen = [_swayed(look, known, view=view) for look in seen]
+        begin = sector_image.met(seen[0], numbers_of(known), view=view)
+        seen = [sector_image.turned(look, begin, view=view) for look in seen]
+        seen = [_swayed(look, known, view=view, turn_rad=begin["turn_rad"]) for look in seen]
     imperfect = complex(FIRST_SCATTER) if known is None else _imperfect(known)
     u_dn = [
         np.hypot(look.u_dn, imperfect.real * look.full_dn) + 1j * np.hypot(look.u_dn, imperfect.imag * look.full_dn)
@@ -126,13 +130,14 @@ def of(
         lens=lens,
         name=first.name,
         rig=rig,
+        begin=begin,
     )
 
 
-def _swayed(look: Look, known: SectorFit, *, view: View) -> Look:
+def _swayed(look: Look, known: SectorFit, *, view: View, turn_rad: float) -> Look:
     """The image with what numbers that are not known of the levels do to that of a sector, but for those that noise hides."""
     angle, _ = blurred_sector.pixel_places(known.shape, roi=view.roi)
-    angle = angle - known.turn_rad - look.turn_rad - look.omega * known.row_delay_s * view.rows
+    angle = angle - turn_rad - look.turn_rad - look.omega * known.row_delay_s * view.rows
     light = np.clip(known.model_contrast, 0, 1)
     shown = [one.at(light, angle) for one in look.unsteady]
     scale = look.full_dn / float(np.abs(look.table).mean())

@@ -39,8 +39,31 @@ def test_a_pixel_is_as_uncertain_as_its_noise_and_gain_along_its_phase_and_its_n
     assert later.u_dn[0][25, 7] == pytest.approx(np.hypot(noise_dn, full_dn) * (1 + 1j))
 
 
+def test_a_small_opening_in_a_wide_region_shows_what_its_pixels_do(camera, rows, rig_with):
+    """Oracle: by hand; 250 DN and 3 % of scatter in a twentieth of the pixels, 1 DN in all others, two of them stuck."""
+    random, size = np.random.default_rng(4), np.ones((camera.rows, camera.columns))
+    opening = np.zeros(size.shape, bool)
+    opening[10 : 10 + camera.rows // 4, 5 : 5 + camera.columns // 5] = True
+    size[opening] = 250 * random.normal(1, 0.03, opening.sum())
+    size[0, :2] = 4000
+    small = replace(rows, contrast=replace(rows.contrast, projection_dn=size + 0j))
+    (look,) = sector_images.of([small], camera.model, rig=rig_with(), timing=camera.timing, known=None).seen
+    assert look.full_dn == pytest.approx(250, rel=0.01)
+
+
+def test_a_delay_that_is_not_right_yet_turns_each_image_by_its_own_angle(camera, rows, brute_rows, rig_with, sector_of):
+    """Oracle: 1 ms at 3 and at 7 turns a second, less than the camera's delay; what the fit before took for the turn is of no matter."""
+    other = brute_rows(replace(camera, rate_hz=7.0), noise_dn=NOISE_DN, seed=7)
+    later = {name: camera.timing[name] + 1e-3 * (name in EDGE_DELAYS) for name in camera.timing}
+    known = sector_of(camera, turn_rad=0.1, row_delay_s=camera.row_delay_s)
+    images = sector_images.of([rows, other], camera.model, rig=rig_with(), timing=later, known=known)
+    first, second = images.begin["turn_rad"], images.begin["turn_rad"] + images.seen[1].turn_rad
+    assert first == pytest.approx(-2 * np.pi * 3.0 * 1e-3, abs=1e-3)
+    assert second == pytest.approx(-2 * np.pi * 7.0 * 1e-3, abs=1e-3)
+
+
 def test_what_an_unknown_gain_does_to_the_image_turns_with_it(camera, rows, rig_with, sector_of):
-    """Oracle: points in the time domain, one for each pixel in the light, seen with another gain; a turn of 0.2 rad."""
+    """Oracle: points in the time domain, one for each pixel in the light, seen with another gain; an image turned by 0.2 rad."""
     turn_rad, wave = 0.2, np.cos(4 * camera.omega * 0.033 * np.arange(400) + 1.0)
     late_rad = camera.omega * np.array([camera.timing[name] for name in EDGE_DELAYS])
     told = FoundInSums(
@@ -50,9 +73,11 @@ def test_what_an_unknown_gain_does_to_the_image_turns_with_it(camera, rows, rig_
     lit = np.argwhere(camera.light[1].sum(axis=0) > 0.99)[::20]
     light = np.zeros((camera.rows, camera.columns))
     light[tuple(lit.T)] = 1.0
+    projection_dn = rows.contrast.projection_dn * np.exp(2j * turn_rad)
     (look,) = sector_images.of(
-        [replace(rows, contrast=replace(rows.contrast, in_sums=told))], camera.model, rig=rig_with(),
-        timing=camera.timing, known=sector_of(camera, model_contrast=light, turn_rad=turn_rad),
+        [replace(rows, contrast=replace(rows.contrast, in_sums=told, projection_dn=projection_dn))], camera.model,
+        rig=rig_with(), timing=camera.timing,
+        known=sector_of(camera, model_contrast=light, row_delay_s=camera.row_delay_s),
     ).seen  # fmt: skip
     theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks) + camera.gate_rad - camera.centre_rad
     expected = np.zeros(light.shape, complex)
