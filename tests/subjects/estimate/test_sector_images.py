@@ -52,7 +52,7 @@ def test_a_small_opening_in_a_wide_region_shows_what_its_pixels_do(camera, rows,
 
 
 def test_a_delay_that_is_not_right_yet_turns_each_image_by_its_own_angle(camera, rows, brute_rows, rig_with, sector_of):
-    """Oracle: 1 ms at 3 and at 7 turns a second, less than the camera's delay; what the fit before took for the turn is of no matter."""
+    """Oracle: 1 ms at 3 and at 7 turns a second; what the fit before took for the turn is of no matter."""
     other = brute_rows(replace(camera, rate_hz=7.0), noise_dn=NOISE_DN, seed=7)
     later = {name: camera.timing[name] + 1e-3 * (name in EDGE_DELAYS) for name in camera.timing}
     known = sector_of(camera, turn_rad=0.1, row_delay_s=camera.row_delay_s)
