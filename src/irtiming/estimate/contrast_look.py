@@ -57,10 +57,9 @@ class Look:
 
     ``table`` (16384,) is the projection of a point of light over its polar angle from the bisector, made with the weights of
     the recordings; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel wholly in the light, roughly.
-    ``own_phase`` tells that the image's phase is taken from itself: delay, lag and angle errors turn the wheel at each speed by
-    another angle, and the turn among the numbers is that of the first image; ``turn_rad`` is by how much this one's differs, as
-    far as known. ``unsteady`` are the numbers that are not known of the levels, ``swayed`` is what
-    they do to the image of a sector that is known, each of the region's shape; empty while none is.
+    ``turn`` is the name of the number by which the wheel is turned in this image: delay, lag and angle errors turn it at each
+    speed by another angle. ``unsteady`` are the numbers that are not known of the levels, ``swayed`` is what they do to the image
+    of a sector that is known, each of the region's shape; empty while none is.
     """
 
     projection: ComplexArray
@@ -68,8 +67,7 @@ class Look:
     table: ComplexArray
     omega: float
     full_dn: float
-    own_phase: bool = False
-    turn_rad: float = 0.0
+    turn: str = "turn_rad"
     unsteady: tuple[Unsteady, ...] = ()
     swayed: tuple[ComplexArray, ...] = ()
 
@@ -192,7 +190,7 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
                 table=table,
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.median(size[is_bright(size)])),
-                own_phase=bool(found),
+                turn=f"turn_{len(found)}_rad" if found else "turn_rad",
                 unsteady=tuple(unsteady),
             )
         )

@@ -1,5 +1,6 @@
 """The exact model fitted to one recording: from row sums to its numbers by name, and their covariance."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -36,6 +37,7 @@ _SIGNIFICANT = 3.0  # standard uncertainties from which a filter is undone, a bl
 _BLOCK = 256  # frames whose scores are made together
 _RANK = 1e-6  # relative: amounts of a sway that timing nearly takes over count as determined so well, and hardly move
 _NONE = 1e-300
+_RESOLVED = 1e-3  # of a turn: a window that does something to the frames
 _UNDETERMINED = 0.25  # relative standard uncertainty from which the frames say less of a window than the recording does
 
 
@@ -207,12 +209,7 @@ def _solved(task: _Task, start: RowTimingFit | None, *, is_searched: bool) -> tu
     decided already.
     """
     if start is not None:
-        whole = completed(start.timing)
-        begin = {name: whole[name] for name in task.model.names}
-        found = row_timing.solve(
-            task.data, task.model, start=begin, signs=task.signs, held=start.held, is_searched=is_searched
-        )
-        return found, start.held
+        return _solved_from(task, start, is_searched=is_searched)
     found = row_timing.solve(task.data, task.model, signs=task.signs, held=task.stated)
     if _WINDOW not in task.model.names:
         return found, {}
@@ -221,6 +218,28 @@ def _solved(task: _Task, start: RowTimingFit | None, *, is_searched: bool) -> tu
     held = {_WINDOW: window_s} if u_s > _UNDETERMINED * window_s else {}
     again = row_timing.solve(task.data, task.model, start={**found.timing, _WINDOW: window_s}, held=held)
     return replace(again, began=found.began, n_steps=found.n_steps + again.n_steps), held
+
+
+def _solved_from(task: _Task, start: RowTimingFit, *, is_searched: bool) -> tuple[Solution, Timing]:
+    """The same from an earlier fit on, whose decision stays unless its window has become shorter than any that frames tell."""
+    whole = completed(start.timing)
+    begin = {name: whole[name] for name in task.model.names}
+    found = row_timing.solve(
+        task.data, task.model, start=begin, signs=task.signs, held=start.held, is_searched=is_searched
+    )
+    shortest_s = _shortest_s(task, found) if _WINDOW in found.minimum.free else 0.0
+    if abs(found.timing.get(_WINDOW, 0.0)) >= shortest_s:
+        return found, start.held
+    held = {**start.held, _WINDOW: shortest_s}
+    again = row_timing.solve(task.data, task.model, start={**found.timing, **held}, held=held)
+    return replace(again, rival=found.rival, n_steps=found.n_steps + again.n_steps), held
+
+
+def _shortest_s(task: _Task, found: Solution) -> float:
+    """Length of the window that is as long as its own uncertainty by the frames, s: what it does goes as its square."""
+    at_s = max(abs(found.timing[_WINDOW]), _RESOLVED * TURN / task.model.angular_frequency_rad_per_s)
+    u_s = row_timing.uncertainty(task.data, task.model, timing={**found.timing, _WINDOW: at_s}, name=_WINDOW)
+    return math.sqrt(at_s * min(u_s, at_s))
 
 
 def likelihood(

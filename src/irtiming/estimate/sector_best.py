@@ -53,7 +53,7 @@ def searched(
         If the image shows no sector.
     """
     stays = (*images.lens.held, *WARP_NUMBERS, *held)
-    free = [name for name in NUMBERS if name not in stays]
+    free = [name for name in (*NUMBERS, *(look.turn for look in images.seen[1:])) if name not in stays]
     found = sector_search.searched(Misfit(at=images.at, sharp=images.sharp), begin, free=free, gain=gain, slopes=slopes)
     numbers, residual = {**begin, **dict(zip(free, map(float, found.x), strict=True))}, np.asarray(found.fun)
     sector_limits.check(numbers, images.name, sense=images.sense)

@@ -83,8 +83,8 @@ def half_way(
 ) -> SectorFit:  # fmt: skip
     """The middle between an earlier fit and the one from there on: images and rows that go to and fro meet there; see `fit`."""
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    best, before = _from(images, start, held=_held(recordings[0]), slopes=slopes), numbers_of(start)
-    middle = {name: (before[name] + value) / 2 for name, value in best.numbers.items()}
+    best = _from(images, start, held=_held(recordings[0]), slopes=slopes)
+    middle = {name: (images.begin[name] + value) / 2 for name, value in best.numbers.items()}
     return _as_it_is(images, replace(best, numbers=middle), start=start)
 
 
@@ -149,7 +149,10 @@ def _from(
 
 
 def _first_guess(images: Images) -> dict[str, float]:
-    return sector_guess.first_guess(images.seen[0], images.view) | images.lens.start
+    first, *others = images.seen
+    return sector_images.turned(
+        others, sector_guess.first_guess(first, images.view) | images.lens.start, view=images.view
+    )
 
 
 def _as_it_is(images: Images, best: Best, *, start: SectorFit | None) -> SectorFit:
@@ -181,7 +184,7 @@ def variations(
     One for each number that may be off, in the order of its covariance.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=found)
-    numbers = numbers_of(found)
+    numbers = {**images.begin, **numbers_of(found)}
     return tuple(in_threads.mapped(lambda name: _varied(images, found, numbers, name=name), found.names))
 
 

@@ -7,7 +7,7 @@ it need not be as warm as the wheel; and a smooth field over the ring, since the
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
@@ -274,7 +274,7 @@ def _lit(points: LightPoints, looks: Sequence[Look], numbers: Mapping[str, float
 
 def _turns(look: Look, numbers: Mapping[str, float]) -> tuple[float, float]:
     """By how much the wheel has turned when row 0 is read, and from row to row, rad."""
-    return numbers["turn_rad"] + look.turn_rad, look.omega * numbers["row_delay_s"]
+    return numbers[look.turn], look.omega * numbers["row_delay_s"]
 
 
 def _sharp(
@@ -301,35 +301,26 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     sector = blurred_sector.with_glare(made.sector, shape) * made.read
     size = np.abs(made.point)
     back = made.point.conj() / size
-    own = np.angle(np.vdot(sector[view.good], look.projection[view.good])) if look.own_phase else 0.0
     ring = _ring(shape, numbers, radius=made.radius, blur_px=made.along_px)
-    turned_back = back * np.exp(-1j * own)
     return _Parts(
         lit=sector * back,
         ring=_shown(look, made, shape, ring=ring, roi=view.roi) * back,
         covered=ring[0] + ring[1],
-        seen=look.projection * turned_back,
+        seen=look.projection * back,
         size=size,
-        swayed=tuple(one * turned_back for one in look.swayed),
+        swayed=tuple(one * back for one in look.swayed),
     )
 
 
 def met(look: Look, numbers: Mapping[str, float], *, view: View) -> dict[str, float]:
-    """The numbers with the turn of this image: it goes with the delay that the image is taken to have been made with."""
-    return {**numbers, "turn_rad": numbers["turn_rad"] + _turn_beside_rad(look, numbers, view=view)}
+    """The numbers with the turn that this image has, as the mean phase of its light says.
 
-
-def turned(look: Look, numbers: Mapping[str, float], *, view: View) -> Look:
-    """The image with what its phase says of its own turn, if it has one."""
-    if not look.own_phase:
-        return look
-    return replace(look, turn_rad=look.turn_rad + _turn_beside_rad(look, numbers, view=view))
-
-
-def _turn_beside_rad(look: Look, numbers: Mapping[str, float], *, view: View) -> float:
-    """By how much the image is turned beside a sector of these numbers, as the mean phase of its light says."""
-    parts = _parts(replace(look, own_phase=False), numbers, view)
-    return float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good]))) / 2
+    It goes with the delay that the image is taken to have been made with.
+    """
+    begin = {look.turn: 0.0, **numbers}
+    parts = _parts(look, begin, view)
+    beside = float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good]))) / 2
+    return {**begin, look.turn: begin[look.turn] + beside}
 
 
 def _shown(

@@ -39,7 +39,7 @@ class Images:
     """Contrast images, one per wheel speed, the region, and uncertainties along (real) and across each pixel's phase, DN.
 
     ``lens`` is what is known of it beforehand, ``name`` that of the first recording, ``rig`` what is stated of rotation and mask,
-    ``begin`` the numbers of the earlier fit, with the turn that the first image has by now; none without one.
+    ``begin`` the numbers of the earlier fit, with the turn that each image has by now; none without one.
     """
 
     seen: list[Look]
@@ -115,9 +115,8 @@ def of(
     )
     begin: dict[str, float] = {}
     if known is not None:
-        begin = sector_image.met(seen[0], numbers_of(known), view=view)
-        seen = [sector_image.turned(look, begin, view=view) for look in seen]
-        seen = [_swayed(look, known, view=view, turn_rad=begin["turn_rad"]) for look in seen]
+        begin = turned(seen, numbers_of(known), view=view)
+        seen = [_swayed(look, known, view=view, turn_rad=begin[look.turn]) for look in seen]
     imperfect = complex(FIRST_SCATTER) if known is None else _imperfect(known)
     u_dn = [
         np.hypot(look.u_dn, imperfect.real * look.full_dn) + 1j * np.hypot(look.u_dn, imperfect.imag * look.full_dn)
@@ -137,11 +136,19 @@ def of(
 def _swayed(look: Look, known: SectorFit, *, view: View, turn_rad: float) -> Look:
     """The image with what numbers that are not known of the levels do to that of a sector, but for those that noise hides."""
     angle, _ = blurred_sector.pixel_places(known.shape, roi=view.roi)
-    angle = angle - turn_rad - look.turn_rad - look.omega * known.row_delay_s * view.rows
+    angle = angle - turn_rad - look.omega * known.row_delay_s * view.rows
     light = np.clip(known.model_contrast, 0, 1)
     shown = [one.at(light, angle) for one in look.unsteady]
     scale = look.full_dn / float(np.abs(look.table).mean())
     return replace(look, swayed=tuple(one for one in shown if np.linalg.norm(one) * scale > _HIDDEN * look.u_dn))
+
+
+def turned(seen: Sequence[Look], numbers: Mapping[str, float], *, view: View) -> dict[str, float]:
+    """The numbers with the turn that each image has."""
+    found = dict(numbers)
+    for look in seen:
+        found = sector_image.met(look, found, view=view)
+    return found
 
 
 def numbers_of(found: SectorFit) -> dict[str, float]:

@@ -50,7 +50,7 @@ SCALES: Mapping[str, float] = dict.fromkeys(NUMBERS, 1.0) | {
     "ring_outer_px": 2.0,
     "plate_reflection": 0.3,
 }
-"""Of each number, roughly: by so much it is likely to move."""
+"""Of each number, roughly: by so much it is likely to move; see `scale`."""
 LIMITS: Mapping[str, tuple[float, float]] = {
     "inner_radius_px": (0.0, np.inf),
     "ring_inner_px": (0.0, np.inf),
@@ -95,6 +95,11 @@ class Slopes:
     names: tuple[str, ...] = ()
 
 
+def scale(name: str) -> float:
+    """By how much a number is likely to move, roughly."""
+    return SCALES["turn_rad" if name.startswith("turn_") else name]
+
+
 def searched(
     misfit: Misfit, start: Numbers, *, free: Sequence[str], gain: float, slopes: Slopes | None = None
 ) -> OptimizeResult:
@@ -125,15 +130,15 @@ def searched(
 def _search(
     misfit: Misfit, start: Numbers, *, free: Sequence[str], gain: float, slopes: Slopes | None
 ) -> OptimizeResult:
-    scale = np.array([SCALES[name] for name in free])
+    scales = np.array([scale(name) for name in free])
     low, high = np.array([LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scale, high=high, kept=slopes or Slopes())
-    begin = np.clip([start[name] for name in free], low + _INWARD * scale, high - _INWARD * scale)
+    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scales, high=high, kept=slopes or Slopes())
+    begin = np.clip([start[name] for name in free], low + _INWARD * scales, high - _INWARD * scales)
     return least_squares(
         course.residuals,
         begin,
         jac=course.slopes,
-        x_scale=scale,
+        x_scale=scales,
         bounds=(low, high),
         max_nfev=_MOST_EVALUATIONS,
         ftol=gain / course.residuals(begin).size,

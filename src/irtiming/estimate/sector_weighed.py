@@ -10,7 +10,7 @@ from irtiming.estimate.lens_and_tilt import ImageWord
 from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import APART, Sharp
 from irtiming.estimate.sector_images import N_PRIORS, Images
-from irtiming.estimate.sector_search import LIMITS, SCALES
+from irtiming.estimate.sector_search import LIMITS, scale
 from irtiming.inference import in_threads
 from irtiming.inference.lens_knowledge import N_KNOWN
 from irtiming.inference.weighed_lens import SLIGHT
@@ -71,7 +71,7 @@ def weighed(images: Images, best: Best) -> Weighed:
 
 def _slope(images: Images, best: Best, name: str, *, sharp: list[Sharp]) -> Array:
     """What a number does to the residual, per unit, shape (m,), from either side of it where it is not at a limit."""
-    step = _WARP_STEP_PX if name in WARP_NUMBERS else _STEP * SCALES[name]
+    step = _WARP_STEP_PX if name in WARP_NUMBERS else _STEP * scale(name)
     low, high = LIMITS.get(name, (-np.inf, np.inf))
     ends = [best.numbers | {name: min(max(best.numbers[name] + way * step, low), high)} for way in (-1, 1)]
     behind, ahead = (images.residuals(one, sharp if name in APART else images.sharp(one)) for one in ends)

@@ -205,6 +205,17 @@ def test_phases_of_two_speeds_may_differ(camera, brute_rows, rig_with):
     assert found.reduced_chi_square < 2
 
 
+@pytest.mark.parametrize("off_s", [0.0, 2e-3])
+def test_images_of_two_speeds_tell_the_row_delay_whatever_the_delay(camera, lag, brute_rows, rig_with, off_s):
+    """Oracle: the camera's row delay, and its axle; each image is turned by its own angle, in all orders of the wheel."""
+    recordings = [brute_rows(replace(camera, rate_hz=rate), noise_dn=6.0, seed=int(rate)) for rate in (1.5, 7.53)]
+    found, later = None, {name: lag[name] + off_s * (name in EDGE_DELAYS) for name in lag}
+    for _ in range(4):
+        found = sector_fit.fit(recordings, camera.model, rig=rig_with(), timing=later, start=found)
+    assert abs(found.row_delay_s - camera.row_delay_s) < 3 * found.u_row_delay_s < 3e-6
+    assert abs(found.shape.axle_column_px - camera.axle[1]) < 3 * found.u("axle_column_px")
+
+
 @pytest.mark.parametrize(
     ("fit", "n_before", "refused"),
     [("fit", 1, False), ("fit", 2, False), ("fit", 3, True), ("settled", 1, True), ("fit_row_by_row", 1, True)],

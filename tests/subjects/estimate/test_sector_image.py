@@ -203,7 +203,7 @@ def test_first_guess_is_of_the_opening_whatever_swings_beside_it(camera, brute_r
     (look,) = contrast_look.looks([brute_rows(camera)], camera.model, timing=lag)
     view, numbers = _view(brute_rows(camera)), _numbers(camera)
     angle, radius = blurred_sector.pixel_places(view.shape(numbers), roi=view.roi)
-    swings = look.values(angle - numbers["turn_rad"] - look.turn_rad)
+    swings = look.values(angle - numbers["turn_rad"])
     highest, room = np.abs(swings).max(), 40
     plate = np.where((radius > numbers["ring_inner_px"]) & (np.abs(angle) > 0.7), -0.25 * swings, 0.0)
     shown = np.pad(
@@ -282,7 +282,7 @@ def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera
     down, right = row[:, None] - shape.axle_row_px, column - shape.axle_column_px
     radius, angle = np.hypot(down, right), np.arctan2(down, right) - shape.bisector_rad
     there = (radius > numbers["ring_inner_px"]) & (radius < numbers["ring_outer_px"])
-    light = there * look.values(angle - numbers["turn_rad"] - look.turn_rad)
+    light = there * look.values(angle - numbers["turn_rad"])
     astray = gaussian_filter(light, fine * 3.0, mode="constant")
     stays = gaussian_filter(light, fine * np.hypot(shape.blur_px, 12**-0.5), mode="constant")
     at = np.ix_(*(_nodes_at(ends, beyond, fine) for ends in (view.rows[:, 0], view.columns[0])))
