@@ -239,7 +239,7 @@ def _shortest_s(task: _Task, found: Solution) -> float:
     """Length of the window that is as long as its own uncertainty by the frames, s: what it does goes as its square."""
     at_s = max(abs(found.timing[_WINDOW]), _RESOLVED * TURN / task.model.angular_frequency_rad_per_s)
     u_s = row_timing.uncertainty(task.data, task.model, timing={**found.timing, _WINDOW: at_s}, name=_WINDOW)
-    return math.sqrt(at_s * min(u_s, at_s))
+    return math.sqrt(at_s * u_s) if math.isfinite(u_s) else at_s
 
 
 def likelihood(

@@ -281,12 +281,12 @@ OTHERS = {
 }  # fmt: skip
 
 
-def _fitted(camera, brute_rows, sector_of, **options):
+def _fitted(camera, brute_rows, sector_of, *, start=None, **options):
     """Fit of the camera's rows in the light of its own sector."""
     rows = brute_rows(camera, **options)
     order = 256 if camera.camera_type == "photon" else HARMONICS
     light = row_light.row_light(rows.rows.row_px, sector_of(camera), n_harmonics=order)
-    return row_fit.fit(rows, camera.model, light=light)
+    return row_fit.fit(rows, camera.model, light=light, start=start)
 
 
 @pytest.mark.parametrize("kind", list(OTHERS))
@@ -325,6 +325,31 @@ def test_a_window_that_nobody_states_is_held_where_it_was_found(brute_bolometer,
     assert set(fit.held) == {"integration_time"}
     assert np.all(np.abs(fit.edge_delay_s - 2.3e-3) < 4 * fit.estimate.standard_uncertainties[:4])
     assert np.all(np.isfinite(fit.estimate.covariance))
+
+
+def test_a_window_that_has_become_too_short_is_held_at_the_shortest_that_frames_tell(
+    brute_bolometer, brute_rows, sector_of
+):
+    """Oracle: the law that a window acts by its square, so that the deviance rises by a quarter up to one as long as its u.
+
+    An earlier fit, of other frames, had taken the window for 8 ms.
+    """
+    long, short = (brute_bolometer(camera_type="photon", integration_time_s=one) for one in (8e-3, 1e-6))
+    before = _fitted(long, brute_rows, sector_of, noise_dn=6.0)
+    assert before.held == {}
+    rows = brute_rows(short, noise_dn=60.0, seed=3)
+    light = row_light.row_light(rows.rows.row_px, sector_of(short), n_harmonics=256)
+    fit = row_fit.fit(rows, short.model, light=light, start=before)
+    assert set(fit.held) == {"integration_time"}
+    assert row_fit.fit(rows, short.model, light=light, start=fit).held == fit.held
+    assert np.all(np.abs(fit.edge_delay_s - 2.3e-3) < 4 * fit.estimate.standard_uncertainties[:4])
+    likelihood = row_fit.likelihood(rows, short.model, light=light, before=fit)
+    start, shortest_s = {name: fit.timing[name] for name in before.estimate.names}, fit.held["integration_time"]
+    none, there, twice = (
+        minimise(likelihood, start=start | {"integration_time": one}, held=("integration_time",)).at.deviance
+        for one in (1e-6, shortest_s, 2**0.5 * shortest_s)
+    )
+    assert twice - 2 * there + none == pytest.approx(2 * 0.25, rel=0.2)
 
 
 def test_a_window_that_frames_tell_is_their_own(brute_bolometer, brute_rows, sector_of):
