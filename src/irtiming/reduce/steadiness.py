@@ -6,6 +6,7 @@ the wave with which the two cutouts pass tells when. A phase needs no model of w
 where it is.
 """
 
+import math
 from dataclasses import dataclass
 from typing import final
 
@@ -27,6 +28,7 @@ _ORDERS = (1, 2, 3, *range(4, 17, 2))  # waves a turn: of two cutouts, and what 
 _CORNERS = tuple(
     range(18, 49, 2)
 )  # what the corners of the slopes add: of the whole run, since a part has too few frames for them
+_ODD = tuple(range(5, 50, 2))  # what cutouts that differ add beside the first and third wave: at most 3/m of these
 _FRAMES_PER_NUMBER = 3
 _FAR = 6.0  # standard uncertainties, which take for noise what waves of higher order leave; by chance never
 _OUTLIER = 6.0
@@ -66,29 +68,55 @@ def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
     parts = np.array_split(known, n_parts)
     if parts[-1].size < _FRAMES_PER_NUMBER * (2 * len(_ORDERS) + 2):
         return None
+    if _is_slow(wheel_angle_rad[known], len(parts[-1])):
+        return None
     if not passing_wave.is_told(wheel_angle_rad, parts, orders=_ORDERS):
         return None
-    light_dn = _without_corners(light_dn, wheel_angle_rad, known=known)
-    found = [_phase(light_dn[part], wheel_angle_rad[part]) for part in parts]
+    light_dn, odd_left = _without_others(light_dn, wheel_angle_rad, known=known)
+    found = [_phase(light_dn[part], wheel_angle_rad[part], odd_left=odd_left) for part in parts]
     waves, u_rad = np.array([wave for wave, _ in found]), np.array([u for _, u in found])
     middle = np.sum(waves / np.abs(waves))
     angle_rad = -np.angle(waves / middle) / PASSING
     return Lateness(first_frame=tuple(int(part[0]) for part in parts), angle_rad=angle_rad, u_rad=u_rad)
 
 
-def _without_corners(light: Array, angle: Array, *, known: Ticks) -> Array:
-    columns = passing_wave.waves(angle[known], _ORDERS + _CORNERS)
+def _is_slow(angle: Array, n_frames: int) -> bool:
+    """Whether the passing wave, or the doubled one, beats with the frames in fewer than three periods in so many frames.
+
+    Then an offset or a gain that sways as slowly looks like light that comes later.
+    """
+    step = float(np.median(np.diff(angle))) / TURN
+    beats = [abs(order * step - round(order * step)) * n_frames for order in (PASSING, 2 * PASSING)]
+    return min(beats) < _FEWEST_TURNS
+
+
+def _without_others(light: Array, angle: Array, *, known: Ticks) -> tuple[Array, Array]:
+    """The light less its corners and odd waves, as the whole run tells them, and covariance of the odd ones that are left, DN^2.
+
+    An odd wave is known beforehand to be no more than 3/m of the first and third.
+    """
+    columns, odd = (passing_wave.waves(angle[known], orders) for orders in (_ORDERS + _CORNERS, _ODD))
     found = np.linalg.lstsq(columns, light[known], rcond=None)[0]
+    left = light[known] - columns @ found
+    low = [found[2 + 2 * k : 4 + 2 * k] for k, order in enumerate(_ORDERS) if order % 2]
+    prior = np.repeat(3 / np.array(_ODD), 2) * np.linalg.norm(low) / math.sqrt(2)
+    odd = odd[:, 2:] * prior
+    shared = np.linalg.lstsq(columns, odd, rcond=None)[0]
+    own, noise = odd - columns @ shared, max(robust.spread(left), float(np.finfo(float).tiny) ** 0.5)
+    covariance = np.linalg.inv(np.eye(len(prior)) + own.T @ own / noise**2)
+    amounts = covariance @ (own.T @ left) / noise**2
     first = columns.shape[1] - 2 * len(_CORNERS)
     less = np.full(light.size, np.nan)
-    less[known] = light[known] - columns[:, first:] @ found[first:]
-    return less
+    less[known] = light[known] - columns[:, first:] @ (found - shared @ amounts)[first:] - odd @ amounts
+    return less, covariance * np.outer(prior, prior)
 
 
-def _phase(light: Array, angle: Array) -> tuple[complex, float]:
+def _phase(light: Array, angle: Array, *, odd_left: Array) -> tuple[complex, float]:
     """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part.
 
     A gain that sways mixes waves: where frames visit the wheel's angles in a slow pattern, all that it leaves is alike for long.
+    And where they do so by nearly whole parts of a turn, waves of odd order look like the passing one: ``odd_left`` is the
+    covariance of what the whole run leaves of them.
     """
     columns = passing_wave.waves(angle, _ORDERS)
     kept = np.ones(light.size, bool)
@@ -104,9 +132,11 @@ def _phase(light: Array, angle: Array) -> tuple[complex, float]:
     white = float(np.sum(left[kept] ** 2)) / n_left * np.trace(normal[at, at])
     moved = (columns[kept] @ normal[:, at]) * left[kept, None]
     swayed = np.trace(hac_covariance(moved, n_neighbours=n_kept // _SWAYS, is_circular=False)) * n_kept / n_left
+    taken = normal[at] @ columns[kept].T @ passing_wave.waves(angle[kept], _ODD)[:, 2:]
+    passed_on = float(np.trace(taken @ odd_left @ taken.T))
     wave = complex(*(found[at] * (1, -1)))
     size = max(abs(wave), float(np.finfo(float).tiny))
-    return wave or 1.0, float(np.sqrt(max(white, swayed) / 2)) / size / PASSING
+    return wave or 1.0, float(np.sqrt((max(white, swayed) + passed_on) / 2)) / size / PASSING
 
 
 def findings(angles: FrameAngles, rig: Rig, *, light_dn: Array) -> tuple[Finding, ...]:

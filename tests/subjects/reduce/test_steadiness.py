@@ -107,6 +107,26 @@ def test_a_gain_that_sways_over_a_slow_pattern_of_angles_is_no_lateness():
     assert doubted == 0
 
 
+@pytest.mark.parametrize("step", [1 / 11 + 1.9e-4, 2 / 19 - 1.5e-4])
+def test_cutouts_that_differ_are_no_lateness_where_their_waves_look_like_the_passing_one(step):
+    """Oracle: nothing was changed; one cutout is 2 degrees wider. After 11 or 19 frames an odd wave looks like the second."""
+    angle, places = TURN * step * np.arange(500), np.radians(50) * (np.arange(2000) / 2000 - 0.5)
+    at = np.mod(angle[:, None] - places, TURN)
+    light = ((at < TURN / 4 + np.radians(2)) | ((at >= TURN / 2) & (at < 3 * TURN / 4))).mean(axis=1)
+    light += np.random.default_rng(3).normal(0, 1e-3, light.size)
+    late = steadiness.lateness(light, angle)
+    assert np.all(np.abs(late.angle_rad) < 2 * late.u_rad)
+    assert np.all(late.u_rad < 5e-4)
+    assert _found(light, angle) == ()
+
+
+def test_frames_that_see_the_passing_wave_or_its_double_slowly_are_not_asked():
+    """Oracle: by hand; 0.748 turns a frame are 2.992 double waves: one period in 125 frames, and three in 375."""
+    angle = TURN * 0.748 * np.arange(1500)
+    assert steadiness.lateness(_light(angle[:500]), angle[:500]) is None
+    assert steadiness.lateness(_light(angle), angle).u_rad.max() < 1e-3
+
+
 @pytest.mark.parametrize(("n_turns", "n_parts"), [(5.9, None), (6.1, 2), (9.1, 3), (12.1, 4), (81.3, 4)])
 def test_a_part_has_three_turns_at_least(n_turns, n_parts):
     """Oracle: by hand; so many threes in the turns of the run, four at most, and a part alone has nothing to be late against."""
