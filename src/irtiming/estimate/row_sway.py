@@ -17,6 +17,7 @@ from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.row_timing import RowTimingFit, Sway
 
 _FEWEST_FRAMES = 24  # of a stretch: offset, gain and one number more, at eight frames for each
+_SHORTEST = 40  # frames per interval of a spline: all rows of a frame together tell a sway better than one sum does
 _SPANNED = 1e-9  # relative: less than this of a column's square is rounding
 _LOOKS = 2
 _DAMPED, _LEAST_DAMPED = (
@@ -57,7 +58,12 @@ def chosen(fit: RowTimingFit, *, trigger_ticks: Ticks, segment: Ticks, pixels: A
             place = trigger_ticks / max(1, int(np.ptp(trigger_ticks[kept])))
             place = place - place[kept][0]
             found = drifting_levels.choose(
-                measured[own], moving[own], shapes=np.zeros((own.sum(), 0)), place=place[kept], beside=True
+                measured[own],
+                moving[own],
+                shapes=np.zeros((own.sum(), 0)),
+                place=place[kept],
+                shortest=_SHORTEST,
+                beside=True,
             )
             offsets.append(_over_all(found.drift, place, kept=kept, part=part))
             gains.append(_over_all(found.gain, place, kept=kept, part=part))

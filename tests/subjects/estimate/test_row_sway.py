@@ -56,6 +56,16 @@ def test_a_sway_is_found_to_the_noise():
     assert found.n_looks == 1
 
 
+def test_a_sway_that_is_fast_for_a_short_stretch_is_followed_where_noise_is_small():
+    """Oracle: the gain that made the sums, 1 % up and down in 70 of 240 frames; a thirtieth of it is left."""
+    stretch = np.arange(N) < 240
+    gain = 0.01 * np.sin(2 * np.pi * np.arange(N) / 70 + 0.4) * stretch
+    fit = _fit(gain, np.zeros(N), noise=3e-4, kept=stretch)
+    found = row_sway.chosen(fit, trigger_ticks=TICKS, segment=np.where(stretch, 0, 1), pixels=PIXELS)
+    left = _centred(found.relative_gain[stretch] - gain[stretch])
+    assert np.sqrt(np.mean(left**2)) < 3e-4
+
+
 def test_each_stretch_between_shutter_events_has_its_own():
     """Oracle: as above; the mean of a stretch is the fit's affair, and a stretch of few frames is left alone."""
     segment = np.repeat([0, 1, 2], [240, 240, 20])
