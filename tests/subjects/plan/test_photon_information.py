@@ -51,7 +51,12 @@ def _second_blade(angle, width, sweep):
 
 def _bow(angle, sweep):
     """What light that is stronger at both ends adds: points of an opening, weighed with (3 u^2 - 1) / 2, at instants."""
-    added = np.zeros(angle.size)
+    return _bow_at(tuple(angle.tolist()), sweep)
+
+
+@cache
+def _bow_at(angles, sweep):
+    angle, added = np.array(angles), np.zeros(len(angles))
     for share in (np.arange(48) + 0.5) / 48:  # of the window; rows of points are shifted by the golden section
         u = (np.arange(8_000) + 48 * share * 0.618 % 1) / 4_000 - 1
         at = np.mod(MODEL.opening_coordinate_rad + angle[:, None] + sweep * share + GAMMA / 2 * u, TURN)
