@@ -73,7 +73,7 @@ def fit(
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     is_first = start is None or start.n_rounds < _STARTS
-    best = _from(images, start, held=_held(recordings[0]), slopes=slopes, is_first=is_first)
+    best = _from(images, held=_held(recordings[0]), slopes=slopes, is_first=is_first)
     return _as_it_is(images, best, start=start)
 
 
@@ -83,7 +83,7 @@ def half_way(
 ) -> SectorFit:  # fmt: skip
     """The middle between an earlier fit and the one from there on: images and rows that go to and fro meet there; see `fit`."""
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    best = _from(images, start, held=_held(recordings[0]), slopes=slopes)
+    best = _from(images, held=_held(recordings[0]), slopes=slopes)
     middle = {name: (images.begin[name] + value) / 2 for name, value in best.numbers.items()}
     return _as_it_is(images, replace(best, numbers=middle), start=start)
 
@@ -98,7 +98,7 @@ def settled(
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
     held = _held(recordings[0])
-    best = _from(images, start, held=held, slopes=slopes, gain=LAST)
+    best = _from(images, held=held, slopes=slopes, gain=LAST)
     last = sector_weighed.weighed(images, best)
     if last.beside_linear > _LINEAR:
         begin = best.numbers | {name: last.camera.value(name) for name in SLIGHT}
@@ -121,7 +121,7 @@ def fit_row_by_row(
     A search as rough as a first one, from where all else is settled: it is asked whether rows differ, and a step tells.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=start)
-    return _as_it_is(images, _from(images, start, held=(), slopes=slopes, gain=FIRST), start=start)
+    return _as_it_is(images, _from(images, held=(), slopes=slopes, gain=FIRST), start=start)
 
 
 def _held(recording: ReducedRecording) -> tuple[str, ...]:
@@ -130,14 +130,13 @@ def _held(recording: ReducedRecording) -> tuple[str, ...]:
 
 
 def _from(
-    images: Images, start: SectorFit | None, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False,
-    gain: float = BETWEEN,
-) -> Best:  # fmt: skip
+    images: Images, *, held: tuple[str, ...], slopes: Slopes | None, is_first: bool = False, gain: float = BETWEEN
+) -> Best:
     """Best numbers from an earlier fit on; from what the image shows without one, and then without lens and tilt.
 
     One of the first fits may have any lens.
     """
-    if start is None:
+    if not images.begin:
         begin = _first_guess(images)
         return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), gain=FIRST)
     best = sector_best.searched(images, begin=images.begin, held=held, gain=gain, slopes=slopes)

@@ -33,9 +33,9 @@ def waves(angle_rad: Array, orders: tuple[int, ...]) -> Array:
     return np.stack([np.ones(angle_rad.size), np.linspace(-1.0, 1.0, angle_rad.size), *every], axis=1)
 
 
-def place(orders: tuple[int, ...]) -> slice:
-    """Columns of the passing wave among `waves`."""
-    at = 2 + 2 * orders.index(PASSING)
+def place(orders: tuple[int, ...], *, order: int = PASSING) -> slice:
+    """Columns of one wave, the passing one, among `waves`."""
+    at = 2 + 2 * orders.index(order)
     return slice(at, at + 2)
 
 

@@ -95,19 +95,19 @@ def _without_others(light: Array, angle: Array, *, known: Ticks) -> tuple[Array,
 
     An odd wave is known beforehand to be no more than 3/m of the first and third.
     """
-    columns, odd = (passing_wave.waves(angle[known], orders) for orders in (_ORDERS + _CORNERS, _ODD))
-    found = np.linalg.lstsq(columns, light[known], rcond=None)[0]
+    columns, odd = passing_wave.waves(angle[known], _ORDERS + _CORNERS), passing_wave.waves(angle[known], _ODD)[:, 2:]
+    amounts = np.linalg.lstsq(columns, np.column_stack([light[known], odd]), rcond=None)[0]
+    found, shared = amounts[:, 0], amounts[:, 1:]
     left = light[known] - columns @ found
-    low = [found[2 + 2 * k : 4 + 2 * k] for k, order in enumerate(_ORDERS) if order % 2]
+    low = [found[passing_wave.place(_ORDERS, order=order)] for order in _ORDERS if order % 2]
     prior = np.repeat(3 / np.array(_ODD), 2) * np.linalg.norm(low) / math.sqrt(2)
-    odd = odd[:, 2:] * prior
-    shared = np.linalg.lstsq(columns, odd, rcond=None)[0]
+    odd, shared = odd * prior, shared * prior
     own, noise = odd - columns @ shared, max(robust.spread(left), float(np.finfo(float).tiny) ** 0.5)
     covariance = np.linalg.inv(np.eye(len(prior)) + own.T @ own / noise**2)
-    amounts = covariance @ (own.T @ left) / noise**2
+    seen = covariance @ (own.T @ left) / noise**2
     first = columns.shape[1] - 2 * len(_CORNERS)
     less = np.full(light.size, np.nan)
-    less[known] = light[known] - columns[:, first:] @ (found - shared @ amounts)[first:] - odd @ amounts
+    less[known] = light[known] - columns[:, first:] @ (found - shared @ seen)[first:] - odd @ seen
     return less, covariance * np.outer(prior, prior)
 
 

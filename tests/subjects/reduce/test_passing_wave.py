@@ -38,3 +38,5 @@ def test_the_passing_wave_stands_in_its_place():
     angle = np.array([0.0, TURN / 8, TURN / 4])
     found = passing_wave.waves(angle, ORDERS)[:, passing_wave.place(ORDERS)]
     np.testing.assert_allclose(found, [[1, 0], [0, 1], [-1, 0]], atol=1e-12)
+    third = passing_wave.waves(angle, ORDERS)[:, passing_wave.place(ORDERS, order=3)]
+    np.testing.assert_array_equal(third, np.stack([np.cos(3 * angle), np.sin(3 * angle)], axis=1))
