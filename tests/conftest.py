@@ -33,6 +33,11 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What runs whole programs comes first: at the end the small ones keep all processes busy."""
+    items.sort(key=lambda item: "round_trip" not in item.path.parts)
+
+
 @pytest.fixture(scope="session")
 def shared_recordings() -> Path:
     """Folder with example recordings of two cameras (cooled/, bolo/); tests skip where it is absent."""

@@ -13,7 +13,7 @@ data, :math:`t_y` the time by which the row is read after row 0, and one delay :
 edges need not stand where the ring's do.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
@@ -119,7 +119,8 @@ def unit(parameter: str, camera: Camera) -> str:
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     """Harmonics F_ym of each row, shape (n_row, M + 1)."""
     passed, kept = _response(rows, timing), _memory(rows, timing)[0]
-    straight = np.asarray(_observed(rows, timing, factor=passed * kept).sum(axis=0))
+    bare = _observed(rows, timing, edges=_edges(rows, timing), lights=_lights(rows, timing))
+    straight = np.asarray((bare * (passed * kept)).sum(axis=0))
     if rows.powers is None:
         return straight
     bends = bent_rows.bends(rows.powers, _edges(rows, timing).sum(axis=0) * passed)
@@ -156,11 +157,11 @@ def _straight(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]
     kept, kept_slope = _memory(rows, timing)
     passed = _response(rows, timing)
     slope = response.transfer_slope(omega, timing[response.PARAMETER], n_harmonics=n)
-    observed, bare = (_observed(rows, timing, factor=factor) for factor in (passed * kept, np.ones(n + 1)))
+    edges, lights = _edges(rows, timing), _lights(rows, timing)
+    bare = _observed(rows, timing, edges=edges, lights=lights)
+    observed = bare * (passed * kept)
     by_edge = observed * (1j * np.arange(n + 1) * omega)
-    warm = -_edges(rows, timing)[2:].sum(axis=0) * passed * kept
-    lights = [light for light in (rows.row_harmonics, rows.beside_harmonics) if light is not None]
-    by_blades = warm * np.array([_read(rows, timing, light) for light in lights])
+    by_blades = -edges[2:].sum(axis=0) * passed * kept * np.array(lights)
     by_blades = by_blades if rows.blades_apart else by_blades.sum(axis=0)[None]
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
     return np.asarray(observed.sum(axis=0)), np.concatenate([
@@ -174,15 +175,20 @@ def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
     return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
 
 
-def _observed(rows: RowSum, timing: Timing, *, factor: ComplexArray | Array) -> ComplexArray:
-    """What each edge adds to the rows as they are read, times a factor on the harmonics; shape (4, n_row, M + 1)."""
-    edges = (_edges(rows, timing) * factor)[:, None, :]
-    lit = edges * _read(rows, timing, rows.row_harmonics)
+def _lights(rows: RowSum, timing: Timing) -> list[ComplexArray]:
+    """Light of the rows as they are read, and what shows beside it where that is known, each of shape (n_row, M + 1)."""
+    known = [light for light in (rows.row_harmonics, rows.beside_harmonics) if light is not None]
+    return [_read(rows, timing, light) for light in known]
+
+
+def _observed(rows: RowSum, timing: Timing, *, edges: ComplexArray, lights: Sequence[ComplexArray]) -> ComplexArray:
+    """What each edge adds to the rows as they are read, without response and memory; shape (4, n_row, M + 1)."""
+    light, *others = lights
+    lit = edges[:, None, :] * light
     lit[2:] *= 1 - timing.get(BLADE, 0.0)
-    if rows.beside_harmonics is not None:
-        beside = timing.get(BESIDE if rows._is_apart else BLADE, 0.0)
-        lit[2:] -= beside * edges[2:] * _read(rows, timing, rows.beside_harmonics)
-    return np.asarray(lit)
+    for beside in others:
+        lit[2:] -= timing.get(BESIDE if rows._is_apart else BLADE, 0.0) * edges[2:, None, :] * beside
+    return lit
 
 
 def _read(rows: RowSum, timing: Timing, light: ComplexArray) -> ComplexArray:
