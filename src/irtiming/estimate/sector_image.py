@@ -60,9 +60,9 @@ class View:
 
     @cached_property
     def stand_ins(self) -> list[tuple[int, int, list[int]]]:
-        """Row and column of each dead pixel, and columns of the nearest good ones in its row: the row sums have their mean."""
+        """Row and column of each dead pixel in the sums, and columns of the nearest good ones in its row: their mean counts."""
         found = []
-        for row, column in np.argwhere(~self.good).tolist():
+        for row, column in np.argwhere(self.summed & ~self.good).tolist():
             left, right = np.flatnonzero(self.good[row, :column]), np.flatnonzero(self.good[row, column + 1 :])
             found.append((row, column, [*left[-1:].tolist(), *(column + 1 + right[:1]).tolist()]))
         return found
@@ -387,8 +387,8 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
 
 
 def _stood_in(value: Array, view: View) -> Array:
-    """A dead pixel has the mean of its stand-ins."""
-    out = value.copy()
+    """A dead pixel has the mean of its stand-ins, and is as it should be where it has none."""
+    out = np.where(view.good, value, 0.0)
     for row, column, beside in view.stand_ins:
         out[row, column] = value[row, beside].mean() if beside else 0.0
     return out

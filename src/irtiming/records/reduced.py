@@ -221,7 +221,7 @@ class ContrastImage:
     u_dn
         Standard uncertainty of the real and of the imaginary part of one pixel, DN.
     good
-        Shape (roi rows, roi columns); False for dead pixels.
+        Shape (roi rows, roi columns); False for dead pixels, beside the opening for those that are stuck.
     roi
         First row, end row, first column, end column, ends excluded.
     pairs

@@ -435,6 +435,18 @@ def test_phases_of_a_sector_err_together(camera):
     assert np.array_equal(across[0], across[1])
 
 
+def test_of_dead_pixels_those_that_are_summed_are_stood_in_for():
+    """Oracle: by hand; one of three summed pixels is dead, and one beside them that no sum has: its neighbour lends nothing."""
+    light, residual = np.array([[0.1, 0.5, 0.9, 0.7, 0.2]]), np.array([[9.0, 0.2, 9.0, 0.4, 0.1]])
+    summed = np.array([[False, True, True, True, False]])
+    good = np.array([[False, True, False, True, True]])
+    view = sector_image.View(
+        roi=(0, 1, 0, 5), image=(1, 5), good=good, summed=summed, mirrored=False, field_prior=0.1
+    )  # fmt: skip
+    assert sector_fit._borrowed(light, view) == pytest.approx(np.array([[0.0, 0.25, -0.9, 0.35, 0.0]]))
+    assert sector_image._stood_in(residual, view) == pytest.approx(np.array([[0.0, 0.2, 0.3, 0.4, 0.1]]))
+
+
 def test_light_counts_where_pixels_are_summed():
     """Oracle: by hand; of two pixels, one of them summed, all that a row's sum is made of is that of the one."""
     seen = SimpleNamespace(

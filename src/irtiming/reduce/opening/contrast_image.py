@@ -9,6 +9,8 @@ from irtiming.reduce.accumulators.projection import PairProjection, Projection
 from irtiming.reduce.nonuniformity import Correction
 from irtiming.reduce.opening import dead_rows, wheel_contrast
 
+_STUCK = 1e-4  # of the noise: a pixel that swings by less with any order of the wheel has none, nor do its level and gain sway
+
 
 def projection(
     wheel_angle_rad: Array, opening: Opening, *, share: Array | float = 1.0, trigger_ticks: Ticks | None = None
@@ -66,16 +68,18 @@ def of(
     """
     weight = projected.frame_weight
     within = correct.within(opening.roi)
-    value = projected.total * within.gain * 2 / weight.size - np.sum(weight * drift_dn)
+    own = projected.total * within.gain * 2 / weight.size
+    value = own - np.sum(weight * drift_dn)
     box = np.s_[slice(*opening.roi[:2]), slice(*opening.roi[2:])]
     u_still = wheel_contrast.noise_between_neighbours(value, ~opening.summed[box])
     dead = dead_rows.of(opening.bad)[slice(*opening.roi[:2])]
+    u_dn = noise_dn * float(np.sqrt(2 / weight.size)) if np.isnan(u_still) else u_still
     return ContrastImage(
         pairs=None if projected.pairs is None else _pairs(projected.pairs, within.gain, drift_dn),
         projection_dn=dead_rows.filled(value, dead),
         frame_weight=weight,
-        u_dn=noise_dn * float(np.sqrt(2 / weight.size)) if np.isnan(u_still) else u_still,
-        good=~opening.bad[box],
+        u_dn=u_dn,
+        good=~opening.bad[box] & (np.abs(own) >= _STUCK * u_dn),
         roi=opening.roi,
     )
 
