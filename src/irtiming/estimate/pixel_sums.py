@@ -306,8 +306,7 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
 
 
 def _starts(given: PixelSums, delay_s: float) -> list[dict[str, float]]:
-    axle, stated_s = given.reduced.axle, given.reduced.integration_time_s
-    glare = 0.0 if axle is None else axle.glare
+    stated_s, glare = given.reduced.integration_time_s, 0.0 if given.reduced.axle is None else given.reduced.axle.glare
     windows_s = integration_time.starts_s(given.reduced, given.wheel) if stated_s is None else (stated_s,)
     shapes = [(given.wheel.opening_angle_rad, window_s, 0.0, 0.0, glare, 0.0, 0.0) for window_s in windows_s]
     return [dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True)) for shape in shapes]
@@ -335,8 +334,9 @@ def _solved_from(given: PixelSums, start: Mapping[str, float]) -> dict[str, floa
     free = _OWN_SHAPE if given.reduced.integration_time_s is not None else (*_OWN_SHAPE, "integration_time")
     held = [name for name in SHAPE if name not in free]
     found = optimiser.minimise(given.at, start=start, held=held).values
-    if not abs(found[MEMORY]) < 1:  # no share: frames that hardly tell a memory do not tell it here
-        found = optimiser.minimise(given.at, start={**start, MEMORY: 0.0}, held=(*held, MEMORY)).values
+    while untold := [name for name in (MEMORY, BOW) if name not in held and not abs(found[name]) < 1]:
+        held = [*held, *untold]  # no shares: frames that hardly tell them do not tell them here
+        found = optimiser.minimise(given.at, start={**start, **dict.fromkeys(untold, 0.0)}, held=held).values
     return found
 
 

@@ -1,6 +1,7 @@
 """Delays of the four edges from pixel sums that a brute-force wheel made."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sums
 from irtiming.estimate.pixel_sums import SHAPE
+from irtiming.inference.optimiser import Linearised
 from irtiming.physics.light.pixel_sum import Radii
 from irtiming.physics.light.summed_region import SummedRegion
 from irtiming.physics.wheel import wheel_model
@@ -341,6 +343,26 @@ def test_levels_that_sway_are_shares_of_the_step_whatever_it_was_taken_for(recor
     np.testing.assert_allclose(found.levels.relative_offset, offset - offset.mean(), atol=3e-4)
     assert found.levels.step_dn == pytest.approx(2e6, rel=1e-3)
     assert found.levels.sway == pytest.approx(0.06, rel=0.02)
+
+
+@pytest.mark.parametrize("endless", [{pixel_sums.MEMORY}, {pixel_sums.BOW}, {pixel_sums.MEMORY, pixel_sums.BOW}])
+def test_what_would_grow_beyond_all_of_the_light_is_held_at_none(endless):
+    """Oracle: by hand: residuals that fall as a number grows, exp(-x); all others have their least where they were put."""
+    target = dict.fromkeys(EDGE_DELAYS, 0.3) | {"opening_angle": 1.2, pixel_sums.MEMORY: 0.1, pixel_sums.BOW: -0.2}
+    start = dict.fromkeys(EDGE_DELAYS, 0.0) | dict.fromkeys(SHAPE, 0.0)
+
+    def at(numbers):
+        fall = {
+            name: np.exp(-numbers[name]) if name in endless else numbers[name] - target.get(name, 0.0)
+            for name in numbers
+        }
+        slopes = [-fall[name] if name in endless else 1.0 for name in numbers]
+        return Linearised(residual=np.array([*fall.values(), 1.0]), jacobian=np.diag([*slopes, 0.0])[:, :-1])
+
+    given = SimpleNamespace(at=at, reduced=SimpleNamespace(integration_time_s=1e-3))
+    found = pixel_sums._solved_from(given, start)
+    expected = start | {name: 0.0 if name in endless else value for name, value in target.items()}
+    assert found == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("mirrored_first", [False, True])
