@@ -150,3 +150,11 @@ def test_a_turn_with_another_number_of_slots_is_told():
 def test_lost_frames_are_told_where_they_begin(numbers, says):
     """Oracle: by hand; lost in the middle, before the first and after the last frame."""
     assert [what for _, _, what in _told(FRAME_NUMBER=numbers)] == [says]
+
+
+@pytest.mark.parametrize(("n_edges", "n_turns"), [(2, 0), (3, 1), (5, 2)])
+def test_a_single_whole_turn_tells_whether_slots_are_there(n_edges, n_turns):
+    """Oracle: by hand; two slots pass in a turn, so three of them bound one; no control slot lies between any."""
+    told = _told(APPLICATION_SLOT=EDGES[:n_edges], CONTROL_SLOT=SLOTS + 10**6, WHEEL_PERIOD=None, CAMERA_TRIGGER=None)
+    absent = [where for severity, where, what in told if severity == "error" and "no ticks between" in what]
+    assert absent == ([layout.CONTROL_SLOT.path] if n_turns else [])

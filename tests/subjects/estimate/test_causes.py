@@ -127,3 +127,14 @@ def test_levels_that_jump_stand_higher_after_each_place(frames):
         n_before = np.count_nonzero(frames.time <= place)
         assert 0 < n_before < 720
         assert column.tolist() == [[0.0, 0.0]] * n_before + [[1.0, 1.0]] * (720 - n_before)
+
+
+def test_rows_that_are_not_evenly_late_are_so_with_the_square_of_the_row(frames):
+    """Oracle: by hand: a row that is read d late shows d times its slope over time, as does one whose falling sides lag."""
+    rows = np.array([-1.0, 0.5, 2.0])
+    three = replace(frames, fraction=np.tile(frames.fraction, 3), row=rows)
+    slope = np.gradient(frames.fraction[:, 0], frames.angle_rad)[5:-5, None]
+    for found, expected in zip(
+        causes._rows_bend(three), (slope * rows**2, np.abs(slope) * rows, np.abs(slope) * rows**2), strict=True
+    ):
+        np.testing.assert_allclose(found[5:-5], expected, atol=5e-3 * np.ptp(expected))

@@ -34,13 +34,14 @@ def test_pulses_of_another_period():
     assert _checked(4_915_200 * np.arange(40), pulse_period_s=0.1).relative_error.value == pytest.approx(0, abs=1e-12)
 
 
-def test_a_steady_drift_is_found_and_the_error_is_that_of_the_middle():
+@pytest.mark.parametrize("drift_per_s", [1e-8, -1e-8])
+def test_a_steady_drift_is_found_and_the_error_is_that_of_the_middle(drift_per_s):
     """Oracle: by hand; ticks of f (t + e t + d t^2 / 2) have the error e + d t_middle in the middle, and drift d."""
     t = np.arange(101.0)
-    ticks = np.rint(CLOCK_HZ * (t + 5e-6 * t + 1e-8 * t**2 / 2))
+    ticks = np.rint(CLOCK_HZ * (t + 5e-6 * t + drift_per_s * t**2 / 2))
     found = _checked(ticks)
-    assert found.relative_error.value == pytest.approx(5e-6 + 1e-8 * 50, abs=2e-9)
-    assert found.drift_per_s.value == pytest.approx(1e-8, rel=1e-3)
+    assert found.relative_error.value == pytest.approx(5e-6 + drift_per_s * 50, abs=2e-9)
+    assert found.drift_per_s.value == pytest.approx(drift_per_s, rel=1e-3)
     assert [one.code for one in found.findings] == ["clock-drifts"]
 
 

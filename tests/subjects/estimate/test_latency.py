@@ -154,3 +154,12 @@ def test_no_phase_is_known_better_than_the_clock_s_ticks():
     value, u = gate_register._mean_over_classes(np.where(of_class == 0, 0.2, 0.4), of_class, 0.01)
     assert value == pytest.approx(0.3)
     assert u == pytest.approx(0.01 * np.sqrt(1 / 4 + 1 / 9) / 2)
+
+
+@pytest.mark.parametrize("slots", [0.42, -0.42])
+def test_a_phase_may_have_moved_by_nearly_half_a_slot_between_two_speeds(slots):
+    """Oracle: by hand: 0.42 of a slot's pitch on or back at 9 Hz from 3 Hz; more than half would be less the other way."""
+    late_s, rng = slots * PITCH / (2 * np.pi * (9 - 3)), np.random.default_rng(7)
+    late = {"late_s": max(late_s, 0.0), "slot_late_s": max(-late_s, 0.0)}
+    found = _difference(_registers(rng, [3, 9], _wheel(rng), **late)).difference_s
+    assert found.value == pytest.approx(late_s, abs=0.1e-6)
