@@ -193,7 +193,8 @@ class Limit(Part):
         if low is None and high is None:
             raise ValueError(f"of {self.parameter} has neither lower nor upper; state one, or leave it out")
         if low is not None and high is not None and not low < high:
-            raise ValueError(f"of {self.parameter} has lower = {self.lower}, upper = {self.upper}; exchange them")
+            cure = "exchange them" if low > high else "they must differ"
+            raise ValueError(f"of {self.parameter} has lower = {self.lower}, upper = {self.upper}; {cure}")
         return self
 
     @property
@@ -203,6 +204,22 @@ class Limit(Part):
             None if self.lower is None else seconds(self.lower),
             None if self.upper is None else seconds(self.upper),
         )
+
+
+def _each_once(limits: list[Limit]) -> list[Limit]:
+    stated = [(one.parameter, one.serial_number) for one in limits]
+    for parameter, serial in stated:
+        if stated.count((parameter, serial)) > 1:
+            of = "all cameras" if serial is None else f"the camera with serial_number = '{serial}'"
+            raise ValueError(
+                f"states {parameter} of {of} more than once, of which one would not count; state lower and upper in one, and "
+                "what a single camera must keep to in another with its serial_number"
+            )
+    return limits
+
+
+Limits = Annotated[list[Limit], OneOrSeveral(), AfterValidator(_each_once)]
+"""Each parameter once for all cameras, and once for any camera."""
 
 
 def limit_of(limits: Iterable[Limit], *, parameter: str, serial_number: str | None) -> Limit | None:
@@ -234,7 +251,7 @@ class CertificateFile(Part):
     method: Procedure = Procedure()
     traceability: Traceability | None = None
     decision: Decision = Decision()
-    limit: Annotated[list[Limit], OneOrSeveral()] = Field([])
+    limit: Limits = Field([])
 
 
 def read_certificate_file(path: str | Path) -> CertificateFile:

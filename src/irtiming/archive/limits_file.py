@@ -1,12 +1,11 @@
 """limits.toml: what a camera must keep to, and the rule by which that is judged; its keys are those of certificate.toml."""
 
 from pathlib import Path
-from typing import Annotated
 
 from pydantic import Field
 
-from irtiming.archive.certificate_file import RULES, Decision, Limit
-from irtiming.archive.typed_file import OneOrSeveral, Part, read_toml
+from irtiming.archive.certificate_file import RULES, Decision, Limits
+from irtiming.archive.typed_file import Part, read_toml
 from irtiming.archive.typed_misfit import FileKind
 
 _KIND = FileKind(name="limits.toml")
@@ -16,7 +15,7 @@ class LimitsFile(Part):
     """Everything in limits.toml."""
 
     decision: Decision = Decision()
-    limit: Annotated[list[Limit], OneOrSeveral()] = Field([])
+    limit: Limits = Field([])
 
     @property
     def rule_in_words(self) -> str:

@@ -99,8 +99,16 @@ def measure(order: CampaignOrder, *, progress: Progress = lambda name, done, tot
     campaign = Campaign(
         points=points, lines=lines.of(points, order.limits), broken=tuple(sorted(broken, key=lambda one: one.files)),
         studies=studies, rule=order.limits.rule_in_words, left_out_of_study=left_out,
+        limits_of_none=_limits_of_none(order, points),
     )  # fmt: skip
     return Measured(campaign=campaign, results=tuple(found))
+
+
+def _limits_of_none(order: CampaignOrder, points: Sequence[CampaignPoint]) -> tuple[str, ...]:
+    """Cameras that have limits of their own, and no result that they count for."""
+    there = {one.point.camera.serial_number for one in points}
+    limited = [one.serial_number for one in order.limits.limit if one.serial_number is not None]
+    return tuple(dict.fromkeys(serial for serial in limited if serial not in there))
 
 
 def _looked_at(pool: Workers, order: CampaignOrder, broken: list[Broken], progress: Progress) -> list[Seen]:

@@ -134,7 +134,10 @@ class GaugeStudy:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Campaign:
-    """All of it; ``rule`` is that by which it was judged, in words."""
+    """All of it; ``rule`` is that by which it was judged, in words.
+
+    ``limits_of_none`` are serial numbers of cameras that have limits of their own and no result.
+    """
 
     points: tuple[CampaignPoint, ...]
     lines: tuple[CampaignLine, ...]
@@ -142,3 +145,4 @@ class Campaign:
     studies: tuple[GaugeStudy, ...]
     rule: str
     left_out_of_study: str = ""
+    limits_of_none: tuple[str, ...] = ()

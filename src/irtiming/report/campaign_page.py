@@ -80,11 +80,29 @@ def _gauge(study: GaugeStudy) -> str:
 
 
 def doubts(campaign: Campaign) -> list[str]:
-    """What could not be analysed, in short; what is out of control."""
+    """What could not be analysed, in short; limits of cameras that are not there; what is out of control; results' warnings."""
     broken = [f"{', '.join(one.files)}: {one.what.removeprefix(f'{one.files[0]}: ')}" for one in campaign.broken[:20]]
     if len(campaign.broken) > 20:
         broken.append(t("and {n} more, in campaign.json", n=len(campaign.broken) - 20))
-    return [*broken, *sections.out_of_control(campaign)]
+    unknown = [
+        t(
+            "there are limits of the camera with serial number {serial}, and no result of it: correct limits.toml",
+            serial=one,
+        )
+        for one in campaign.limits_of_none
+    ]
+    return [*broken, *unknown, *sections.out_of_control(campaign), *_of_results(campaign)]
+
+
+def _of_results(campaign: Campaign) -> list[str]:
+    """What analyses warn of, by how many results have it."""
+    counts = Counter(code for one in campaign.points for code in dict.fromkeys(one.point.findings))
+    if not counts:
+        return []
+    named = ", ".join(f"{code} ({n})" for code, n in counts.most_common())
+    return [
+        t("results have warnings of their own, by code and how many: {codes}; each says more in its JSON", codes=named)
+    ]
 
 
 def study_as_json(one: GaugeStudy) -> dict[str, Any]:

@@ -14,20 +14,17 @@ from irtiming.apply.frame_times import FrameTimes
 from irtiming.apply.frames import Readout, Scene, SceneStream
 from irtiming.apply.inverse_lag import LagOfValue, of_two_constants
 from irtiming.apply.noise import noise_of
-from irtiming.apply.stamps import EventTimes, Generator
 from irtiming.archive import layout
-from irtiming.archive.frames.opening import files_read, open_frames
-from irtiming.archive.frames.source import FrameSource
+from irtiming.archive.frames.opening import files_read
 from irtiming.archive.json_file import require_place
 from irtiming.archive.nexus import program_version
 from irtiming.archive.result_file import read_result
 from irtiming.archive.scene_file import SceneHead, SceneWriter
 from irtiming.errors import ArchiveError, EstimationError, about
-from irtiming.records.arrays import Array, Ticks
-from irtiming.records.recording import FrameStack
-from irtiming.session import frame_stamps
+from irtiming.records.arrays import Array
+from irtiming.session import given_frames
 from irtiming.session.apply_time import camera_at_setting, generator_of
-from irtiming.session.frame_stamps import StampsWanted
+from irtiming.session.given_frames import GivenFrames, TimesWanted
 from irtiming.units import readable_time
 
 _NOISE_FRAMES = 16
@@ -73,17 +70,6 @@ class FramesDone:
     description: tuple[str, ...]
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Given:
-    """Frames with their events: ``kept`` are indices of the frames that have one, shape (n_frame,)."""
-
-    stack: FrameStack | FrameSource
-    events: EventTimes
-    kept: Ticks
-    unit: str = "DN"
-
-
 def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | None = None) -> FramesDone:
     """Bring the rows of each frame to one instant and undo lag and filter, streamed: memory does not grow with the file.
 
@@ -101,7 +87,8 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     result = read_result(order.result)
     with about(order.result):
         camera, remarks = camera_at_setting(result, order.series, source=order.source)
-    given = _given(order, camera, generator_of(result))
+    wanted = TimesWanted(stamps=order.stamps, period_s=order.period_s)
+    given = given_frames.read(order.source, wanted=wanted, camera=camera, generator=generator_of(result))
     remarks += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
     given = replace(given, events=replace(given.events, remarks=(*remarks, *given.events.remarks)))
     of_value = _lag_of_value(order, camera, given.unit)
@@ -126,8 +113,8 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
         description=tuple(_described(order, camera, given, readout=readout, noise=noise)),
     )  # fmt: skip
     highest = np.iinfo(first.dtype).max if is_whole else None
-    gains = _write(_scenes(given, stream, times_s=times_s, progress=progress), order.out, head=head, highest=highest,
-                   origin_s=given.events.origin_s)  # fmt: skip
+    scenes = _scenes(given, stream, times_s=times_s, progress=progress)
+    gains = _write(scenes, order.out, head=head, highest=highest, given=given)
     return FramesDone(
         n_frames=given.stack.shape[0], n_written=len(gains), noise=noise, mean_gain=float(gains[:, 0].mean()),
         mean_noise_gain=float(gains[:, 1].mean()), description=head.description,
@@ -155,7 +142,7 @@ def _lag_of_value(order: FramesOrder, camera: CameraTiming, unit: str) -> LagOfV
     )
 
 
-def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Array, float]:
+def _instants(camera: CameraTiming, given: GivenFrames, readout: Readout) -> tuple[Array, float]:
     """The instant of each frame, shape (n_frame,), and the standard uncertainty of them all; s."""
     row = np.array([readout.instant(given.stack.shape[1])])
     name: MomentName = "reading" if camera.has_lag else "middle"
@@ -165,10 +152,11 @@ def _instants(camera: CameraTiming, given: _Given, readout: Readout) -> tuple[Ar
 
 
 def _write(
-    scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, origin_s: int
+    scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, given: GivenFrames
 ) -> NDArray[np.float64]:
     """Write all scenes; gives mean gain and mean noise gain of each, shape (n_scene, 2)."""
-    counts, gains = np.zeros(head.size, _COUNTS), []
+    counts, gains, origin_s = np.zeros(head.size, _COUNTS), [], given.events.origin_s
+    numbers = dict(zip(given.kept.tolist(), given.numbers.tolist(), strict=True))
     with SceneWriter(path, head) as writer:
         for one in scenes:
             pixels: NDArray[Any] = one.pixels
@@ -176,43 +164,21 @@ def _write(
                 kernels.to_counts(one.pixels, highest, counts)
                 pixels = counts
             writer.append(
-                pixels, number=one.index, time_s=origin_s + one.time_s, gain=one.gain, noise_gain=one.noise_gain
-            )
+                pixels, number=numbers[one.index], time_s=origin_s + one.time_s, gain=one.gain,
+                noise_gain=one.noise_gain,
+            )  # fmt: skip
             gains.append((float(one.gain.mean()), float(one.noise_gain.mean())))
         if not gains:
             raise EstimationError("no frame lies between others without a gap; nothing was written", where=str(path))
     return np.array(gains)
 
 
-def _given(order: FramesOrder, camera: CameraTiming, generator: Generator) -> _Given:
-    if order.period_s is None and order.stamps is None:
-        with about(order.source):
-            stamped = frame_stamps.read(StampsWanted(source=order.source), camera, generator=generator)
-        if stamped.recording is not None:
-            return _Given(stack=stamped.recording.frames, events=stamped.events, kept=stamped.frames)
-        source = open_frames(order.source)
-        return _Given(stack=source, events=stamped.events, kept=stamped.frames, unit=source.facts.unit)
-    source = open_frames(order.source)
-    remarks = conditions.require(camera.conditions, conditions.of_facts(source.facts), where=str(order.source))
-    n_frames = source.shape[0]
-    if order.stamps is not None:
-        with about(order.stamps):
-            times = frame_stamps.read(StampsWanted(source=order.stamps), camera, generator=generator).events
-        if times.time_s.size != n_frames:
-            raise EstimationError(
-                f"has {times.time_s.size} stamps for {n_frames} frames; give one for each", where=str(order.stamps)
-            )
-    else:
-        times = EventTimes(
-            time_s=(order.period_s or 0.0) * np.arange(n_frames, dtype=np.float64),
-            scale="s since the event of the first frame",
-        )
-    times = replace(times, remarks=(*times.remarks, *remarks))
-    return _Given(stack=source, events=times, kept=np.arange(n_frames), unit=source.facts.unit)
-
-
 def _scenes(
-    given: _Given, stream: SceneStream, *, times_s: NDArray[np.float64], progress: Callable[[int, int], None] | None
+    given: GivenFrames,
+    stream: SceneStream,
+    *,
+    times_s: NDArray[np.float64],
+    progress: Callable[[int, int], None] | None,
 ) -> Iterator[Scene]:
     """Scenes of all frames that have an event."""
     place = {int(index): k for k, index in enumerate(given.kept)}
@@ -228,7 +194,7 @@ def _scenes(
 
 
 def _described(
-    order: FramesOrder, camera: CameraTiming, given: _Given, *, readout: Readout, noise: float
+    order: FramesOrder, camera: CameraTiming, given: GivenFrames, *, readout: Readout, noise: float
 ) -> Iterator[str]:
     response = readout.response
     yield f"{program_version()}: the scene at one instant of each frame of {order.source.name} by {order.result.name}"

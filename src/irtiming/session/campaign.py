@@ -138,6 +138,7 @@ def summary(campaign: Campaign, rows: Sequence[dict[str, Any]]) -> dict[str, Any
         "broken": [{"files": list(one.files), "what": one.what} for one in campaign.broken],
         "repeatability_and_reproducibility": [campaign_page.study_as_json(one) for one in campaign.studies],
         "left_out_of_study": campaign.left_out_of_study,
+        "limits_of_none": list(campaign.limits_of_none),
     }
 
 

@@ -64,8 +64,8 @@ class StampsWanted:
 class Stamped:
     """Events of the frames of a file, and what is said of the camera.
 
-    ``frames`` are their indices in the file, ``numbers`` what the file numbers them by, or the indices; shape (n_frame,) both.
-    ``found`` is None for stamps alone, which say nothing of it.
+    ``frames`` are their indices in the file, ``numbers`` what the file numbers them by, or the indices where it does not
+    (``is_numbered``); shape (n_frame,) both. ``found`` is None for stamps alone, which say nothing of it.
     """
 
     events: EventTimes
@@ -73,6 +73,7 @@ class Stamped:
     numbers: Ticks
     found: Conditions | None
     recording: Recording | None = None
+    is_numbered: bool = True
 
 
 def read(wanted: StampsWanted, camera: CameraTiming, *, generator: Generator | None = None) -> Stamped:
@@ -149,7 +150,10 @@ def of_recording(
 def _all_of(raw: Raw, events: EventTimes, *, numbers: Ticks | None, found: Conditions | None) -> Stamped:
     """All frames of a file that numbers them, or does not."""
     frames = np.arange(raw.time_s.size)
-    return Stamped(events=events, frames=frames, numbers=frames if numbers is None else numbers, found=found)
+    return Stamped(
+        events=events, frames=frames, numbers=frames if numbers is None else numbers, found=found,
+        is_numbered=numbers is not None,
+    )  # fmt: skip
 
 
 def _with(stamped: Stamped, remarks: tuple[str, ...], found: Conditions, recording: Recording | None) -> Stamped:

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from irtiming.archive import rig_writer
 from irtiming.archive.campaign_table import in_folder
+from irtiming.archive.limits_file import read_limits
 from irtiming.cli.main import app
 from irtiming.distribute.pieces import Seen
 from irtiming.distribute.workers import workers
@@ -95,6 +96,47 @@ def test_every_camera_is_judged_by_the_rule(laboratory):
     page = (folder / "out" / "campaign.html").read_text()
     assert "1 of 4 pass" in page
     assert "tail-unknown" in page
+
+
+def test_limits_of_no_camera_and_warnings_of_results_are_on_page_and_table(laboratory):
+    """Oracle: by hand; one of two cameras has limits of its own, with a small letter, and its results warn of a tail."""
+    folder, _ = laboratory
+    _record(folder, a="A 396.5", b="B 396.5")
+    (folder / "limits.toml").write_text(
+        LIMITS + LIMITS[LIMITS.index("[[") :].replace("us", "ms") + 'serial_number = "b"'
+    )
+    done = run(_order(folder))
+    assert done.campaign.limits_of_none == ("b",)
+    assert json.loads((folder / "out" / "campaign.json").read_text())["limits_of_none"] == ["b"]
+    page = (folder / "out" / "campaign.html").read_text()
+    assert "limits of the camera with serial number b, and no result of it" in page
+    assert "warnings of their own, by code and how many: tail-unknown (2)" in page
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        (LIMITS + LIMITS[LIMITS.index("[[") :], "states trigger_delay of all cameras more than once"),
+        (
+            2 * (LIMITS[LIMITS.index("[[") :] + 'serial_number = "A"\n'),
+            "of the camera with serial_number = 'A' more than once",
+        ),
+        ('[[limit]]\nparameter = "row_delay"\nlower = "40 us"\nupper = "40 us"', "upper = 40 us; they must differ"),
+        ('[[limit]]\nparameter = "row_delay"\nlower = "40 us"\nupper = "30 us"', "upper = 30 us; exchange them"),
+    ],
+)
+def test_limits_of_which_one_would_not_count_are_refused(tmp_path, limits, said):
+    """Oracle: by hand; of two limits of one parameter neither is said to be the right one."""
+    (tmp_path / "limits.toml").write_text(limits)
+    with pytest.raises(ArchiveError, match=said):
+        read_limits(tmp_path / "limits.toml")
+
+
+def test_a_camera_may_have_limits_of_its_own_beside_those_of_all(tmp_path):
+    """Oracle: by hand; each once."""
+    own = LIMITS[LIMITS.index("[[") :] + 'serial_number = "A"'
+    (tmp_path / "limits.toml").write_text(f"{LIMITS}{own}")
+    assert [one.serial_number for one in read_limits(tmp_path / "limits.toml").limit] == [None, "A"]
 
 
 def test_recordings_that_are_not_whole_and_copies_are_left_out(laboratory):
