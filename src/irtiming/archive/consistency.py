@@ -49,7 +49,14 @@ def check_temperatures(temperatures: dict[Field, float | None]) -> list[Finding]
 
 def _ending(contents: Contents) -> Iterator[Finding]:
     ending = contents.get(layout.ENDING)
-    if ending is not None and ending.startswith(layout.NOT_TRUSTED):
+    if ending == layout.UNPROVEN:
+        yield error_at(
+            layout.ENDING.path,
+            f"says: {ending}",
+            code="recording-not-proven",
+            cure="record it again, or, where no trigger and no frame was missed for certain, irtiming recover --trust",
+        )
+    elif ending is not None and ending.startswith(layout.NOT_TRUSTED):
         yield error_at(
             layout.ENDING.path,
             f"says: {ending}",

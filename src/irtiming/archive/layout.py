@@ -300,6 +300,12 @@ COMPLETE = "complete"
 NOT_TRUSTED = "not trusted: "
 """What `ENDING` begins with where frames cannot be given their triggers beyond doubt: it can be read by eye, not analysed."""
 
+KILLED = "interrupted: the program that recorded it was stopped before its end"
+"""`ENDING` of a recording whose writer could not say why, where a person trusts it."""
+
+UNPROVEN = f"{NOT_TRUSTED}{KILLED}, and did not prove that its first frame belongs to the first trigger"
+"""`ENDING` of such a recording otherwise: the proof comes with the last frame."""
+
 UNITS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9},
     "Hz": {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3, "MHz": 1e6, "GHz": 1e9},

@@ -64,6 +64,19 @@ def _opened(recordings: Iterable[str | Path | Recording], choices: Choices) -> I
         yield recording
 
 
+_SEVERAL = ("delay_s", "wheel_hz", "blackbody_temperature_k")
+_UNITS = {"_s": "s", "_hz": "Hz", "_k": "K", "_m": "m", "_rad": "rad", "_px": "px"}
+
+
+def _measured(name: str, value: Any) -> Any:
+    """A number as it is, one alone where there may be several as that one; text is for the command line."""
+    several = value if isinstance(value, list | tuple) else (value,)
+    unit = next((unit for end, unit in _UNITS.items() if name.endswith(end)), None)
+    if unit is not None and any(isinstance(one, str) for one in several):
+        raise UnitError(f"{name} is {value!r}; it must be a number, in {unit}")
+    return tuple(several) if name in _SEVERAL else value
+
+
 def simulate(folder: str | Path, *, progress: Progress | None = None, **wishes: Any) -> Simulated:
     """Recordings of a simulated camera on a simulated rig, with rig.toml and truth.json beside them.
 
@@ -86,6 +99,7 @@ def simulate(folder: str | Path, *, progress: Progress | None = None, **wishes: 
     IrTimingError
         If a wish is not known, this camera or rig cannot be, or a file cannot be written.
     """
+    wishes = {name: _measured(name, value) for name, value in wishes.items()}
     of_camera, of_order, of_defects = sorted_into(wishes, CameraOrder, SimulationOrder, Defects)
     own: dict[str, Any] = {"camera": CameraOrder(**of_camera), "defects": Defects(**of_defects)} | of_order
     order = SimulationOrder(folder=Path(folder), **{"asked": frozenset(wishes)} | own)

@@ -112,6 +112,19 @@ def test_what_a_killed_program_left_is_not_analysed_unless_somebody_trusts_it(tm
     assert "error" in [finding.severity for finding in verify(finished)]
 
 
+def test_what_was_made_without_trust_can_be_trusted_later(tmp_path: Path) -> None:
+    """Oracle: the same recording with trust at once; the file that says so tells how."""
+    part = _interrupted(tmp_path)
+    at_once = reader.read(recover(part, tmp_path / "at-once.nxs", keep=True, trust=True))
+    finished = recover(part)
+    with pytest.raises(ArchiveError, match="record it again, or, where no trigger .* irtiming recover --trust"):
+        reader.read(finished)
+    later = reader.read(recover(finished, tmp_path / "later.nxs", trust=True))
+    assert later.ending == at_once.ending
+    np.testing.assert_array_equal(later.camera_trigger_ticks, at_once.camera_trigger_ticks)
+    np.testing.assert_array_equal(later.frame_number, at_once.frame_number)
+
+
 def test_a_frame_that_the_disk_lost_is_marked(tmp_path: Path) -> None:
     """Oracle: one bit of frame 7, changed in the interrupted file."""
     part = _interrupted(tmp_path)

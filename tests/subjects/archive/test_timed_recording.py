@@ -57,6 +57,17 @@ def test_a_recording_may_lack_its_timestamps(gone, hand_made, tmp_path):
     assert np.array_equal(reader.read(out).camera_trigger_ticks, _ticks().streams[layout.CAMERA_TRIGGER])
 
 
+def test_exchanged_gates_are_refused_before_anything_is_written(hand_made, tmp_path):
+    """Oracle: by hand; the two lines of the light gates in each other's place, of which no recording could be analysed."""
+    streams = dict(_ticks().streams)
+    slot, application = layout.CONTROL_SLOT, layout.APPLICATION_SLOT
+    streams[slot], streams[application] = streams[application], streams[slot]
+    ticks = CapturedTicks(clock_frequency_hz=CLOCK_HZ, streams=streams)
+    with pytest.raises(ArchiveError, match="the two lines are exchanged"):
+        write_timed(hand_made(), tmp_path / "timed.nxs", ticks=ticks)
+    assert not (tmp_path / "timed.nxs").exists()
+
+
 BESIDE = (layout.CAMERA_TRIGGER_DELAYED, layout.CAMERA_INPUT)
 
 

@@ -60,3 +60,22 @@ def test_an_analysis_starts_without_the_distributions_of_scipy() -> None:
         [sys.executable, "-c", code, "scipy.special", "scipy.stats"], capture_output=True, text=True, check=True
     )
     assert done.stdout == "[True, False]\n"
+
+
+@pytest.mark.parametrize(
+    ("wishes", "said"),
+    [
+        ({"delay_s": "25 ms"}, "delay_s is '25 ms'; it must be a number, in s"),
+        ({"wheel_hz": ("3 Hz", 6.0)}, "must be a number, in Hz"),
+    ],
+)
+def test_text_in_place_of_a_number_is_refused(tmp_path, wishes, said):
+    """Oracle: by hand; the command line takes units, Python numbers in SI units."""
+    with pytest.raises(irtiming.IrTimingError, match=said):
+        irtiming.simulate(tmp_path / "made", **wishes)
+
+
+def test_one_wheel_rate_may_stand_alone(tmp_path):
+    """Oracle: the recording's own rate; 4 Hz as a number and not as one of several."""
+    made = irtiming.simulate(tmp_path / "made", wheel_hz=4, rows=24, columns=32, frames=120)
+    assert irtiming.open_recording(made.recordings[0]).rotation_speed_hz == pytest.approx(4.0, rel=1e-3)

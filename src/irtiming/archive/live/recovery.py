@@ -17,12 +17,6 @@ from irtiming.archive.live.unfinished import NOT_FINISHED, ending_of, frames_the
 from irtiming.archive.nexus import bring_to_disk
 from irtiming.errors import ArchiveError
 
-KILLED = "interrupted: the program that recorded it was stopped before its end"
-"""Ending of a recording whose writer could not say why, where a person trusts it."""
-
-UNPROVEN = f"{layout.NOT_TRUSTED}{KILLED}, and did not prove that its first frame belongs to the first trigger"
-"""Ending of such a recording otherwise: the proof comes with the last frame."""
-
 
 def recover(
     part: str | Path,
@@ -46,8 +40,7 @@ def recover(
     keep
         Leave the interrupted file there.
     trust
-        Take each frame as that of the trigger that it was given when it came, also where its writer was killed before it could
-        prove that: somebody knows that no trigger and no frame was missed.
+        Take each frame as that of the trigger that it was given when it came: somebody knows that none was missed.
     progress
         Called with frames looked at and all frames.
 
@@ -76,8 +69,10 @@ def recover(
     except Complaint as complaint:
         raise complaint.as_error(source) from complaint
     except H5_ERRORS as error:
-        what = f"cannot be made of {source} ({reason_of(error)})"
-        raise ArchiveError(f"{target}: {what}; is the disk full? --out puts it on another") from error
+        what = (
+            f"cannot be made of {source} ({reason_of(error)}): that is damaged beyond its frames, or the disk is full"
+        )
+        raise ArchiveError(f"{target}: {what}; copy it anew, or name another disk with --out") from error
     finally:
         made.unlink(missing_ok=True)
     if not keep:
@@ -96,7 +91,14 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
     with writing(path, "r+") as (file, _):
         _mend(file, progress=progress)
         _forget_unconfirmed(file, ending=ending)
-        conclude(file, ending=ending if ending != NOT_FINISHED else KILLED if trust else UNPROVEN)
+        conclude(file, ending=_last_word(ending, trust=trust))
+
+
+def _last_word(ending: str, *, trust: bool) -> str:
+    """What the file said itself, unless its writer was killed: then a person may know better, also later."""
+    if ending not in (NOT_FINISHED, layout.UNPROVEN):
+        return ending
+    return layout.KILLED if trust else layout.UNPROVEN
 
 
 def _copy(file: h5py.File, path: Path) -> None:
