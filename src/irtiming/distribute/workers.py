@@ -25,6 +25,7 @@ _SETTINGS = {
     "distributed.scheduler.allowed-failures": _ALLOWED_DEATHS,
     "distributed.logging.distributed": "critical",
     "distributed.worker.profile.enabled": False,
+    "distributed.worker.preload": ["irtiming.distribute.deaf"],
     "distributed.nanny.pre-spawn-environ": dict.fromkeys(
         ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), 1
     ),

@@ -45,6 +45,13 @@ def test_a_cluster_that_is_being_started_is_ended_and_not_left_half(monkeypatch,
     assert (heard, ended) == ([number], ["Client", "Cluster"])
 
 
+def test_ctrl_c_does_not_reach_the_workers():
+    """Oracle: the system; a terminal gives it to each process of a command, and both pieces of work come to their end."""
+    with workers(n_workers=1) as pool:
+        found = dict(pool.each(signal.raise_signal, {"first": signal.SIGINT, "second": signal.SIGINT}))
+    assert found == {"first": None, "second": None}
+
+
 def test_signals_that_nobody_hears_are_not_held(signals_as_before):
     """Oracle: by hand; a shell's job in the background ignores Ctrl-C, and goes on ignoring it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
