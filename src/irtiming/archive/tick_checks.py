@@ -224,7 +224,7 @@ def _lost_frames(contents: "Contents") -> Iterator[Finding]:
     triggers: Ticks | None = contents.get(layout.CAMERA_TRIGGER)
     if numbers is None or triggers is None or numbers.size == 0:
         return
-    if n_lost := triggers.size - numbers.size:
+    if (n_lost := triggers.size - numbers.size) > 0:
         gaps = np.flatnonzero(np.diff(numbers) > 1)
         first = 0 if numbers[0] > 0 else int(numbers[gaps[0]]) + 1 if gaps.size else int(numbers[-1]) + 1
         yield warning_at(

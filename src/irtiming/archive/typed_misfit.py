@@ -24,7 +24,7 @@ _BOUNDS = ("gt", "ge", "lt", "le")
 _KINDS = {
     "int": "a whole number", "float": "a number", "finite": "a finite number", "bool": "true or false", "string": "text",
     "list": "a list", "dict": "a table, such as {Name = value}", "literal": "text",
-    "model": "an object",
+    "model": "an object", "date": "a day without quotes, such as 2026-11-24",
 }  # fmt: skip
 
 
@@ -212,7 +212,7 @@ def _named(keys: tuple[str | int, ...], *, is_json: bool) -> str:
 def choice(word: str, known: tuple[str, ...]) -> str:
     """What a word must be, and which was meant."""
     near = get_close_matches(word.lower(), known, n=1)
-    return f"it must be {' or '.join(known)}" + (f", did you mean '{near[0]}'?" if near else "")
+    return f"it must be {' or '.join(filter(None, known))}" + (f", did you mean '{near[0]}'?" if near else "")
 
 
 def shown(value: Any) -> str:

@@ -125,7 +125,9 @@ def _looked_at(pool: Workers, order: CampaignOrder, broken: list[Broken], progre
     for one in (found[name] for name in pieces if name in found):
         if one.sha256 in kept:
             same = kept[one.sha256].listed.path
-            what = f"{one.listed.path}: is the same recording as {same}; counted twice it would make the uncertainty too small"
+            what = (
+                f"{one.listed.path}: is the same recording as {same}; counted twice it makes u too small: leave one out"
+            )
             broken.append(Broken(files=(str(one.listed.path),), what=what))
         else:
             kept[one.sha256] = one

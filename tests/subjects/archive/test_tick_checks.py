@@ -158,3 +158,9 @@ def test_a_single_whole_turn_tells_whether_slots_are_there(n_edges, n_turns):
     told = _told(APPLICATION_SLOT=EDGES[:n_edges], CONTROL_SLOT=SLOTS + 10**6, WHEEL_PERIOD=None, CAMERA_TRIGGER=None)
     absent = [where for severity, where, what in told if severity == "error" and "no ticks between" in what]
     assert absent == ([layout.CONTROL_SLOT.path] if n_turns else [])
+
+
+def test_more_frames_than_triggers_are_no_lost_ones():
+    """Oracle: by hand; 101 frames of 100 triggers lack none."""
+    told = _told(FRAME_NUMBER=np.arange(101))
+    assert [what for _, _, what in told if "lost frames" in what] == []

@@ -11,7 +11,7 @@ from certificates_by_hand import EVERY_KEY, EXAMPLE, form, result_file, sheet
 from lxml import html as lxml_html
 
 import irtiming.report.calibration as package
-from irtiming.archive.certificate_file import RULES
+from irtiming.archive.certificate_file import RULES, read_certificate_file
 from irtiming.archive.limits_file import LimitsFile
 from irtiming.errors import ArchiveError
 from irtiming.records.analysis import Analysis
@@ -338,3 +338,11 @@ def test_two_cameras_on_one_certificate(analysis: Analysis, rolling: Analysis) -
     ]
     with pytest.raises(ArchiveError, match=r"a.json names no serial number, and the results are of several cameras"):
         collect([result_file(analysis, "a.json"), result_file(rolling, "b.json")], form())
+
+
+def test_a_day_as_it_is_written_elsewhere_is_refused_with_one_that_is_right(tmp_path: Path) -> None:
+    """Oracle: by hand; a date in TOML stands without quotes."""
+    text = (Path(__file__).parents[3] / "examples" / "certificate.toml").read_text()
+    (tmp_path / "certificate.toml").write_text(re.sub(r"issued = \S+", 'issued = "24.11.2026"', text))
+    with pytest.raises(ArchiveError, match="is '24.11.2026'; it must be a day without quotes, such as 2026-11-24"):
+        read_certificate_file(tmp_path / "certificate.toml")
