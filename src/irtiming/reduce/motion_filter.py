@@ -4,7 +4,9 @@ Where the wheel stands before a pixel, or leaves it open, for two frames, such a
 same; where an edge passes between them it lets the pixel through. A filter that takes the same share of the frame before of all
 pixels gives both pairs of frames the same correlation, and without a filter neither pair has any: so what tells is the difference
 
-.. math:: \rho_\mathrm{still} - \max(0, \rho_\mathrm{changed})
+.. math:: \rho_\mathrm{still} - \max(0, \rho_\mathrm{changed}, \rho_\mathrm{apart})
+
+where the last is that of still pixels in frames far apart, which share a level that sways, but no filter's memory.
 
 The noise of a pixel is what it shows beside the mean of its left and right neighbours, less what that is on average at the same
 level. Only frames count in which the neighbours are at one of their two levels: no edge is near then. After a change a tenth of
@@ -30,16 +32,26 @@ _NEAR = 0.1  # of the way from one level to the other: a filter that leaves more
 _SETTLED, _WILD = 2.0, 4.0  # times the scatter: as near to a level as its noise is, and no noise any more
 _FEWEST = 300  # pairs of either kind, over all pixels
 _RARE = 0.02  # of all pairs: where fewer are still, an edge has only just left those pixels, or is about to reach them
-_APART = 0.35  # levels that sway, and pixels of unlike gains, make as much as half of it
+_FAR = 12  # frames: a filter that keeps nine tenths of the frame before has forgotten most by then
+_APART = 0.35  # levels that sway faster than that, and pixels of unlike gains, make as much as half of it
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class Correlation:
-    """Of the noise of a pixel in two frames that follow each other: where it stays at its level, and where it changes it."""
+    """Of the noise of a pixel in two frames that follow each other: where it stays at its level, and where it changes it.
+
+    ``apart`` is that where it stays, of frames that are a dozen apart; 0 where too few pairs of those tell.
+    """
 
     still: float
     changed: float
+    apart: float
+
+    @property
+    def by_filter(self) -> float:
+        """What only a filter makes that knows still pixels."""
+        return self.still - max(0.0, self.changed, self.apart)
 
 
 @final
@@ -61,7 +73,7 @@ def findings(recording: Recording) -> tuple[Finding, ...]:
         Some stretches of its frames are read.
     """
     found = correlation(_stretches(recording))
-    if found is None or found.still - max(0.0, found.changed) < _APART:
+    if found is None or found.by_filter < _APART:
         return ()
     return (
         Finding(
@@ -104,17 +116,24 @@ def correlation(stretches: list[Pixels]) -> Correlation | None:
     told = np.all([one.any(axis=0) for one in near], axis=0)
     own = (frames[:, row, column] - beside)[:, told]
     at_low, at_high = (_at_level(own, beside[:, told], near=one[:, told]) for one in near)
-    follows = np.ones((len(frames) - 1, 1), bool)
-    follows[np.cumsum([len(one) for one in stretches])[:-1] - 1] = False
+    number = np.repeat(np.arange(len(stretches)), [len(one) for one in stretches])[:, None]
+    follows = number[1:] == number[:-1]
     noise = np.where(at_low.near, at_low.noise, at_high.noise)
-    still = (at_low.settled[1:] & at_low.settled[:-1]) | (at_high.settled[1:] & at_high.settled[:-1])
     changed = (at_low.near[1:] & at_high.settled[:-1]) | (at_high.near[1:] & at_low.settled[:-1])
-    pairs = [follows & kind for kind in (still, changed)]
+    pairs = [follows & kind for kind in (_still(at_low, at_high, later=1), changed)]
     n_still, n_changed = (int(one.sum()) for one in pairs)
     if min(n_still, n_changed) < _FEWEST or n_still < _RARE * int(follows.sum()) * noise.shape[1]:
         return None
     shared = [_correlation(noise[1:][one], noise[:-1][one]) for one in pairs]
-    return Correlation(still=shared[0], changed=shared[1])
+    far = (number[_FAR:] == number[:-_FAR]) & _still(at_low, at_high, later=_FAR)
+    apart = _correlation(noise[_FAR:][far], noise[:-_FAR][far]) if far.sum() >= _FEWEST else 0.0
+    return Correlation(still=shared[0], changed=shared[1], apart=apart)
+
+
+def _still(low: _AtLevel, high: _AtLevel, *, later: int) -> Mask:
+    """Whether a pixel is at the level at which it was so many frames before, shape (n_frame - later, n_pixel)."""
+    both = [one.settled[later:] & one.settled[:-later] for one in (low, high)]
+    return np.asarray(both[0] | both[1])
 
 
 def _inner(frames: Pixels) -> tuple[Ticks, Ticks]:

@@ -10,7 +10,7 @@ from irtiming.reduce import motion_filter
 N, ROWS, COLUMNS = 240, 24, 30
 
 
-def _frames(*, contrast=600.0, noise=5.0, sway=0.0):
+def _frames(*, contrast=600.0, noise=5.0, sway=0.0, swell=0.0):
     """A part of the image that is open for three frames and covered for three, at the same time everywhere."""
     random = np.random.default_rng(3)
     inside = np.zeros((ROWS, COLUMNS), bool)
@@ -18,6 +18,7 @@ def _frames(*, contrast=600.0, noise=5.0, sway=0.0):
     open_ = np.arange(N) % 6 < 3
     gain = random.normal(1, 0.03, (ROWS, COLUMNS))
     light = contrast * open_[:, None, None] * inside * gain
+    light = light * (1 + swell * np.sin(np.arange(N) / 40))[:, None, None]
     return 5000 + light + random.normal(0, noise, light.shape) + sway * np.sin(np.arange(N) / 40)[:, None, None]
 
 
@@ -50,6 +51,17 @@ def test_a_filter_that_lets_moving_pixels_through_is_a_doubt(share, below):
 def test_a_filter_of_all_pixels_and_none_are_no_doubt(share, sway):
     """Oracle: by hand; a share of the frame before that is the same everywhere, and levels that sway."""
     assert motion_filter.findings(_recording(_filtered(_frames(sway=sway), share))) == ()
+
+
+def test_a_gain_that_sways_is_no_filter():
+    """Oracle: by hand; pixels whose gains differ show it when they are open, and in frames far apart, too."""
+    frames = _frames(contrast=6000.0, noise=2.0, swell=0.03)
+    found = motion_filter.correlation([frames])
+    assert found.still - max(0.0, found.changed) > 0.4
+    assert found.by_filter < 0.1
+    assert motion_filter.findings(_recording(frames)) == ()
+    (one,) = motion_filter.findings(_recording(_filtered(frames, 0.8, below=100.0)))
+    assert one.code == "filter-follows-motion"
 
 
 @pytest.mark.parametrize(("stays", "is_doubt"), [(3, False), (12, True)])
