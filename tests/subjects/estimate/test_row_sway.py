@@ -1,5 +1,6 @@
 """Row sums of a camera whose levels sway, against the sway that was put in."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -164,6 +165,15 @@ def test_amounts_that_go_to_and_fro_come_to_rest(follows):
         sway = row_sway.improved(sway, follows * (wanted - amounts), covariance=covariance)
     np.testing.assert_allclose([*sway.offset_amounts, *sway.gain_amounts], wanted, atol=1e-6)
     assert np.array_equal(sway.covariance, covariance)
+
+
+@pytest.mark.parametrize(("variances", "damping"), [((1.0, 100.0), 0.35), ((1.0, 1.0), 0.7), ((100.0, 1.0), 0.7)])
+def test_what_turns_back_counts_by_its_uncertainty(variances, damping):
+    """Oracle: by hand: after (1, 1) a step of (-1, 0.9) goes back where the first amount is the well known one."""
+    sway = replace(_sway(_curve(0.02), _curve(0.01)), step=np.array([1.0, 1.0]))
+    found = row_sway.improved(sway, np.array([-1.0, 0.9]), covariance=np.diag(variances))
+    assert found.damping == pytest.approx(damping)
+    assert [*found.offset_amounts, *found.gain_amounts] == pytest.approx([1 - damping, 1 + 0.9 * damping])
 
 
 def test_what_is_not_known_of_a_sway_begins_at_nothing_for_all_its_amounts():
