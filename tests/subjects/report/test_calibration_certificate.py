@@ -308,6 +308,23 @@ def test_days_that_contradict_the_recordings_are_refused(
     assert said in str(caught.value)
 
 
+@pytest.mark.parametrize(("due", "is_refused"), [(19, True), (20, False), (None, False)])
+def test_equipment_must_have_been_calibrated_on_the_last_day(
+    analysis: Analysis, due: int | None, is_refused: bool
+) -> None:
+    """Oracle: by hand; a calibration holds on the day on which the next is due, and not on the one after."""
+    timed = tuple(replace(one, start_time="2026-11-20T09:00:00+00:00") for one in analysis.recordings)
+    files = [result_file(replace(analysis, recordings=timed))]
+    stated = form(dates={"measured": None, "received": None}, certificate={"issued": date(2026, 11, 20)})
+    wheel = stated.equipment[0].model_copy(update={"due": None if due is None else date(2026, 11, due)})
+    stated = stated.model_copy(update={"equipment": [wheel]})
+    if not is_refused:
+        assert collect(files, stated).last_day == date(2026, 11, 20)
+        return
+    with pytest.raises(ArchiveError, match=f"{wheel.name} was due for calibration on 2026-11-19, before the last day"):
+        collect(files, stated)
+
+
 def test_recordings_that_say_no_day_leave_it_to_the_laboratory(analysis: Analysis) -> None:
     """Oracle: by hand; one of them is of 20 November, a further day of the others is not contradicted."""
     timed = tuple(

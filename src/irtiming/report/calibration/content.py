@@ -124,6 +124,7 @@ def collect(files: Sequence[ResultFile], form: CertificateFile, *, called: str =
         measured = tuple(measurands.of(file.content, form, serial_number=item.words["serial_number"]))
         results.append(MeasuredItem(item=items.index(item), file=file, measurands=measured))
     first, last = _days(files, form, called=called)
+    _require_calibrated(form, last, called=called)
     sheet = Sheet(
         form=form, items=tuple(items), results=tuple(results), first_day=first, last_day=last,
         days_stated=bool(form.dates.measured),
@@ -182,6 +183,16 @@ def _days(files: Sequence[ResultFile], form: CertificateFile, *, called: str) ->
         if earlier > later:
             raise ArchiveError(f"{words}, {earlier}, is later than {later}; correct the dates in {called}")
     return first, last
+
+
+def _require_calibrated(form: CertificateFile, last: date, *, called: str) -> None:
+    """Refuse equipment whose calibration was due before the last day of measurement: results are traceable by it no more."""
+    for one in form.equipment:
+        if one.due is not None and one.due < last:
+            raise ArchiveError(
+                f"[[equipment]] {one.name} was due for calibration on {one.due}, before the last day of measurement, {last}; "
+                f"state its later calibration in {called}, or leave due out and say among the remarks why it held"
+            )
 
 
 def _require_days_of(known: Sequence[date], form: CertificateFile, *, is_all: bool, called: str) -> None:
