@@ -27,6 +27,11 @@ MOST_IN_FILE = 10_000
 PAPER = {"clock_hz": "49152000", "frame_hz": "30.303", "samples": "1000"}
 """Schatz 2023, section 2.3: taken for a wanted uncertainty where nothing is said."""
 
+_WINDOW_UNKNOWN = (
+    "The integration time counts as unknown. Analysis takes one that recordings state on trust, and u is smaller then: plan it "
+    "as known (--known-integration-time) for that."
+)
+
 
 @final
 @dataclass(frozen=True, kw_only=True)
@@ -176,10 +181,14 @@ def _schemes(order: PlanOrder, wishes: Wishes) -> Planned:
 def _proposed(order: PlanOrder, wishes: Wishes) -> Proposed:
     described = camera(order.camera)
     asked = targets(list(order.wanted), described)
-    setting = Setting(
-        camera=described,
-        rig=assumed(None if order.rig is None else read_rig(order.rig), described),
-        clock_frequency_hz=wishes.clock_frequency_hz,
-        structure=KNOWN_WINDOW if order.camera.known_integration_time else SHARED_SHAPE,
+    rig, is_known = (
+        assumed(None if order.rig is None else read_rig(order.rig), described),
+        order.camera.known_integration_time,
     )
+    if (described.camera_type, described.readout_mode, is_known) == ("photon", "snapshot", False):
+        rig = replace(rig, remarks=(*rig.remarks, _WINDOW_UNKNOWN))
+    setting = Setting(
+        camera=described, rig=rig, clock_frequency_hz=wishes.clock_frequency_hz,
+        structure=KNOWN_WINDOW if is_known else SHARED_SHAPE,
+    )  # fmt: skip
     return Proposed(found=propose(setting, wishes, targets=asked, most=order.most), asked=asked, setting=setting)

@@ -136,3 +136,19 @@ def test_a_terminal_of_80_columns_breaks_no_number(narrow):
     assert "…" not in result.output
     assert "trigger delay   relative delay   integration time" in result.output
     assert any(line.split()[-6:] == ["50", "µs", "10", "µs", "1", "ms"] for line in result.output.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("words", "is_said"),
+    [
+        ([], True),
+        (["--known-integration-time"], False),
+        (["--readout", "rolling"], False),
+        (["--camera", "microbolometer"], False),
+    ],
+)
+def test_what_counts_of_the_integration_time_is_said(run, words, is_said):
+    """Oracle: by hand; only a snapshot photon camera may have a window that is searched or known."""
+    done = run("--for", "trigger_delay=1ms", "--wheel-hz", 3, *words)
+    assert done.exit_code == 0, done.output
+    assert ("integration time counts as unknown" in " ".join(done.output.split())) == is_said
