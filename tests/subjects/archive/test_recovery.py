@@ -14,7 +14,7 @@ import typer
 from live_run import append_edges, append_frames, frame, head, pixels
 from typer.testing import CliRunner
 
-from irtiming.archive import reader
+from irtiming.archive import frame_status, reader
 from irtiming.archive.live.recording import LiveRecording
 from irtiming.archive.live.recovery import recover
 from irtiming.archive.live.so_far import read_so_far
@@ -110,6 +110,23 @@ def test_what_a_killed_program_left_is_not_analysed_unless_somebody_trusts_it(tm
     with pytest.raises(ArchiveError, match="ending says: not trusted: interrupted.*record it again"):
         reader.read(finished)
     assert "error" in [finding.severity for finding in verify(finished)]
+
+
+@pytest.mark.parametrize("share", [0.95, 0.8, 0.6])
+def test_of_a_file_that_is_cut_off_what_is_there_is_made_a_recording(tmp_path: Path, share: float) -> None:
+    """Oracle: frames that were handed over; beyond the cut there is neither a frame, nor all of the index that leads to it."""
+    part = _interrupted(tmp_path, timed=300)
+    part.write_bytes(part.read_bytes()[: int(share * part.stat().st_size)])
+    with h5py.File(recover(part, trust=True)) as file:
+        frames, status = file["entry/instrument/camera/data"], file["entry/instrument/camera/frame_status"][()]
+        there = np.flatnonzero(status == 0)
+        assert 50 < there.size < 300 == len(status)
+        assert set(status.tolist()) == {0, frame_status.DAMAGED}
+        for k in there:
+            np.testing.assert_array_equal(frames[k], pixels(k))
+        assert file["entry/data/data"] == frames
+        for name in ("control_slot", "application_slot", "camera_trigger"):
+            assert np.all(np.diff(file[f"entry/instrument/trigger_generator/{name}"][()]) > 0)
 
 
 def test_what_was_made_without_trust_can_be_trusted_later(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """A finished recording of one that was interrupted: everything that is in the file but what was half written."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
@@ -14,7 +15,7 @@ from irtiming.archive.hdf5_output import writing
 from irtiming.archive.json_file import require_place
 from irtiming.archive.live.finish import conclude, give_name, require_free_name
 from irtiming.archive.live.unfinished import NOT_FINISHED, ending_of, frames_there, is_claimed, summary, unfinished
-from irtiming.archive.nexus import bring_to_disk
+from irtiming.archive.nexus import bring_to_disk, create_stack
 from irtiming.errors import ArchiveError
 
 
@@ -90,6 +91,7 @@ def _make(path: Path, source: Path, *, trust: bool, progress: Callable[[int, int
         _copy(file, path)
     with writing(path, "r+") as (file, _):
         _mend(file, progress=progress)
+        _cut_short(file)
         _forget_unconfirmed(file, ending=ending)
         conclude(file, ending=_last_word(ending, trust=trust))
 
@@ -107,10 +109,51 @@ def _copy(file: h5py.File, path: Path) -> None:
     with writing(path) as (copy, _):
         for name, value in file.attrs.items():
             copy.attrs[name] = value
-        file.copy(layout.ENTRY, copy)
+        try:
+            file.copy(layout.ENTRY, copy)
+        except H5_ERRORS:  # frames are missing together with the index that would lead to them
+            if layout.ENTRY in copy:
+                del copy[layout.ENTRY]
+            _copy_frame_by_frame(file, copy)
         for field in (layout.FRAMES, layout.FRAME_STATUS, *layout.PER_FRAME):
             copy[field.path].resize(n_frames, axis=0)
     bring_to_disk(path)
+
+
+def _copy_frame_by_frame(file: h5py.File, copy: h5py.File) -> None:
+    """The same where frames cannot be copied as they lie: those that can be read, and all else."""
+    frames = file[layout.FRAMES.path]
+    made = create_stack(copy, layout.FRAMES, size=frames.shape[1:], dtype=frames.dtype.str)
+    made.resize(len(frames), axis=0)
+    for name, value in frames.attrs.items():
+        made.attrs[name] = value
+    pixels = np.empty((1, *frames.shape[1:]), frames.dtype)
+    for index in range(len(frames)):
+        with suppress(*H5_ERRORS):
+            frames.read_direct(pixels, np.s_[index : index + 1])
+            made[index] = pixels[0]
+    _copy_group(file[layout.ENTRY], copy.require_group(layout.ENTRY), there={_place(frames): made})
+
+
+def _copy_group(source: h5py.Group, target: h5py.Group, *, there: dict[int, h5py.HLObject]) -> None:
+    """What is in a group, objects that are ``there`` by their place in the file linked, as they may be there under two names."""
+    for name, value in source.attrs.items():
+        target.attrs[name] = value
+    for name, one in source.items():
+        place = _place(one)
+        if place in there:
+            if name not in target:
+                target[name] = there[place]
+        elif isinstance(one, h5py.Group):
+            there[place] = target.require_group(name)
+            _copy_group(one, target[name], there=there)
+        else:
+            source.copy(name, target)
+            there[place] = target[name]
+
+
+def _place(one: h5py.HLObject) -> int:
+    return int(h5py.h5o.get_info(one.id).addr)
 
 
 def _mend(file: h5py.File, *, progress: Callable[[int, int], None] | None) -> None:
@@ -130,6 +173,15 @@ def _mend(file: h5py.File, *, progress: Callable[[int, int], None] | None) -> No
             status[index] = frame_status.DAMAGED
         if progress is not None:
             progress(index + 1, n_frames)
+
+
+def _cut_short(file: h5py.File) -> None:
+    """Ticks end where the file does: what is not there of a stream is read as zeros, to which no counter goes back."""
+    for field in layout.FIELDS:
+        if field.kind == "ticks" and field.path in file and field not in layout.PER_FRAME:
+            stream = file[field.path]
+            if stream.maxshape[0] is None and len(stream) and not stream[-1]:
+                stream.resize(int(np.max(np.flatnonzero(stream[()]), initial=-1)) + 1, axis=0)
 
 
 def _forget_unconfirmed(file: h5py.File, *, ending: str) -> None:
