@@ -119,6 +119,14 @@ def test_the_true_numbers_explain_the_image(camera, rows, lag):
     assert found.misfit.size == 2 * 36 * 64 + _view(rows).field.size
 
 
+def test_far_within_the_ring_the_wheel_covers_all_whatever_goes_astray(camera, rows, lag):
+    """Oracle: by hand; the ends of the ring are so far that as much light comes as goes astray, a fifth."""
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
+    wide = {"ring_inner_px": -1e3, "ring_outer_px": 1e3, "glare": 0.2, "glare_px": 6.0}
+    found = sector_image.fitted(look, _numbers(camera) | wide, view=_view(rows), u_dn=_along(rows, look))
+    np.testing.assert_allclose(found.coverage, 1.0, atol=1e-12)
+
+
 def test_uneven_wheel_is_a_field_about_the_mean_contrast(camera, brute_rows, lag):
     """Oracle: pixels that respond by up to 10 % more about a place beside the opening; their mean is the contrast's affair."""
     gain = 1 + 0.1 * np.exp(-0.5 * ((np.arange(36)[:, None] - 25.0) ** 2 + (np.arange(64) - 22.0) ** 2) / 15.0**2)
