@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import OptimizeResult
 
+from irtiming.estimate import sector_search
 from irtiming.estimate.sector_image import Sharp
 from irtiming.estimate.sector_search import BETWEEN, FIRST, LAST, Misfit, Numbers, Place, Slopes, searched
 from irtiming.records.arrays import Array
@@ -132,3 +133,21 @@ def test_a_search_asks_for_nothing_beyond_a_limit() -> None:
     square = _One("plate_reflection", lambda share: 1e10 * (1 - share) ** 2)
     assert square.searched(0.9).x[0] == pytest.approx(1.0, abs=3e-5)
     assert max(square.asked) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("foretold", "is_kept"), [(80.0, True), (71.0, True), (69.0, False), (131.0, False), (129.0, True)]
+)
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+def test_slopes_are_kept_that_miss_less_than_three_tenths_of_a_change(
+    foretold: float, is_kept: bool, size: float
+) -> None:
+    """Oracle: by hand; a step of 1 changes the residual by 100, whatever that is measured in; kept slopes foretell it then."""
+    course = sector_search._Course(
+        misfit=Misfit(at=lambda *_: Place(residual=np.zeros(1), change=lambda *_: np.zeros(1)), sharp=lambda _: ()),
+        start={}, free=FREE[:1], step=np.array([1e-4]), high=np.array([np.inf]), kept=Slopes(),
+        before=(np.zeros(1), np.zeros(1)),
+    )  # fmt: skip
+    course.place = Place(residual=np.array([100.0 * size]), change=lambda *_: np.zeros(1))
+    found = course._updated(np.array([[foretold * size]]), np.ones(1))
+    assert found == (pytest.approx(np.array([[100.0 * size]])) if is_kept else None)
