@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 
 from irtiming.errors import UnitError
 
@@ -92,6 +93,11 @@ def plain_integer(text: str) -> int | None:
 def counted(n: int, noun: str) -> str:
     """So many of something: ``"1 recording"``, ``"2 recordings"``."""
     return f"{n} {noun}{'' if n == 1 else 's'}"
+
+
+def first_of(texts: Sequence[str], *, most: int) -> str:
+    """The first of them, and whether there are more: ``"1, 2, 3 and so on"``."""
+    return ", ".join(texts[:most]) + (" and so on" if len(texts) > most else "")
 
 
 def readable_time(time_s: float) -> str:

@@ -66,7 +66,7 @@ class Scene:
     Parameters
     ----------
     index
-        Of the frame.
+        Of the frame, as it was pushed.
     time_s
         The instant: when its instant row was read, in the scale of the times given; s.
     pixels
@@ -139,7 +139,7 @@ class SceneStream:
         frame
             Shape (row, column), counts or temperatures.
         index
-            Of the frame, later than that before.
+            Of the frame, or another number by which it is known.
         time_s
             When its instant row was read; s.
 

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from irtiming.archive.consistency import Contents
 
 
+def check_stamps(contents: "Contents") -> list[Finding]:
+    """All that ticks and lines say against each other; fields that are None are left out."""
+    return [*check_ticks(contents), *check_lines(contents)]
+
+
 def check_recording(recording: Recording) -> tuple[Finding, ...]:
     """Doubts that timestamps, lines and frame numbers raise about each other, each with the recording's name.
 
@@ -32,6 +37,6 @@ def check_recording(recording: Recording) -> tuple[Finding, ...]:
     contents[layout.FRAMES] = recording.frames.shape
     return tuple(
         replace(one, recording=recording.name, severity="doubt")
-        for one in (*check_ticks(contents), *check_lines(contents))
+        for one in check_stamps(contents)
         if one.severity in ("error", "doubt")
     )

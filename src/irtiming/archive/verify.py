@@ -18,11 +18,11 @@ from irtiming.archive.frame_survey import FrameSurvey, survey
 from irtiming.archive.hdf5_bounds import DEEPEST, MOST_OBJECTS
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.layout import Field
-from irtiming.archive.line_checks import check_lines
 from irtiming.archive.live.unfinished import unfinished
 from irtiming.archive.reader import check_version, reduce_reference
+from irtiming.archive.recording_checks import check_stamps
 from irtiming.archive.signal_checks import check_signal
-from irtiming.archive.tick_checks import check_ticks, duration
+from irtiming.archive.tick_checks import duration
 from irtiming.errors import ArchiveError
 from irtiming.records.finding import Finding
 from irtiming.records.recording import FEWEST_FRAMES
@@ -70,8 +70,7 @@ def verify(path: str | Path, *, progress: Progress | None = None, rig: Rig | Non
     contents, kept, left_out = leave_out(contents)
     findings += left_out
     findings += consistency.check(contents)
-    findings += check_ticks(contents)
-    findings += check_lines(contents)
+    findings += check_stamps(contents)
     findings += _too_few(contents)
     findings += _what_a_photon_detector_needs(contents)
     whole = None if stored_shape is None else FileFrames(path, shape=stored_shape, kept=kept)

@@ -12,7 +12,7 @@ from irtiming.records.arrays import Ticks
 from irtiming.records.clock_check import ClockCheck
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Clock, Measured
-from irtiming.units import readable_time
+from irtiming.units import first_of, readable_time
 
 _FAR_OFF = 100e-6
 _SIGNIFICANT = 4.0
@@ -112,8 +112,7 @@ def _pulses(times_s: Sequence[float]) -> str:
 
 
 def _named(times_s: Sequence[float]) -> str:
-    text = ", ".join(f"{time:.6g} s" for time in times_s[:_NAMED])
-    return text if len(times_s) <= _NAMED else f"{text} and so on"
+    return first_of([f"{time:.6g} s" for time in times_s], most=_NAMED)
 
 
 def _with_findings(check: ClockCheck) -> ClockCheck:

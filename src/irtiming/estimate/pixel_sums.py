@@ -291,7 +291,7 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
     drift[given.kept], gain[given.kept], relative[given.kept] = found.drift, found.gain, found.relative_gain
     offset[given.kept] = change = found.offset_change / found.contrast
     ends = (change, change + found.relative_gain)
-    levels = DriftingLevels(
+    given = replace(given, levels=DriftingLevels(
         drift=drift,
         gain=gain,
         relative_gain=relative,
@@ -300,13 +300,13 @@ def _levelled(given: PixelSums, numbers: dict[str, float]) -> tuple[PixelSums, d
         step_dn=found.contrast * given.unit_dn,
         sway=0.0 if is_straight else float(max(np.ptp(one) for one in ends)),
         jumps=tuple(int(k) for k in np.flatnonzero(given.kept)[list(found.jumps)]),
-    )
-    given = replace(given, levels=levels)
+    ))  # fmt: skip
     return given, numbers if is_straight else _solved(given, numbers)
 
 
 def _starts(given: PixelSums, delay_s: float) -> list[dict[str, float]]:
-    stated_s, glare = given.reduced.integration_time_s, 0.0 if given.reduced.axle is None else given.reduced.axle.glare
+    axle, stated_s = given.reduced.axle, given.reduced.integration_time_s
+    glare = 0.0 if axle is None else axle.glare
     windows_s = integration_time.starts_s(given.reduced, given.wheel) if stated_s is None else (stated_s,)
     shapes = [(given.wheel.opening_angle_rad, window_s, 0.0, 0.0, glare, 0.0, 0.0) for window_s in windows_s]
     return [dict.fromkeys(EDGE_DELAYS, delay_s) | dict(zip(SHAPE, shape, strict=True)) for shape in shapes]

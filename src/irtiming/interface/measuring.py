@@ -8,7 +8,7 @@ from irtiming import measurement
 from irtiming.archive import reader, result_file, rig_file
 from irtiming.errors import UnitError
 from irtiming.interface.timing_result import TimingResult
-from irtiming.interface.wishes import sorted_into
+from irtiming.interface.wishes import several, sorted_into
 from irtiming.measurement import Extra, Progress
 from irtiming.records.choices import Choices
 from irtiming.records.recording import Recording
@@ -70,11 +70,10 @@ _UNITS = {"_s": "s", "_hz": "Hz", "_k": "K", "_m": "m", "_rad": "rad", "_px": "p
 
 def _measured(name: str, value: Any) -> Any:
     """A number as it is, one alone where there may be several as that one; text is for the command line."""
-    several = value if isinstance(value, list | tuple) else (value,)
     unit = next((unit for end, unit in _UNITS.items() if name.endswith(end)), None)
-    if unit is not None and any(isinstance(one, str) for one in several):
+    if unit is not None and any(isinstance(one, str) for one in several(value)):
         raise UnitError(f"{name} is {value!r}; it must be a number, in {unit}")
-    return tuple(several) if name in _SEVERAL else value
+    return several(value) if name in _SEVERAL else value
 
 
 def simulate(folder: str | Path, *, progress: Progress | None = None, **wishes: Any) -> Simulated:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from irtiming.interface.wishes import sorted_into
+from irtiming.interface.wishes import several, sorted_into
 from irtiming.records.series_plan import TriggerWishes
 from irtiming.session import plan as session
 from irtiming.session.camera import Described
@@ -31,7 +31,7 @@ def plan(**wishes: Any) -> Planned | Proposed:
     of_triggers, of_camera, of_order = sorted_into(wishes, TriggerWishes, Described, PlanOrder)
     usual: dict[str, Any] = {"wheel_hz": (), "frame_hz": "", "samples": ""}
     wanted = of_order.pop("wanted", ())
-    texts = [f"{name}={size}" for name, size in wanted.items()] if isinstance(wanted, dict) else _several(wanted)
+    texts = [f"{name}={size}" for name, size in wanted.items()] if isinstance(wanted, dict) else several(wanted)
     order = PlanOrder(
         **of_order,
         wanted=tuple(texts),
@@ -41,14 +41,10 @@ def plan(**wishes: Any) -> Planned | Proposed:
     return session.plan(order)
 
 
-def _several(value: Any) -> list[Any]:
-    return list(value) if isinstance(value, list | tuple) else [value]
-
-
 def _written(value: Any, name: str) -> Any:
     """As a person writes it in a command: numbers exactly, lists of them where there may be several."""
     if name in ("wheel_hz", "delays"):
-        return tuple(map(str, _several(value)))
+        return tuple(map(str, several(value)))
     if value is None or isinstance(value, bool):
         return value
     return tuple(None if one is None else str(one) for one in value) if isinstance(value, tuple) else str(value)

@@ -8,6 +8,11 @@ from typing import Any
 from irtiming.errors import PlanError
 
 
+def several(value: Any) -> tuple[Any, ...]:
+    """What may be one or several, as several."""
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
 def sorted_into(wishes: Mapping[str, Any], *records: type[Any]) -> list[dict[str, Any]]:
     """What each record knows of the wishes; the first takes what several know.
 

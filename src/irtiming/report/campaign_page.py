@@ -96,10 +96,9 @@ def doubts(campaign: Campaign) -> list[str]:
 
 def _of_results(campaign: Campaign) -> list[str]:
     """What analyses warn of, by how many results have it."""
-    counts = Counter(code for one in campaign.points for code in dict.fromkeys(one.point.findings))
-    if not counts:
+    named = ", ".join(f"{code} ({n})" for code, n in sections.codes(campaign).most_common())
+    if not named:
         return []
-    named = ", ".join(f"{code} ({n})" for code, n in counts.most_common())
     return [
         t("results have warnings of their own, by code and how many: {codes}; each says more in its JSON", codes=named)
     ]

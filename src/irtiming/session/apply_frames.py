@@ -24,7 +24,7 @@ from irtiming.errors import ArchiveError, EstimationError, about
 from irtiming.records.arrays import Array
 from irtiming.session import given_frames
 from irtiming.session.apply_time import camera_at_setting, generator_of
-from irtiming.session.given_frames import GivenFrames, TimesWanted
+from irtiming.session.given_frames import GivenFrames
 from irtiming.units import readable_time
 
 _NOISE_FRAMES = 16
@@ -87,8 +87,9 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     result = read_result(order.result)
     with about(order.result):
         camera, remarks = camera_at_setting(result, order.series, source=order.source)
-    wanted = TimesWanted(stamps=order.stamps, period_s=order.period_s)
-    given = given_frames.read(order.source, wanted=wanted, camera=camera, generator=generator_of(result))
+    given = given_frames.read(
+        order.source, camera, stamps=order.stamps, period_s=order.period_s, generator=generator_of(result)
+    )
     remarks += conditions.doubted_unit(camera.conditions, given.events.frame_period_s)
     given = replace(given, events=replace(given.events, remarks=(*remarks, *given.events.remarks)))
     of_value = _lag_of_value(order, camera, given.unit)
@@ -114,7 +115,7 @@ def apply_frames(order: FramesOrder, *, progress: Callable[[int, int], None] | N
     )  # fmt: skip
     highest = np.iinfo(first.dtype).max if is_whole else None
     scenes = _scenes(given, stream, times_s=times_s, progress=progress)
-    gains = _write(scenes, order.out, head=head, highest=highest, given=given)
+    gains = _write(scenes, order.out, head=head, highest=highest, origin_s=given.events.origin_s)
     return FramesDone(
         n_frames=given.stack.shape[0], n_written=len(gains), noise=noise, mean_gain=float(gains[:, 0].mean()),
         mean_noise_gain=float(gains[:, 1].mean()), description=head.description,
@@ -152,11 +153,10 @@ def _instants(camera: CameraTiming, given: GivenFrames, readout: Readout) -> tup
 
 
 def _write(
-    scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, given: GivenFrames
+    scenes: Iterator[Scene], path: Path, *, head: SceneHead, highest: int | None, origin_s: int
 ) -> NDArray[np.float64]:
     """Write all scenes; gives mean gain and mean noise gain of each, shape (n_scene, 2)."""
-    counts, gains, origin_s = np.zeros(head.size, _COUNTS), [], given.events.origin_s
-    numbers = dict(zip(given.kept.tolist(), given.numbers.tolist(), strict=True))
+    counts, gains = np.zeros(head.size, _COUNTS), []
     with SceneWriter(path, head) as writer:
         for one in scenes:
             pixels: NDArray[Any] = one.pixels
@@ -164,9 +164,8 @@ def _write(
                 kernels.to_counts(one.pixels, highest, counts)
                 pixels = counts
             writer.append(
-                pixels, number=numbers[one.index], time_s=origin_s + one.time_s, gain=one.gain,
-                noise_gain=one.noise_gain,
-            )  # fmt: skip
+                pixels, number=one.index, time_s=origin_s + one.time_s, gain=one.gain, noise_gain=one.noise_gain
+            )
             gains.append((float(one.gain.mean()), float(one.noise_gain.mean())))
         if not gains:
             raise EstimationError("no frame lies between others without a gap; nothing was written", where=str(path))
@@ -180,14 +179,14 @@ def _scenes(
     times_s: NDArray[np.float64],
     progress: Callable[[int, int], None] | None,
 ) -> Iterator[Scene]:
-    """Scenes of all frames that have an event."""
+    """Scenes of all frames that have an event, each by the number of its frame."""
     place = {int(index): k for k, index in enumerate(given.kept)}
     total = given.stack.shape[0]
     for first, block in given.stack.blocks():
         for k, frame in enumerate(block):
             at = place.get(first + k)
             if at is not None:
-                yield from stream.push(frame, index=first + k, time_s=float(times_s[at]))
+                yield from stream.push(frame, index=int(given.numbers[at]), time_s=float(times_s[at]))
         if progress is not None:
             progress(first + len(block), total)
     yield from stream.end()

@@ -20,7 +20,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.recording import FrameStack
 from irtiming.session import frame_stamps
 from irtiming.session.frame_stamps import Stamped, StampsWanted
-from irtiming.units import readable_time
+from irtiming.units import first_of, readable_time
 
 _GAP = 1.5  # intervals: by how much farther apart stamps must be where a frame is missing
 _NAMED = 4
@@ -41,17 +41,9 @@ class GivenFrames:
     unit: str = "DN"
 
 
-@final
-@dataclass(frozen=True, kw_only=True)
-class TimesWanted:
-    """What a person says of the times of frames that a file does not tell: a CSV of ``stamps``, or the time between frames."""
-
-    stamps: Path | None = None
-    period_s: float | None = None
-
-
 def read(
-    source: Path, *, wanted: TimesWanted, camera: CameraTiming, generator: Generator | None = None
+    source: Path, camera: CameraTiming, *, stamps: Path | None = None, period_s: float | None = None,
+    generator: Generator | None = None,
 ) -> GivenFrames:  # fmt: skip
     """Frames of a recording or of any other file, each with its event.
 
@@ -59,10 +51,10 @@ def read(
     ----------
     source
         The frames.
-    wanted
-        Whence their times are.
     camera
         Of the result, which must hold for them.
+    stamps, period_s
+        What a person says of the times of frames that a file does not tell: a CSV of stamps, or the time between frames.
     generator
         What is known of the trigger generator that stamped recordings; None: nothing.
 
@@ -72,32 +64,34 @@ def read(
         If a file cannot be read, the frames tell no times, two sources of times contradict each other, or the result does not
         hold for the frames.
     """
-    if wanted.stamps is not None and wanted.period_s is not None:
+    if stamps is not None and period_s is not None:
         raise EstimationError("stamps and a period are given, from which times of frames follow; give one of them")
-    if wanted.stamps is None and wanted.period_s is None:
-        with about(source):
-            stamped = frame_stamps.read(StampsWanted(source=source), camera, generator=generator)
-        if stamped.recording is not None:
-            frames = stamped.recording.frames
-            return GivenFrames(stack=frames, events=stamped.events, kept=stamped.frames, numbers=stamped.numbers)
-        stack = open_frames(source)
-        return GivenFrames(
-            stack=stack, events=stamped.events, kept=stamped.frames, numbers=stamped.numbers, unit=stack.facts.unit
-        )
+    if stamps is None and period_s is None:
+        return _by_itself(source, camera, generator=generator)
     stack = open_frames(source)
-    facts, every = stack.facts, np.arange(stack.shape[0])
-    remarks = conditions.require(camera.conditions, conditions.of_facts(facts), where=str(source))
-    if wanted.stamps is not None:
-        with about(wanted.stamps):
-            stamped = frame_stamps.read(StampsWanted(source=wanted.stamps), camera, generator=generator)
-            events = _of_numbers(stamped, facts)
-        numbers = stamped.numbers if facts.frame_id is None else facts.frame_id
+    facts, numbers = stack.facts, np.arange(stack.shape[0])
+    kept, remarks = numbers, conditions.require(camera.conditions, conditions.of_facts(facts), where=str(source))
+    if stamps is not None:
+        with about(stamps):
+            stamped = frame_stamps.read(StampsWanted(source=stamps), camera, generator=generator)
+            events, numbers = _of_numbers(stamped, facts), stamped.numbers
     else:
         with about(source):
-            events = _every(wanted.period_s or 0.0, facts)
-        numbers = every if facts.frame_id is None else facts.frame_id
+            events = _every(period_s or 0.0, facts)
     events = replace(events, remarks=(*events.remarks, *remarks))
-    return GivenFrames(stack=stack, events=events, kept=every, numbers=numbers, unit=facts.unit)
+    numbers = numbers if facts.frame_id is None else facts.frame_id
+    return GivenFrames(stack=stack, events=events, kept=kept, numbers=numbers, unit=facts.unit)
+
+
+def _by_itself(source: Path, camera: CameraTiming, *, generator: Generator | None) -> GivenFrames:
+    """Frames that tell their times."""
+    with about(source):
+        stamped = frame_stamps.read(StampsWanted(source=source), camera, generator=generator)
+    events, kept, numbers = stamped.events, stamped.frames, stamped.numbers
+    if stamped.recording is not None:
+        return GivenFrames(stack=stamped.recording.frames, events=events, kept=kept, numbers=numbers)
+    stack = open_frames(source)
+    return GivenFrames(stack=stack, events=events, kept=kept, numbers=numbers, unit=stack.facts.unit)
 
 
 def _of_numbers(stamped: Stamped, facts: FrameFacts) -> EventTimes:
@@ -107,10 +101,11 @@ def _of_numbers(stamped: Stamped, facts: FrameFacts) -> EventTimes:
         order = np.argsort(stamped.numbers, kind="stable")
         at = order[np.minimum(np.searchsorted(stamped.numbers, own, sorter=order), order.size - 1)]
         if not np.all(there := stamped.numbers[at] == own):
-            missing = own[~there]
+            missing = [str(number) for number in own[~there]]
             raise EstimationError(
-                f"has no stamp of {missing.size} of {own.size} frames: of number {_listed(missing)}; both must number frames "
-                f"alike: they are {own[0]} to {own[-1]} in the frames and {stamped.numbers[0]} to {stamped.numbers[-1]} here"
+                f"has no stamp of {len(missing)} of {own.size} frames: of number {first_of(missing, most=_NAMED)}; both must "
+                f"number frames alike: they are {own[0]} to {own[-1]} in the frames "
+                f"and {stamped.numbers[0]} to {stamped.numbers[-1]} here"
             )
         return replace(events, time_s=events.time_s[at])
     if events.time_s.size != facts.frames:
@@ -154,8 +149,3 @@ def _every(period_s: float, facts: FrameFacts) -> EventTimes:
             "of all frames as stamps"
         )
     return EventTimes(time_s=period_s * numbers.astype(np.float64), scale="s since the event of the first frame")
-
-
-def _listed(numbers: Ticks) -> str:
-    shown = ", ".join(map(str, numbers[:_NAMED].tolist()))
-    return shown if numbers.size <= _NAMED else f"{shown} and so on"

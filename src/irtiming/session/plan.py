@@ -181,10 +181,8 @@ def _schemes(order: PlanOrder, wishes: Wishes) -> Planned:
 def _proposed(order: PlanOrder, wishes: Wishes) -> Proposed:
     described = camera(order.camera)
     asked = targets(list(order.wanted), described)
-    rig, is_known = (
-        assumed(None if order.rig is None else read_rig(order.rig), described),
-        order.camera.known_integration_time,
-    )
+    rig = assumed(None if order.rig is None else read_rig(order.rig), described)
+    is_known = order.camera.known_integration_time
     if (described.camera_type, described.readout_mode, is_known) == ("photon", "snapshot", False):
         rig = replace(rig, remarks=(*rig.remarks, _WINDOW_UNKNOWN))
     setting = Setting(

@@ -9,7 +9,6 @@ from made_up_result import made_up_result
 from irtiming.apply.camera_timing import of_result
 from irtiming.errors import EstimationError
 from irtiming.session import given_frames
-from irtiming.session.given_frames import TimesWanted
 
 IDS = [*range(5), *range(7, 12)]
 """Numbers of ten frames, of which 5 and 6 were lost."""
@@ -44,17 +43,17 @@ def _stamps(tmp_path, numbers, times_ms):
 
 def test_a_period_goes_from_number_to_number(frames, camera):
     """Oracle: by hand; after the two lost frames three periods have passed."""
-    given = given_frames.read(frames(frame_id=IDS), wanted=TimesWanted(period_s=0.03), camera=camera)
+    given = given_frames.read(frames(frame_id=IDS), camera, period_s=0.03)
     assert given.numbers.tolist() == IDS
     np.testing.assert_allclose(given.events.time_s, 0.03 * np.array(IDS))
-    given = given_frames.read(frames(), wanted=TimesWanted(period_s=0.03), camera=camera)
+    given = given_frames.read(frames(), camera, period_s=0.03)
     assert given.numbers.tolist() == list(range(10))
 
 
 def test_stamps_are_those_of_the_same_numbers(frames, camera, tmp_path):
     """Oracle: by hand; twelve triggers, frame k the k-th of them, of which two gave no frame."""
     stamps = _stamps(tmp_path, range(12), 30.0 * np.arange(12) + 1000)
-    given = given_frames.read(frames(frame_id=IDS), wanted=TimesWanted(stamps=stamps), camera=camera)
+    given = given_frames.read(frames(frame_id=IDS), camera, stamps=stamps)
     np.testing.assert_allclose(given.events.time_s + given.events.origin_s, 1 + 0.03 * np.array(IDS))
     assert given.numbers.tolist() == IDS
 
@@ -62,7 +61,7 @@ def test_stamps_are_those_of_the_same_numbers(frames, camera, tmp_path):
 def test_frames_without_numbers_have_those_of_their_stamps(frames, camera, tmp_path):
     """Oracle: by hand; one stamp for each frame, in their order."""
     stamps = _stamps(tmp_path, IDS, 30.0 * np.array(IDS))
-    given = given_frames.read(frames(), wanted=TimesWanted(stamps=stamps), camera=camera)
+    given = given_frames.read(frames(), camera, stamps=stamps)
     np.testing.assert_allclose(given.events.time_s, 0.03 * np.array(IDS))
     assert given.numbers.tolist() == IDS
 
@@ -86,13 +85,13 @@ def test_stamps_that_contradict_the_frames_are_refused(frames, camera, tmp_path,
     """Oracle: by hand; other numbers, numbers that begin at 1, no time for what is missing, more stamps than frames."""
     stamps = _stamps(tmp_path, numbers, times_ms)
     with pytest.raises(EstimationError, match=said):
-        given_frames.read(frames(**facts), wanted=TimesWanted(stamps=stamps), camera=camera)
+        given_frames.read(frames(**facts), camera, stamps=stamps)
 
 
 def test_stamps_that_leave_time_for_what_is_missing_are_taken(frames, camera, tmp_path):
     """Oracle: by hand; ten stamps in a row, of which two are 90 ms apart where two frames are missing."""
     stamps = _stamps(tmp_path, None, 30.0 * np.array(IDS))
-    given = given_frames.read(frames(frame_id=IDS), wanted=TimesWanted(stamps=stamps), camera=camera)
+    given = given_frames.read(frames(frame_id=IDS), camera, stamps=stamps)
     np.testing.assert_allclose(given.events.time_s, 0.03 * np.array(IDS))
 
 
@@ -111,11 +110,11 @@ def test_stamps_that_leave_time_for_what_is_missing_are_taken(frames, camera, tm
 def test_a_period_that_contradicts_the_file_is_refused(frames, camera, facts, wanted, said):
     """Oracle: by hand; times of its own, numbers that do not rise, stamps as well."""
     with pytest.raises(EstimationError, match=said):
-        given_frames.read(frames(**facts), wanted=TimesWanted(**wanted), camera=camera)
+        given_frames.read(frames(**facts), camera, **wanted)
 
 
 def test_times_that_do_not_rise_are_none(frames, camera):
     """Oracle: by hand; a clock that stood still tells nothing, so that the period counts."""
     path = frames(times_s=[7.0] * 10, time_scale="camera clock")
-    given = given_frames.read(path, wanted=TimesWanted(period_s=0.03), camera=camera)
+    given = given_frames.read(path, camera, period_s=0.03)
     np.testing.assert_allclose(given.events.time_s, 0.03 * np.arange(10))

@@ -18,9 +18,8 @@ from irtiming.archive.frames.opening import reader_of, readers
 from irtiming.archive.hdf5_file import H5_ERRORS, opened, reason_of
 from irtiming.archive.hdf5_output import writing
 from irtiming.archive.layout import Field
-from irtiming.archive.line_checks import check_lines
 from irtiming.archive.reader import check_version
-from irtiming.archive.tick_checks import check_ticks
+from irtiming.archive.recording_checks import check_stamps
 from irtiming.archive.whole_file import unwritable, whole_file
 from irtiming.archive.writer import values_of, write
 from irtiming.errors import ArchiveError
@@ -214,7 +213,7 @@ def _read_back(part: Path, *, called: Path) -> "Contents":
 
 def _oddities(contents: "Contents", *, called: Path) -> list[Finding]:
     """What is odd about a recording; what makes it unusable is raised."""
-    findings = [*consistency.check(contents), *check_ticks(contents), *check_lines(contents)]
+    findings = [*consistency.check(contents), *check_stamps(contents)]
     for finding in findings:
         if (
             finding.severity == "error" and finding.where != layout.LOST_AFTER.path

@@ -107,8 +107,7 @@ def _copy(file: h5py.File, path: Path) -> None:
     """All that is in the file, with the entries of the last frame that are not all there cut off."""
     n_frames = frames_there(file)
     with writing(path) as (copy, _):
-        for name, value in file.attrs.items():
-            copy.attrs[name] = value
+        copy.attrs.update(file.attrs)
         try:
             file.copy(layout.ENTRY, copy)
         except H5_ERRORS:  # frames are missing together with the index that would lead to them
@@ -125,8 +124,7 @@ def _copy_frame_by_frame(file: h5py.File, copy: h5py.File) -> None:
     frames = file[layout.FRAMES.path]
     made = create_stack(copy, layout.FRAMES, size=frames.shape[1:], dtype=frames.dtype.str)
     made.resize(len(frames), axis=0)
-    for name, value in frames.attrs.items():
-        made.attrs[name] = value
+    made.attrs.update(frames.attrs)
     pixels = np.empty((1, *frames.shape[1:]), frames.dtype)
     for index in range(len(frames)):
         with suppress(*H5_ERRORS):
@@ -137,8 +135,7 @@ def _copy_frame_by_frame(file: h5py.File, copy: h5py.File) -> None:
 
 def _copy_group(source: h5py.Group, target: h5py.Group, *, there: dict[int, h5py.HLObject]) -> None:
     """What is in a group, objects that are ``there`` by their place in the file linked, as they may be there under two names."""
-    for name, value in source.attrs.items():
-        target.attrs[name] = value
+    target.attrs.update(source.attrs)
     for name, one in source.items():
         place = _place(one)
         if place in there:
@@ -178,7 +175,7 @@ def _mend(file: h5py.File, *, progress: Callable[[int, int], None] | None) -> No
 def _cut_short(file: h5py.File) -> None:
     """Ticks end where the file does: what is not there of a stream is read as zeros, to which no counter goes back."""
     for field in layout.FIELDS:
-        if field.kind == "ticks" and field.path in file and field not in layout.PER_FRAME:
+        if field.kind == "ticks" and field.path in file:
             stream = file[field.path]
             if stream.maxshape[0] is None and len(stream) and not stream[-1]:
                 stream.resize(int(np.max(np.flatnonzero(stream[()]), initial=-1)) + 1, axis=0)

@@ -13,7 +13,7 @@ data, :math:`t_y` the time by which the row is read after row 0, and one delay :
 edges need not stand where the ring's do.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias, final
 
@@ -119,11 +119,12 @@ def unit(parameter: str, camera: Camera) -> str:
 def harmonics(rows: RowSum, timing: Timing) -> ComplexArray:
     """Harmonics F_ym of each row, shape (n_row, M + 1)."""
     passed, kept = _response(rows, timing), _memory(rows, timing)[0]
-    bare = _observed(rows, timing, edges=_edges(rows, timing), lights=_lights(rows, timing))
+    edges = _edges(rows, timing)
+    bare = _observed(rows, timing, edges=edges, lights=_lights(rows, timing))
     straight = np.asarray((bare * (passed * kept)).sum(axis=0))
     if rows.powers is None:
         return straight
-    bends = bent_rows.bends(rows.powers, _edges(rows, timing).sum(axis=0) * passed)
+    bends = bent_rows.bends(rows.powers, edges.sum(axis=0) * passed)
     return np.asarray(straight + kept * _read(rows, timing, _bent(bends, timing)))
 
 
@@ -161,7 +162,7 @@ def _straight(rows: RowSum, timing: Timing) -> tuple[ComplexArray, ComplexArray]
     bare = _observed(rows, timing, edges=edges, lights=lights)
     observed = bare * (passed * kept)
     by_edge = observed * (1j * np.arange(n + 1) * omega)
-    by_blades = -edges[2:].sum(axis=0) * passed * kept * np.array(lights)
+    by_blades = -edges[2:].sum(axis=0) * passed * kept * lights
     by_blades = by_blades if rows.blades_apart else by_blades.sum(axis=0)[None]
     by_readout = rows.camera.readout.read_later(rows.row_px)[:, :, None] * by_edge.sum(axis=0)
     return np.asarray(observed.sum(axis=0)), np.concatenate([
@@ -175,24 +176,23 @@ def _edges(rows: RowSum, timing: Timing) -> ComplexArray:
     return rows.open_harmonics * later(rows.angular_frequency_rad_per_s * delays, n_harmonics=rows.n_harmonics)
 
 
-def _lights(rows: RowSum, timing: Timing) -> list[ComplexArray]:
-    """Light of the rows as they are read, and what shows beside it where that is known, each of shape (n_row, M + 1)."""
+def _lights(rows: RowSum, timing: Timing) -> ComplexArray:
+    """Light of the rows as they are read, and what shows beside it where that is known; shape (1 or 2, n_row, M + 1)."""
     known = [light for light in (rows.row_harmonics, rows.beside_harmonics) if light is not None]
-    return [_read(rows, timing, light) for light in known]
+    return _read(rows, timing, np.array(known))
 
 
-def _observed(rows: RowSum, timing: Timing, *, edges: ComplexArray, lights: Sequence[ComplexArray]) -> ComplexArray:
+def _observed(rows: RowSum, timing: Timing, *, edges: ComplexArray, lights: ComplexArray) -> ComplexArray:
     """What each edge adds to the rows as they are read, without response and memory; shape (4, n_row, M + 1)."""
-    light, *others = lights
-    lit = edges[:, None, :] * light
+    lit = edges[:, None, :] * lights[0]
     lit[2:] *= 1 - timing.get(BLADE, 0.0)
-    for beside in others:
+    for beside in lights[1:]:
         lit[2:] -= timing.get(BESIDE if rows._is_apart else BLADE, 0.0) * edges[2:, None, :] * beside
     return lit
 
 
 def _read(rows: RowSum, timing: Timing, light: ComplexArray) -> ComplexArray:
-    """Light of the rows as they are read, shape (n_row, M + 1)."""
+    """Light of the rows as they are read, shape (..., n_row, M + 1)."""
     readout = rows.camera.readout
     read_s = np.array([timing[name] for name in readout.PARAMETERS]) @ readout.read_later(rows.row_px)
     return np.asarray(light * later(rows.angular_frequency_rad_per_s * read_s, n_harmonics=rows.n_harmonics))

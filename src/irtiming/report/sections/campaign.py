@@ -105,9 +105,14 @@ def out_of_control(campaign: Campaign) -> list[str]:
     ]
 
 
+def codes(campaign: Campaign) -> Counter[str]:
+    """Findings by how many results have them."""
+    return Counter(code for one in campaign.points for code in dict.fromkeys(one.point.findings))
+
+
 def pareto(campaign: Campaign) -> Section | None:
     """Findings by how many results have them, the most frequent first; None where there is none."""
-    counts = Counter(code for one in campaign.points for code in dict.fromkeys(one.point.findings))
+    counts = codes(campaign)
     if campaign.broken:
         counts["not-analysed"] = len(campaign.broken)
     if not counts:
