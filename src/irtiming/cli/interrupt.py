@@ -69,6 +69,16 @@ def say_nothing_of_dropped(what: "sys.UnraisableHookArgs") -> None:
         sys.__unraisablehook__(what)
 
 
+def say_nothing(what: "sys.UnraisableHookArgs") -> None:
+    """Hook for what Python itself drops after the last words of a stopped program.
+
+    Parameters
+    ----------
+    what
+        As Python gives it to ``sys.unraisablehook``.
+    """
+
+
 def raise_dropped() -> None:
     """Nothing, unless one of the signals came before and got lost.
 

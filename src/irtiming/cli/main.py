@@ -31,7 +31,7 @@ from irtiming.cli.gateware_command import app as gateware
 from irtiming.cli.history_command import history
 from irtiming.cli.import_capture_command import import_capture
 from irtiming.cli.info_command import info
-from irtiming.cli.interrupt import Interrupt, heeded, ignore, say_nothing_of_dropped
+from irtiming.cli.interrupt import Interrupt, heeded, ignore, say_nothing, say_nothing_of_dropped
 from irtiming.cli.latency_command import app as latency
 from irtiming.cli.plan_command import plan
 from irtiming.cli.record_command import record
@@ -74,7 +74,6 @@ def irtiming(
 
 
 _STANDARD_OUTPUT = ("-", "/dev/stdout")
-_STOPPED = "stopped; files not yet finished were removed or end in .part"
 _OF_TYPER = 130  # what it makes of a KeyboardInterrupt, without a word
 
 
@@ -97,12 +96,12 @@ def run() -> None:
     except (ImportError, SystemError):  # what a library makes of Ctrl-C that came while it was loaded
         if interrupt.number is None:
             raise
-        _end(_STOPPED, interrupt.exit_status)
+        _stop(interrupt)
     except KeyboardInterrupt:
-        _end(_STOPPED, interrupt.exit_status)
+        _stop(interrupt)
     except SystemExit as ending:
         if ending.code == _OF_TYPER:
-            _end(_STOPPED, interrupt.exit_status)
+            _stop(interrupt)
         raise
     finally:
         ignore()  # it is over; Ctrl-C would only disturb the last words
@@ -114,6 +113,11 @@ def _words_aside(arguments: list[str]) -> Iterator[None]:
     asked = any(one.rpartition("=")[2] in _STANDARD_OUTPUT for one in arguments)
     with redirect_stdout(sys.stderr) if asked else nullcontext():
         yield
+
+
+def _stop(interrupt: Interrupt) -> NoReturn:
+    sys.unraisablehook = say_nothing  # objects that the signal left half made cannot be taken down in order
+    _end("stopped; files not yet finished were removed or end in .part", interrupt.exit_status)
 
 
 def _end(message: str, status: int) -> NoReturn:

@@ -81,6 +81,29 @@ def test_what_a_library_makes_of_it_while_it_is_loaded_is_no_traceback(handled, 
     assert capsys.readouterr().err.startswith("irtiming: stopped")
 
 
+def test_what_a_stopped_program_left_half_made_says_nothing_at_its_end(handled, capsys, monkeypatch):
+    """Oracle: the one line of an ending; a destructor that fails is what Ctrl-C leaves of an object that was being made."""
+
+    class HalfMade:
+        def __del__(self):
+            self.never_set.close()
+
+    left = [HalfMade()]
+
+    def stopped():
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    monkeypatch.setattr(main, "app", stopped)
+    with pytest.raises(SystemExit) as ending:
+        main.run()
+    left.clear()
+    said = capsys.readouterr().err
+    assert ending.value.code == 130
+    assert said.startswith("irtiming: stopped")
+    assert said.count("\n") == 1
+
+
 def test_a_library_that_cannot_be_loaded_is_no_interrupt(handled, monkeypatch):
     """Oracle: the error of the library itself, without any signal."""
 
