@@ -29,7 +29,7 @@ def first_guess(look: Look, view: View) -> dict[str, float]:
     radius = np.hypot(down, across)
     inner, outer = (float(r) for r in np.quantile(radius, [0.005, 0.995]))
     angle = min(2 * mask.sum() / max(outer**2 - inner**2, 1.0), 3.0)
-    turned = look.projection[mask] * look.values(np.arctan2(down, across) - middle).conj()
+    turned = look.projection[mask] * look.point.values(np.arctan2(down, across) - middle).conj()
     return dict.fromkeys(NUMBERS, 0.0) | {
         "axle_row_px": float(centre[0]),
         "axle_column_px": sense * float(centre[1]),

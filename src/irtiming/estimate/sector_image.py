@@ -267,7 +267,7 @@ def _lit(points: LightPoints, looks: Sequence[Look], numbers: Mapping[str, float
     values = []
     for look in looks:
         turn, row_turn = _turns(look, numbers)
-        value = look.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
+        value = look.point.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
         values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
     return np.array(values)
 
@@ -286,7 +286,7 @@ def _sharp(
         turn, row_turn = _turns(look, numbers)
         read = np.exp(2j * row_turn * view.rows)
         angle = places.middle_rad - turn - row_turn * view.rows
-        point = look.smeared(angle, width_rad=places.smear_rad)
+        point = look.point.smeared(angle, width_rad=places.smear_rad)
         sector = np.where(places.inside, point / read, border)
         found.append(
             Sharp(
@@ -330,7 +330,7 @@ def _shown(
     stays, astray = ring
     if shape.glare == 0:
         return stays * made.point
-    return stays * made.point + astray * look.smeared(
+    return stays * made.point + astray * look.point.smeared(
         made.angle_rad, width_rad=blurred_sector.astray_reach(shape, roi=roi)
     )
 
@@ -365,7 +365,7 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         for look, u, known in zip(seen, u_dn, unglared, strict=True)
     ]
     weights = np.array([
-        (model.full_dn * np.abs(look.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
+        (model.full_dn * np.abs(look.point.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
     share = weights / weights.sum()
     stays, astray = _ring(shape, numbers, radius=places.radius, blur_px=places.along_px)

@@ -139,7 +139,7 @@ def _swayed(look: Look, known: SectorFit, *, view: View, turn_rad: float) -> Loo
     angle = angle - turn_rad - look.omega * known.row_delay_s * view.rows
     light = np.clip(known.model_contrast, 0, 1)
     shown = [one.at(light, angle) for one in look.unsteady]
-    scale = look.full_dn / float(np.abs(look.table).mean())
+    scale = look.full_dn / float(np.abs(look.point.table).mean())
     return replace(look, swayed=tuple(one for one in shown if np.linalg.norm(one) * scale > _HIDDEN * look.u_dn))
 
 

@@ -105,9 +105,9 @@ def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) 
     response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
     timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recordings[0].integration_time_s or 0.0}
     sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing)
-    for _ in range(_ROUNDS - 2):
-        sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector)
     kept = Slopes()
+    for _ in range(_ROUNDS - 2):
+        sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing, start=sector, slopes=kept)
     last = sector_fit.settled(recordings, wheel, rig=rig, timing=timing, start=sector, slopes=kept)
     return last, sector_fit.fit_row_by_row(recordings, wheel, rig=rig, timing=timing, start=last, slopes=kept)
 

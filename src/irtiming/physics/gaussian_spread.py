@@ -1,7 +1,7 @@
 """Points of light that a Gaussian spreads over the pixels around them."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple, final
 
 import numpy as np
 from numba import njit
@@ -13,6 +13,7 @@ from irtiming.records.blur import Blur
 REACH = 5.0
 """Blurs beyond which no light comes."""
 
+_LEFT_OUT = 1e-6  # by the series in the correlation, of terms that are a tenth of a point's light at most
 _TABLE_END, _TABLE_STEPS = 7, 128  # of the Gaussian's integral, in and per standard deviation
 
 
@@ -46,7 +47,7 @@ def deposit(
         Number of rows and of columns.
     """
     light = np.ascontiguousarray(np.concatenate([values.real, values.imag]).T)
-    spread = np.asarray((_deposit_askew if blur.correlation else _deposit)(*places, light, blur, widening, size))
+    spread = np.asarray(_deposit(places, light, blur, widening, size, _series(blur.correlation)))
     return np.asarray(spread[: len(values)] + 1j * spread[len(values) :])
 
 
@@ -60,41 +61,6 @@ def _below(at: float) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _along_axis(place: float, first: int, last: int, blur: float, out: Array) -> None:
-    """Part of a Gaussian about a place that falls into each of these pixels, from the beginning of ``out`` on."""
-    at, pixel = ((first - 0.5 - place) / blur + _TABLE_END) * _TABLE_STEPS, _TABLE_STEPS / blur
-    below = _below(at)
-    for j in range(last - first + 1):
-        above = _below(at + (j + 1) * pixel)
-        out[j] = above - below
-        below = above
-
-
-@njit(cache=True, nogil=True)
-def _deposit(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
-    """See deposit; light (n, 2 k) and what it becomes, shape (2 k, *size), real parts before imaginary ones."""
-    n_row, n_column = size
-    n = light.shape[1]
-    out = np.zeros((n, n_row, n_column))
-    down, across = np.empty(n_row), np.empty(n_column)
-    for k in range(row.size):
-        rows_px, columns_px = blur.rows_px * widening[k], blur.columns_px * widening[k]
-        reach, beside = REACH * rows_px + 0.5, REACH * columns_px + 0.5
-        first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
-        first, last = max(0, math.ceil(column[k] - beside)), min(n_column - 1, math.floor(column[k] + beside))
-        if first_row > last_row or first > last:
-            continue
-        _along_axis(row[k], first_row, last_row, rows_px, down)
-        _along_axis(column[k], first, last, columns_px, across)
-        for part in range(n):
-            for i in range(first_row, last_row + 1):
-                along = light[k, part] * down[i - first_row]
-                for j in range(last - first + 1):
-                    out[part, i, first + j] += along * across[j]
-    return out
-
-
-@njit(cache=True, nogil=True)
 def _density(at: float) -> float:
     """Of the Gaussian at a place that is counted in the same way, per standard deviation: the slope of `_below`; to 1e-8."""
     inside = min(max(at, 0.0), 2.0 * _TABLE_END * _TABLE_STEPS)
@@ -103,52 +69,91 @@ def _density(at: float) -> float:
     return float(_TABLE_STEPS * (_GAUSSIAN[k, 1] + on * (2 * _GAUSSIAN[k, 2] + on * 3 * _GAUSSIAN[k, 3])))
 
 
-@njit(cache=True, nogil=True)
-def _side(place: float) -> tuple[float, float]:
-    """Part of a Gaussian below a place, less a half, and its density there, per standard deviation, as is the place."""
-    at = (place + _TABLE_END) * _TABLE_STEPS
-    return _below(at), _density(at)
+@final
+class _Series(NamedTuple):
+    """The series in the correlation r, for compiled code: weights r^k / k of its terms, the first of which is 1.
 
-
-@njit(cache=True, nogil=True)
-def _deposit_askew(row: Array, column: Array, light: Array, blur: Blur, widening: Array, size: tuple[int, int]) -> Any:
-    """The same of a blur that is correlated: light of one row lies about a place of its own, and is narrower there.
-
-    Of a standard Gaussian between two ends the mean is the density at the first less that at the last, over the share; the mean
-    square is 1 and as much more as the ends times those densities say.
+    Hermite functions h_k, derivatives of the density over the root of k!, follow from those before by ``up`` and ``back``:
+    h_0 is the density, h_k = up_k x h_(k - 1) - back_k h_(k - 2).
     """
-    n_row, n_column = size
-    n = light.shape[1]
+
+    weight: Array
+    up: Array
+    back: Array
+
+
+def _series(correlation: float) -> _Series:
+    """As many terms as it takes."""
+    n_terms = 1
+    while abs(correlation) ** n_terms > n_terms * (1 - abs(correlation)) * _LEFT_OUT:
+        n_terms += 1
+    order = np.maximum(np.arange(n_terms), 1)
+    weight = np.where(np.arange(n_terms) == 0, 1.0, correlation**order / order)
+    return _Series(weight=weight, up=1 / np.sqrt(order), back=np.sqrt((order - 1) / order))
+
+
+@njit(cache=True, nogil=True)
+def _along_axis(x: float, width: float, n: int, series: _Series, room: Array, out: Array) -> None:
+    """Part of a standard Gaussian that falls into each pixel, and what the Hermite functions gain across it, from 0 on.
+
+    The first of ``n`` pixels begins at ``x``; ``out`` is filled, with ``room`` for one more, shapes (n_terms, n or more).
+    """
+    at, pixel = (x + _TABLE_END) * _TABLE_STEPS, width * _TABLE_STEPS
+    below = _below(at)
+    for j in range(n):
+        above = _below(at + (j + 1) * pixel)
+        out[0, j] = above - below
+        below = above
+    if len(out) == 1:
+        return
+    for j in range(n + 1):
+        room[0, j], room[1, j] = 0.0, _density(at + j * pixel)
+    for k in range(1, len(out)):
+        for j in range(n):
+            out[k, j] = room[k, j + 1] - room[k, j]
+        if k + 1 < len(out):
+            up, back = series.up[k], series.back[k]
+            for j in range(n + 1):
+                room[k + 1, j] = (x + j * width) * up * room[k, j] - back * room[k - 1, j]
+
+
+@njit(cache=True, nogil=True)
+def _deposit(
+    places: tuple[Array, Array], light: Array, blur: Blur, widening: Array, size: tuple[int, int], series: _Series
+) -> Any:
+    """See deposit; light (n, 2 k) and what it becomes, shape (2 k, *size), real parts before imaginary ones.
+
+    By the tetrachoric series (Pearson, Phil. Trans. R. Soc. A 195 (1900) 1) a Gaussian with correlation r has, between two
+    places x in rows and two y in columns, in standard deviations,
+
+        Phi(x) Phi(y) + sum over k >= 1 of r^k / k h_(k - 1)(x) h_(k - 1)(y)
+
+    with the differences that Phi and h have between the two.
+    """
+    (row, column), (n_row, n_column), n_terms, n = places, size, series.weight.size, light.shape[1]
     out = np.zeros((n, n_row, n_column))
-    across = np.empty(n_column)
-    own = blur.columns_px**2 * (1 - blur.correlation**2)
-    for k in range(row.size):
-        rows_px, slant_px = blur.rows_px * widening[k], blur.correlation * blur.columns_px * widening[k]
-        reach = REACH * rows_px + 0.5
-        first_row, last_row = max(0, math.ceil(row[k] - reach)), min(n_row - 1, math.floor(row[k] + reach))
-        if first_row > last_row:
+    down, across, line = np.empty((n_terms, n_row)), np.empty((n_terms, n_column)), np.empty(n_column)
+    room = np.empty((n_terms, max(n_row, n_column) + 1))
+    for point in range(row.size):
+        rows_px, columns_px = blur.rows_px * widening[point], blur.columns_px * widening[point]
+        reach, beside = REACH * rows_px + 0.5, REACH * columns_px + 0.5
+        first_row, last_row = max(0, math.ceil(row[point] - reach)), min(n_row - 1, math.floor(row[point] + reach))
+        first, last = max(0, math.ceil(column[point] - beside)), min(n_column - 1, math.floor(column[point] + beside))
+        if first_row > last_row or first > last:
             continue
-        straight, slanted = own * widening[k] ** 2, slant_px**2
-        high = (first_row - 0.5 - row[k]) / rows_px
-        below_high, at_high = _side(high)
-        for i in range(first_row, last_row + 1):
-            low, at_low, below_low = high, at_high, below_high
-            high = low + 1 / rows_px
-            below_high, at_high = _side(high)
-            share = below_high - below_low
-            nearest = max(low, -high, 0.0)
-            if nearest >= REACH or share <= 0:
-                continue
-            mean = (at_low - at_high) / share
-            variance = max(0.0, 1 + (low * at_low - high * at_high) / share - mean**2)
-            place, width = column[k] + slant_px * mean, math.sqrt(straight + slanted * variance)
-            beside = width * math.sqrt(REACH**2 - nearest**2) + 0.5  # the ends of an ellipse
-            first, last = max(0, math.ceil(place - beside)), min(n_column - 1, math.floor(place + beside))
-            if first > last:
-                continue
-            _along_axis(place, first, last, width, across)
+        n_down, n_across = last_row - first_row + 1, last - first + 1
+        _along_axis((first_row - 0.5 - row[point]) / rows_px, 1 / rows_px, n_down, series, room, down)
+        _along_axis((first - 0.5 - column[point]) / columns_px, 1 / columns_px, n_across, series, room, across)
+        for i in range(n_down):
+            share = down[0, i]
+            for j in range(n_across):
+                line[j] = share * across[0, j]
+            for k in range(1, n_terms):
+                share = series.weight[k] * down[k, i]
+                for j in range(n_across):
+                    line[j] += share * across[k, j]
             for part in range(n):
-                along = light[k, part] * share
-                for j in range(last - first + 1):
-                    out[part, i, first + j] += along * across[j]
+                amount, pixels = light[point, part], out[part, first_row + i]
+                for j in range(n_across):
+                    pixels[first + j] += amount * line[j]
     return out

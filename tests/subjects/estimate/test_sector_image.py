@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
 from irtiming.estimate import contrast_look, sector_guess, sector_image
+from irtiming.estimate.point_table import PointTable
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.estimate.sector_image import NUMBERS, View
 from irtiming.physics import blurred_sector
@@ -75,24 +76,24 @@ def test_table_is_the_projection_of_a_point_of_light(camera, rows, lag):
     theta = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks)
     for angle in (-0.6, 0.0, 0.31, 2.0):
         seen = camera.seen(theta + camera.gate_rad - camera.centre_rad - angle)
-        assert look.values(np.array(angle)) == pytest.approx(rows.contrast.frame_weight @ seen, abs=8e-4)
-    np.testing.assert_allclose(look.values(np.array([0.3])), look.values(np.array([0.3 - TURN])))
+        assert look.point.values(np.array(angle)) == pytest.approx(rows.contrast.frame_weight @ seen, abs=8e-4)
+    np.testing.assert_allclose(look.point.values(np.array([0.3])), look.point.values(np.array([0.3 - TURN])))
 
 
 @pytest.mark.parametrize("width_rad", [1e-4, 3e-3, 0.02, 0.2, 1.0])
 def test_even_light_shows_the_tables_mean_over_its_angles(rows, camera, lag, width_rad):
     """Oracle: a dense sum over the normal distribution; of a few frames, whose table is rough."""
     (look,) = contrast_look.looks([rows], camera.model, timing=lag)
-    spectrum = np.fft.fft(look.table)
+    spectrum = np.fft.fft(look.point.table)
     spectrum[:65] += 200 * np.random.default_rng(2).normal(size=65)
-    rough = replace(look, table=np.fft.ifft(spectrum))
-    assert np.std(np.abs(rough.table)) > 0.1 * np.mean(np.abs(look.table))
+    rough = PointTable(table=np.fft.ifft(spectrum))
+    assert np.std(np.abs(rough.table)) > 0.1 * np.mean(np.abs(look.point.table))
     off = np.linspace(-6, 6, 6001)
     weight = np.exp(-0.5 * off**2) / np.sum(np.exp(-0.5 * off**2))
     angle = np.array([0.1, 0.7, 5.0])
     expected = rough.values(angle[:, None] + width_rad * off) @ weight
     found = rough.smeared(angle, width_rad=np.full(3, width_rad))
-    np.testing.assert_allclose(found, expected, atol=5e-4 * np.abs(look.table).max())
+    np.testing.assert_allclose(found, expected, atol=5e-4 * np.abs(look.point.table).max())
 
 
 def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, brute_bolometer):
@@ -102,7 +103,7 @@ def test_recordings_of_one_speed_are_added_up(camera, rows, lag, brute_rows, bru
     (one,) = contrast_look.looks([rows], camera.model, timing=lag)
     assert (slow.omega, quick.omega) == (pytest.approx(3 * TURN), pytest.approx(5 * TURN))
     np.testing.assert_allclose(slow.projection, -2 * rows.contrast.projection_dn)
-    np.testing.assert_allclose(slow.table, 2 * one.table, atol=1e-12)
+    np.testing.assert_allclose(slow.point.table, 2 * one.point.table, atol=1e-12)
     assert slow.u_dn == pytest.approx(np.sqrt(2) * rows.contrast.u_dn)
     np.testing.assert_array_equal(quick.projection, -fast.contrast.projection_dn)
 
@@ -211,7 +212,7 @@ def test_first_guess_is_of_the_opening_whatever_swings_beside_it(camera, brute_r
     (look,) = contrast_look.looks([brute_rows(camera)], camera.model, timing=lag)
     view, numbers = _view(brute_rows(camera)), _numbers(camera)
     angle, radius = blurred_sector.pixel_places(view.shape(numbers), roi=view.roi)
-    swings = look.values(angle - numbers["turn_rad"])
+    swings = look.point.values(angle - numbers["turn_rad"])
     highest, room = np.abs(swings).max(), 40
     plate = np.where((radius > numbers["ring_inner_px"]) & (np.abs(angle) > 0.7), -0.25 * swings, 0.0)
     shown = np.pad(
@@ -240,7 +241,7 @@ def test_first_guess_of_light_all_round_the_axle_is_half_a_turn_at_most(camera, 
     wide = _view(brute_rows(camera))
     down, across = np.arange(36)[:, None] - axle[0], np.arange(64)[None, :] - axle[1]
     angle, radius = np.arctan2(down, across), np.hypot(down, across)
-    shown = np.where(radius < 15, look.values(angle), 0.0)
+    shown = np.where(radius < 15, look.point.values(angle), 0.0)
     guess = sector_guess.first_guess(replace(look, projection=shown), replace(wide, summed=np.ones((36, 64), bool)))
     assert (guess["axle_row_px"], guess["axle_column_px"]) == pytest.approx(axle, abs=1.0)
     assert np.isfinite(list(guess.values())).all()
@@ -290,7 +291,7 @@ def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera
     down, right = row[:, None] - shape.axle_row_px, column - shape.axle_column_px
     radius, angle = np.hypot(down, right), np.arctan2(down, right) - shape.bisector_rad
     there = (radius > numbers["ring_inner_px"]) & (radius < numbers["ring_outer_px"])
-    light = there * look.values(angle - numbers["turn_rad"])
+    light = there * look.point.values(angle - numbers["turn_rad"])
     astray = gaussian_filter(light, fine * 3.0, mode="constant")
     stays = gaussian_filter(light, fine * np.hypot(shape.blur_px, 12**-0.5), mode="constant")
     at = np.ix_(*(_nodes_at(ends, beyond, fine) for ends in (view.rows[:, 0], view.columns[0])))
@@ -298,7 +299,7 @@ def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera
     exact = 0.92 * stays[at] + 0.08 * astray[at]
     as_if_straight = (ring[0] + ring[1]) * sharp.point
     off, was = (
-        np.sqrt(np.mean(np.abs(one - exact)[ringed] ** 2)) / np.abs(look.table).mean()
+        np.sqrt(np.mean(np.abs(one - exact)[ringed] ** 2)) / np.abs(look.point.table).mean()
         for one in (shown, as_if_straight)
     )
     assert off < 0.0015

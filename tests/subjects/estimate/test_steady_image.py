@@ -93,8 +93,8 @@ def test_a_point_of_light_is_seen_with_the_gain_of_each_frame(camera, still, row
     swayed = steady_image.by_rows(still, row_fit())
     (look,), (plain,) = (contrast_look.looks([one], camera.model, timing=camera.timing) for one in (swayed, still))
     expected = _point(camera, still, angle, GAIN / GAIN.mean())
-    assert look.values(np.array(angle)) == pytest.approx(expected, abs=1.2e-3)
-    assert abs(plain.values(np.array(angle)) - expected) > 4e-3
+    assert look.point.values(np.array(angle)) == pytest.approx(expected, abs=1.2e-3)
+    assert abs(plain.point.values(np.array(angle)) - expected) > 4e-3
 
 
 def test_an_image_is_rid_of_offset_and_own_levels(camera, still, row_fit, brute_frames):
@@ -229,8 +229,8 @@ def test_a_warmer_blade_shows_in_the_image_where_frames_are_missing(camera, brut
     at = wheel_angle_rad(0.0, rows.track, at_ticks=rows.trigger_ticks) + camera.gate_rad - camera.centre_rad - angle
     seen = camera.seen(at) + share * (one_blade.seen(at) - camera.seen(at))
     expected = rows.contrast.frame_weight @ seen / (1 - share / 2)
-    assert known.values(np.array(angle)) == pytest.approx(expected, abs=1.5e-3)
-    assert abs(none.values(np.array(angle)) - expected) > 4e-3
+    assert known.point.values(np.array(angle)) == pytest.approx(expected, abs=1.5e-3)
+    assert abs(none.point.values(np.array(angle)) - expected) > 4e-3
     assert (
         np.vdot(known.projection, rows.contrast.projection_dn).real * contrast_dn > 0
     )  # a cold opening is turned over
