@@ -197,6 +197,13 @@ def test_identifiers_that_go_back_are_not_trusted():
     assert "frame 1 came after frame 1" in verdict.reasons[0]
 
 
+def test_of_many_reasons_the_first_three_are_kept():
+    """Oracle: by hand; nine frames after the last trigger's, each of which would be a reason."""
+    _, verdict = _judged(list(range(10)), n_triggers=10, ids=[9, *range(9)])
+    assert len(verdict.reasons) == 3
+    assert "frame 0 came after frame 9" in verdict.reasons[0]
+
+
 def test_an_identifier_out_of_all_proportion_makes_no_blanks():
     """Oracle: a counter that wrapped wrongly would ask for 65 000 blank frames."""
     numbers, verdict = _judged([0, 1], ids=[0, 65_000], n_triggers=20)

@@ -110,6 +110,14 @@ def test_what_sways_does_so_in_each_band_of_rows(frames):
     np.testing.assert_allclose(found[0][-1], -0.5)
 
 
+def test_a_gain_sways_about_its_mean_by_orders_one_to_four(frames):
+    """Oracle: by hand; at the end Legendre's polynomials are 1, so that the light's own swing is left, at the beginning +-1."""
+    found, swing = causes._gain_sways(frames), frames.fraction - frames.fraction.mean()
+    assert len(found) == 4
+    np.testing.assert_allclose([one[-1] for one in found], [swing[-1]] * 4)
+    np.testing.assert_allclose([one[0] for one in found], [-swing[0], swing[0]] * 2)
+
+
 def test_on_the_border_of_both_halves_of_a_turn_neither_counts():
     """Oracle: by hand; an eighth of a turn before the middle of the plateau, at it, and a quarter before, between both."""
     frames = SimpleNamespace(
