@@ -52,6 +52,21 @@ def test_the_row_delay_of_the_map_is_that_of_the_fit(mapped):
     assert abs(record.row_delay_s - true.row_delay_s) < 4 * record.u_row_delay_s
 
 
+def test_what_all_pixels_have_in_common_is_the_result(mapped):
+    """Oracle: the fit of row sums; the map's mean time constant is the result's, with its u, as is a middle row's delay."""
+    result, _ = mapped
+    record = result.maps.record
+    constant, delay, row_delay = result["time_constant"], result["trigger_delay"], result["row_delay"]
+    assert record.u_common_time_constant_s == pytest.approx(constant.u)
+    told = np.isfinite(record.time_constant_s)
+    mean = np.average(record.time_constant_s[told], weights=1 / record.u_time_constant_s[told] ** 2)
+    assert mean == pytest.approx(constant.value, abs=4 * constant.u)
+    rows = np.arange(*record.roi[:2])[:, None] * np.ones(record.delay_s.shape)
+    seen = np.isfinite(record.delay_s)
+    np.testing.assert_allclose(record.expected_delay_s[seen], (delay.value + rows * row_delay.value)[seen], rtol=1e-9)
+    assert record.u_common_delay_s == pytest.approx(delay.u, rel=0.05)
+
+
 def test_what_is_dead_and_unseen_is_told_and_nothing_else(mapped):
     """Oracle: the rows and pixels themselves; the simulated readout has neither taps nor another clock."""
     result, _ = mapped

@@ -116,3 +116,18 @@ def test_pixels_that_scatter_more_than_their_noise_make_the_row_delay_less_certa
     assert stated.scatter == pytest.approx(1, abs=0.05)
     assert sure.scatter == pytest.approx(3, rel=0.05)
     assert sure.u_row_delay_s == pytest.approx(stated.u_row_delay_s, rel=0.05)
+
+
+@pytest.mark.parametrize(("n_far", "left"), [(1, 199), (2, 200)])
+def test_single_pixels_that_stray_are_left_out_but_not_a_part_of_the_readout(n_far, left):
+    """Oracle: by hand; of 200 pixels that scatter twice as much as their noise, one is 17 of its u off, or two, 1 %."""
+    delays = MappedDelays(
+        row_px=np.arange(200), column_px=np.arange(200), delay_s=np.zeros(200), u_s=np.full(200, U_S),
+        shape_s=np.zeros((200, 1)), image_rows=200, image_columns=200,
+    )  # fmt: skip
+    off = np.where(np.arange(200) < 100, 15.0, -15.0) * U_S  # as far as 7.5 of what they scatter
+    off[:n_far] = -17.0 * U_S
+    clock = RowClock(row_delay_s=0.0, u_row_delay_s=0.0, left_s=off, scatter=2.0)
+    kept = map_patterns.near(delays, clock)
+    assert kept.row_px.size == left
+    assert kept.row_px[-1] == 199

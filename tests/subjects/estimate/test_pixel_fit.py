@@ -40,3 +40,26 @@ def test_what_pixels_share_is_each_edge_at_its_own_time_and_what_the_camera_keep
     expected = sum(size[k] * edges[k] * np.exp(1j * order * omega * read_s[k]) for k in range(4))
     expected = expected * sum((1 - memory) * memory**n * np.exp(-1j * order * step * n) for n in range(30))
     np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("n_free", [2, 3])
+def test_a_step_of_each_pixel_is_its_own_least_squares(n_free):
+    """Oracle: NumPy's least squares, pixel by pixel, of residuals that are linear in contrast, delay and time constant."""
+    random, n_pixels = np.random.default_rng(3), 4
+    jacobian = random.normal(size=(n_free, 6, n_pixels)) * np.array([1.0, 3e3, 2e3])[:n_free, None, None]
+    left = random.normal(size=(6, n_pixels))
+    at = PixelNumbers(contrast_dn=np.full(4, 300.0), delay_s=np.full(4, 1e-3), response_s=np.full(4, 8e-3))
+    found = pixel_fit._stepped(at, jacobian, left)
+    numbers = np.array([found.contrast_dn, found.delay_s, found.response_s])
+    expected = np.tile([[300.0], [1e-3], [8e-3]], 4)
+    for k in range(n_pixels):
+        expected[:n_free, k] += np.linalg.lstsq(jacobian[:, :, k].T, left[:, k], rcond=None)[0]
+    np.testing.assert_allclose(numbers, expected, rtol=1e-9)
+
+
+def test_no_step_makes_a_time_constant_less_than_half_of_what_it_was():
+    """Oracle: by hand; each residual is one number alone, and wants it by 1 less."""
+    at = PixelNumbers(contrast_dn=np.array([3.0]), delay_s=np.array([2.0]), response_s=np.array([8e-3]))
+    found = pixel_fit._stepped(at, np.eye(3)[:, :, None], -np.ones((3, 1)))
+    assert (found.contrast_dn[0], found.delay_s[0]) == (pytest.approx(2.0), pytest.approx(1.0))
+    assert found.response_s[0] == pytest.approx(4e-3)
