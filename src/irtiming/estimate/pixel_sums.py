@@ -25,12 +25,11 @@ from typing import final
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import integration_time, opening_in_image
+from irtiming.estimate import integration_time, opening_in_image, wild_frames
 from irtiming.estimate.shared_residual import Trace
 from irtiming.inference import correlated_noise, drifting_levels, optimiser, orthonormal, variable_projection
 from irtiming.inference.optimiser import Linearised
 from irtiming.inference.variable_projection import Projected
-from irtiming.physics import robust
 from irtiming.physics.light import pixel_sum, summed_region
 from irtiming.physics.light.pixel_sum import Passing, Radii, Shapes
 from irtiming.physics.light.summed_region import SummedRegion
@@ -62,13 +61,9 @@ CORNERS = "corner_variance"
 
 _SMALL = slice(2, 2 + len(pixel_sum.SMALL))  # of the recording's own numbers
 _BLADES = pixel_sum.SMALL.index("blades")
+_MOST_MEMORY = 0.5  # a frame that shows more of the one before is that of the trigger before
 _SCAN = 240  # trial delays over a quarter turn to either side
-_OUTLIER = 6.0  # times the robust standard deviation
-_LEAST_WILD = 5e-4  # of the step: a frame that is less off does no harm
-_NEIGHBOURS = 15
 _GAP_SEARCH = 81  # delays over the scan: closer together than the shortest gap in the slots is long
-_DROPPED_SHARE = 0.05
-_LARGEST_SPREAD = 0.1  # of the step
 
 
 @final
@@ -259,7 +254,8 @@ def fit(reduced: ReducedRecording, wheel: WheelModel) -> EdgeDelayFit:
     starts = _starts(given, _scan(given))
     given, first = _levelled(given, _solved(given, *starts))
     kept = given.kept.copy()
-    kept[np.flatnonzero(kept)[_wild(given, first)]] = False
+    wild = wild_frames.of(given.at(first).residual, given.angle(0.0), name=reduced.name)
+    kept[np.flatnonzero(kept)[wild]] = False
     given, first = _levelled(replace(given, kept=kept), first)
     middle = float(np.mean([first[name] for name in EDGE_DELAYS]))
     return _result(given, _solved(given, first | dict.fromkeys(EDGE_DELAYS, middle)), start=starts[0])
@@ -334,45 +330,20 @@ def _solved_from(given: PixelSums, start: Mapping[str, float]) -> dict[str, floa
     free = _OWN_SHAPE if given.reduced.integration_time_s is not None else (*_OWN_SHAPE, "integration_time")
     held = [name for name in SHAPE if name not in free]
     found = optimiser.minimise(given.at, start=start, held=held).values
+    if _MOST_MEMORY < found[MEMORY] < 1:
+        found = optimiser.minimise(given.at, start=_of_own_trigger(given, found), held=held).values
     while untold := [name for name in (MEMORY, BOW) if name not in held and not abs(found[name]) < 1]:
         held = [*held, *untold]  # no shares: frames that hardly tell them do not tell them here
         found = optimiser.minimise(given.at, start={**start, **dict.fromkeys(untold, 0.0)}, held=held).values
     return found
 
 
-def _wild(given: PixelSums, numbers: Mapping[str, float]) -> Mask:
-    """Frames that differ from what their neighbours along the wheel angle foretell, shape (n_kept,)."""
-    residual = given.at(numbers).residual
-    residual = residual - np.median(residual)  # where many are wild, the rest is shifted
-    spread = robust.spread(residual)
-    if spread > _LARGEST_SPREAD:
-        raise EstimationError(
-            f"{given.reduced.name}: the pixel sums do not follow the wheel: they scatter about the model by {spread:.2g} of the "
-            f"step, at most {_LARGEST_SPREAD} may be; check rig.toml and that the timestamps belong to these frames"
-        )
-    alone = _beside_neighbours(residual, given.angle(0.0))  # a common delay leaves neighbours as they are
-    spread = robust.spread(alone)
-    outlier = np.abs(alone) > max(_OUTLIER * spread, _LEAST_WILD)
-    if outlier.mean() > _DROPPED_SHARE:
-        raise EstimationError(
-            f"{given.reduced.name}: {outlier.sum()} of {outlier.size} frames differ from their neighbours by more than "
-            f"{_OUTLIER:.0f} standard deviations ({spread:.2g} of the step), at most {_DROPPED_SHARE:.0%} may; check rig.toml "
-            "against the mean frame and the frames for disturbances"
-        )
-    return np.asarray(outlier)
-
-
-def _beside_neighbours(residual: Array, angle: Array) -> Array:
-    """Residuals less what their neighbours along the wheel angle foretell: a frame that is wild, not a model that is coarse.
-
-    The median of the means of pairs to both sides follows a slope, and does not hold the frame itself.
-    """
-    order = np.argsort(np.mod(angle, TURN))
-    sorted_by_angle = residual[order]
-    pairs = [(np.roll(sorted_by_angle, k) + np.roll(sorted_by_angle, -k)) / 2 for k in range(1, _NEIGHBOURS // 2 + 1)]
-    alone = np.empty_like(residual)
-    alone[order] = sorted_by_angle - np.median(pairs, axis=0)
-    return alone
+def _of_own_trigger(given: PixelSums, found: Mapping[str, float]) -> dict[str, float]:
+    """With a share of the frame before that is as far below a half as it is above: the light comes as late, and as long."""
+    ticks, share = given.reduced.trigger_ticks, found[MEMORY]
+    period_s = float(np.median(np.diff(ticks))) / given.reduced.track.clock_frequency_hz
+    earlier_s = (2 * share - 1) * period_s
+    return {**found, MEMORY: 1 - share} | {name: found[name] - earlier_s for name in EDGE_DELAYS}
 
 
 def _inside_track(given: PixelSums) -> PixelSums:

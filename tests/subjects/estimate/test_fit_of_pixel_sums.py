@@ -9,6 +9,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import pixel_sums
 from irtiming.estimate.pixel_sums import SHAPE
+from irtiming.inference import optimiser
 from irtiming.inference.optimiser import Linearised
 from irtiming.physics.light.pixel_sum import Radii
 from irtiming.physics.light.summed_region import SummedRegion
@@ -363,6 +364,24 @@ def test_what_would_grow_beyond_all_of_the_light_is_held_at_none(endless):
     found = pixel_sums._solved_from(given, start)
     expected = start | {name: 0.0 if name in endless else value for name, value in target.items()}
     assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_frames_that_show_mostly_the_one_before_are_those_of_the_trigger_before(recording):
+    """Oracle: delay that made the sums, of which a share of -3 % is of the frame before.
+
+    Such frames are nearly those of a camera that is a trigger later and keeps 97 %: a search that begins there would stay.
+    """
+    period_s = (_triggers()[1] - _triggers()[0]) / CLOCK_HZ
+    share = 1.03 * _sums() - 0.03 * _sums(delay=DELAY - period_s)
+    given = pixel_sums.pixel_sums(recording(share, integration_time_s=WINDOW), _model())
+    start = dict.fromkeys(EDGE_DELAYS, DELAY + WINDOW / 2) | dict.fromkeys(SHAPE, 0.0)
+    start = start | {"opening_angle": GAMMA, "integration_time": WINDOW}
+    later = start | dict.fromkeys(EDGE_DELAYS, DELAY + WINDOW / 2 + period_s) | {pixel_sums.MEMORY: 0.97}
+    stays = optimiser.minimise(given.at, start=later, held=[n for n in SHAPE if n not in pixel_sums._OWN_SHAPE]).values
+    assert stays[pixel_sums.MEMORY] > 0.9
+    found = pixel_sums._solved_from(given, later)
+    assert found[pixel_sums.MEMORY] == pytest.approx(-0.03, abs=1e-4)
+    np.testing.assert_allclose([found[name] for name in EDGE_DELAYS], DELAY + WINDOW / 2, atol=1e-8)
 
 
 @pytest.mark.parametrize("mirrored_first", [False, True])
