@@ -7,7 +7,8 @@ import pytest
 
 from irtiming.estimate import pixel_fit
 from irtiming.physics import wheel_harmonics
-from irtiming.physics.light.pixel import PixelNumbers
+from irtiming.physics.light.pixel import PixelLight, PixelNumbers, linearised
+from irtiming.physics.response import first_order_lag, integration_window
 from irtiming.physics.wheel import wheel_model
 
 _MANY = 9
@@ -63,3 +64,35 @@ def test_no_step_makes_a_time_constant_less_than_half_of_what_it_was():
     found = pixel_fit._stepped(at, np.eye(3)[:, :, None], -np.ones((3, 1)))
     assert (found.contrast_dn[0], found.delay_s[0]) == (pytest.approx(2.0), pytest.approx(1.0))
     assert found.response_s[0] == pytest.approx(4e-3)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("response", "n_free"), [(first_order_lag, 3), (integration_window, 2)])
+def test_pixels_are_found_whatever_their_contrast_delay_and_constant(sign, response, n_free):
+    """Oracle: the numbers whose harmonics are given; before a colder blackbody all contrasts are negative."""
+    orders, random = np.array([2, 6, 10]), np.random.default_rng(4)
+    wheel = np.array([0.6, -0.2, 0.05]) * np.exp(1j * orders * 0.02)
+    light = np.exp(-1j * np.multiply.outer(orders, [-0.5, 0.0, 0.4])) * np.array([0.9, 1.0, 0.7])
+    pixels = PixelLight(orders=orders, light=light, wheel=wheel, angular_frequency_rad_per_s=20.0, response=response)
+    true = PixelNumbers(
+        contrast_dn=sign * np.array([300.0, 330.0, 250.0]), delay_s=np.array([1e-4, -2e-4, 3e-5]),
+        response_s=np.array([8e-3, 8.3e-3, 7.6e-3]) if n_free == 3 else np.full(3, 8e-3),
+    )  # fmt: skip
+    shown = pixel_fit._packed(linearised(pixels, true)[0])
+    unlike = np.diag(random.uniform(0.5, 2.0, 6))
+    sums = SimpleNamespace(
+        signal=np.zeros((6, 3)), root=unlike, harmonics=lambda leak: shown - leak[:6], noise=lambda leak: np.ones(3),
+        leak=SimpleNamespace(of=lambda angle, reach: np.zeros((6, 3))),
+    )  # fmt: skip
+    seen = SimpleNamespace(angle_rad=np.zeros(3), share=np.ones(3), reach_rad=np.ones(3))
+    reference = pixel_fit.Reference(read_s=np.zeros(4), row_delay_s=0.0, response_s=8e-3, memory=0.0, blade=0.0)
+    begun = pixel_fit._first(sums, pixels, response_s=8e-3)
+    assert np.sign(begun.contrast_dn).tolist() == [sign] * 3
+    np.testing.assert_allclose(begun.contrast_dn, true.contrast_dn, rtol=0.05)
+    np.testing.assert_allclose(begun.delay_s, true.delay_s, atol=5e-4)  # their constants are not those of the reference
+    found, noise, _, left = pixel_fit._iterated(sums, pixels, seen, reference=reference, n_free=n_free)
+    np.testing.assert_allclose(found.contrast_dn, true.contrast_dn, rtol=1e-9)
+    np.testing.assert_allclose(found.delay_s, true.delay_s, atol=1e-12)
+    np.testing.assert_allclose(found.response_s, true.response_s, rtol=1e-9)
+    np.testing.assert_allclose(left, 0.0, atol=1e-6)
+    assert noise.tolist() == [1.0] * 3
