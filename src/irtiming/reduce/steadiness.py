@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from irtiming.physics import robust
 from irtiming.physics.covariance import hac_covariance
 from irtiming.physics.wheel import TURN
-from irtiming.records.arrays import Array, Ticks
+from irtiming.records.arrays import Array, Mask, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Rig
 from irtiming.reduce import passing_wave, renumbered
@@ -25,13 +26,12 @@ from irtiming.reduce.wheel.frame_angles import FrameAngles
 _PARTS = 4
 _FEWEST_TURNS = 3.0  # of a part: in fewer, a gain that sways as slowly as that looks like light that comes later
 _ORDERS = (1, 2, 3, *range(4, 17, 2))  # waves a turn: of two cutouts, and what tells them apart
-_CORNERS = tuple(
-    range(18, 49, 2)
-)  # what the corners of the slopes add: of the whole run, since a part has too few frames for them
-_ODD = tuple(range(5, 50, 2))  # what cutouts that differ add beside the first and third wave: at most 3/m of these
+_CORNERS = tuple(range(18, 49, 2))  # what the corners of the slopes add
+_ODD = tuple(range(5, 50, 2))  # what cutouts that differ add beside the first and third wave
+_SMALL = _CORNERS + _ODD  # of the whole run, since a part has too few frames for them
 _FRAMES_PER_NUMBER = 3
 _FAR = 6.0  # standard uncertainties, which take for noise what waves of higher order leave; by chance never
-_OUTLIER = 6.0
+_OUTLIER, _LOOKS = 6.0, 3
 _SWAYS = 8  # of a part: what sways not faster moves a wave as a whole, in so many pieces that their scatter is known
 _OF_SLOPE = 0.75 * 12**0.5
 """Of a straight line through evenly spread points: u of its rise from the first part to the last, over u of its middle."""
@@ -72,8 +72,8 @@ def lateness(light_dn: Array, wheel_angle_rad: Array) -> Lateness | None:
         return None
     if not passing_wave.is_told(wheel_angle_rad, parts, orders=_ORDERS):
         return None
-    light_dn, odd_left = _without_others(light_dn, wheel_angle_rad, known=known)
-    found = [_phase(light_dn[part], wheel_angle_rad[part], odd_left=odd_left) for part in parts]
+    light_dn, small_left = _without_small(light_dn, wheel_angle_rad, parts=parts)
+    found = [_phase(light_dn[part], wheel_angle_rad[part], small_left=small_left) for part in parts]
     waves, u_rad = np.array([wave for wave, _ in found]), np.array([u for _, u in found])
     middle = np.sum(waves / np.abs(waves))
     angle_rad = -np.angle(waves / middle) / PASSING
@@ -90,50 +90,66 @@ def _is_slow(angle: Array, n_frames: int) -> bool:
     return min(beats) < _FEWEST_TURNS
 
 
-def _without_others(light: Array, angle: Array, *, known: Ticks) -> tuple[Array, Array]:
-    """The light less its corners and odd waves, as the whole run tells them, and covariance of the odd ones that are left, DN^2.
+def _without_small(light: Array, angle: Array, *, parts: list[Ticks]) -> tuple[Array, Array]:
+    """The light less its corners and odd waves, as the whole run tells them, and covariance of what is left of those, DN^2.
 
-    An odd wave is known beforehand to be no more than 3/m of the first and third.
+    They are told by what the large waves of each part do not explain, or a lateness would be taken for them. They are known
+    beforehand to be small: an odd wave of order m no more than 3/m of the first and third, one of a corner no more than 8/m^2 of
+    the passing one, as of a trapezoid. Where frames see one of them as slowly as the passing wave, no more is known of it.
     """
-    columns, odd = passing_wave.waves(angle[known], _ORDERS + _CORNERS), passing_wave.waves(angle[known], _ODD)[:, 2:]
-    amounts = np.linalg.lstsq(columns, np.column_stack([light[known], odd]), rcond=None)[0]
-    found, shared = amounts[:, 0], amounts[:, 1:]
-    left = light[known] - columns @ found
-    low = [found[passing_wave.place(_ORDERS, order=order)] for order in _ORDERS if order % 2]
-    prior = np.repeat(3 / np.array(_ODD), 2) * np.linalg.norm(low) / math.sqrt(2)
-    odd, shared = odd * prior, shared * prior
-    own, noise = odd - columns @ shared, max(robust.spread(left), float(np.finfo(float).tiny) ** 0.5)
-    covariance = np.linalg.inv(np.eye(len(prior)) + own.T @ own / noise**2)
-    seen = covariance @ (own.T @ left) / noise**2
-    first = columns.shape[1] - 2 * len(_CORNERS)
+    known = np.concatenate(parts)
+    whole = passing_wave.waves(angle[known], _ORDERS + _CORNERS)
+    kept = _usual(light[known], whole)
+    amounts = np.asarray(np.linalg.lstsq(whole[kept], light[known][kept], rcond=None)[0], float)
+    noise = max(robust.spread((light[known] - whole @ amounts)[kept]), float(np.finfo(float).tiny) ** 0.5)
+    prior = _small_at_most(amounts)
+    small = passing_wave.waves(angle[known], _SMALL)[:, 2:] * prior
+    columns = block_diag(*(passing_wave.waves(angle[part], _ORDERS) for part in parts))
+    both = np.column_stack([light[known], small])[kept]
+    left = both - columns[kept] @ np.linalg.lstsq(columns[kept], both, rcond=None)[0]
+    covariance = np.linalg.inv(np.eye(small.shape[1]) + left[:, 1:].T @ left[:, 1:] / noise**2)
+    seen = covariance @ (left[:, 1:].T @ left[:, 0]) / noise**2
     less = np.full(light.size, np.nan)
-    less[known] = light[known] - columns[:, first:] @ (found - shared @ seen)[first:] - odd @ seen
+    less[known] = light[known] - small @ seen
     return less, covariance * np.outer(prior, prior)
 
 
-def _phase(light: Array, angle: Array, *, odd_left: Array) -> tuple[complex, float]:
+def _small_at_most(found: Array) -> Array:
+    """Standard deviations of the small waves' amounts, DN, shape (2 n_small,), from those of the large ones."""
+    odd = math.hypot(*(float(np.linalg.norm(found[passing_wave.place(_ORDERS, order=order)])) for order in (1, 3)))
+    passing = float(np.linalg.norm(found[passing_wave.place(_ORDERS)]))
+    corner = [8 / order**2 * passing for order in _CORNERS]
+    return np.repeat([*corner, *(3 / order * odd for order in _ODD)], 2) / math.sqrt(2)
+
+
+def _usual(light: Array, columns: Array) -> Mask:
+    """Frames that these waves explain as they do the others, shape (n,): a shutter's or a single bad one has no part."""
+    kept = np.ones(light.size, bool)
+    for _ in range(_LOOKS):
+        left = light - columns @ np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
+        kept = np.abs(left) <= _OUTLIER * robust.spread(left[kept])
+    return kept
+
+
+def _phase(light: Array, angle: Array, *, small_left: Array) -> tuple[complex, float]:
     """The wave with which cutouts pass, and the standard uncertainty of its place on the wheel, rad; outliers have no part.
 
     A gain that sways mixes waves: where frames visit the wheel's angles in a slow pattern, all that it leaves is alike for long.
-    And where they do so by nearly whole parts of a turn, waves of odd order look like the passing one: ``odd_left`` is the
-    covariance of what the whole run leaves of them.
+    And where they do so by nearly whole parts of a turn, small waves look like the passing one: ``small_left`` is the covariance
+    of what the whole run leaves of them.
     """
     columns = passing_wave.waves(angle, _ORDERS)
-    kept = np.ones(light.size, bool)
-    at = passing_wave.place(_ORDERS)
-    for _ in range(3):
-        found = np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
-        left = light - columns @ found
-        usual = robust.spread(left[kept])
-        kept = np.abs(left) <= _OUTLIER * usual
+    kept, at = _usual(light, columns), passing_wave.place(_ORDERS)
+    found = np.linalg.lstsq(columns[kept], light[kept], rcond=None)[0]
+    left = light - columns @ found
     normal = np.linalg.pinv(columns[kept].T @ columns[kept])
     n_kept = int(kept.sum())
     n_left = max(1, n_kept - columns.shape[1])
     white = float(np.sum(left[kept] ** 2)) / n_left * np.trace(normal[at, at])
     moved = (columns[kept] @ normal[:, at]) * left[kept, None]
     swayed = np.trace(hac_covariance(moved, n_neighbours=n_kept // _SWAYS, is_circular=False)) * n_kept / n_left
-    taken = normal[at] @ columns[kept].T @ passing_wave.waves(angle[kept], _ODD)[:, 2:]
-    passed_on = float(np.trace(taken @ odd_left @ taken.T))
+    taken = normal[at] @ columns[kept].T @ passing_wave.waves(angle[kept], _SMALL)[:, 2:]
+    passed_on = float(np.trace(taken @ small_left @ taken.T))
     wave = complex(*(found[at] * (1, -1)))
     size = max(abs(wave), float(np.finfo(float).tiny))
     return wave or 1.0, float(np.sqrt((max(white, swayed) + passed_on) / 2)) / size / PASSING
