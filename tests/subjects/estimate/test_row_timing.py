@@ -1,6 +1,7 @@
 """The fit of all rows on compressed sums against the same on whole frames."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -212,7 +213,19 @@ def test_a_given_start_is_used():
     u = np.sqrt(np.diag(np.linalg.inv(searched.normal)))
     np.testing.assert_array_less(np.abs(_values(again) - _values(searched)) / u, 2e-3)
     assert again.began == searched.timing
-    assert again.n_steps <= searched.n_steps
+    assert 0 < again.n_steps <= searched.n_steps
+
+
+def test_steps_are_those_of_every_search(monkeypatch):
+    """Oracle: by hand; 5 and 7 of two coarse ones, and 11 and 13 of the fine ones from where those ended."""
+    theta, sums = _frames()
+    data = [compress(theta, sums, n_harmonics=M)]
+    found = solve(data, MODEL)
+    near = [SimpleNamespace(n_steps=n, start=found.timing, values=found.timing) for n in (5, 7)]
+    monkeypatch.setattr(row_timing, "_near", lambda *_, **__: near)
+    ends = iter([replace(found, n_steps=n) for n in (11, 13)])
+    monkeypatch.setattr(row_timing, "_end", lambda *_, **__: next(ends))
+    assert solve(data, MODEL).n_steps == 36
 
 
 def test_pulls_of_300_repetitions_are_standard():

@@ -145,7 +145,10 @@ def test_references_that_cannot_correct_are_refused(paper_wheel, recorded, refer
 
 
 def test_gains_are_known_to_the_noise_of_the_reference_frames(references):
-    """Oracle: the spread of gains from 400 draws of references with that noise; without references no gain errs."""
+    """Oracle: the spread of gains from 400 draws of references with that noise; one frame is as noisy as it is.
+
+    Without references no gain errs.
+    """
     rng = np.random.default_rng(2)
     noise = references.low_noise_dn / np.sqrt(references.n_frames)
     step = references.high_dn - references.low_dn
@@ -153,6 +156,8 @@ def test_gains_are_known_to_the_noise_of_the_reference_frames(references):
     recording = SimpleNamespace(nonuniformity=references, frames=np.zeros((3, *step.shape)), name="made up")
     found = u_gain(recording, correction(recording))
     np.testing.assert_allclose(found, np.std(drawn, axis=0) / step, rtol=0.2)
+    single = SimpleNamespace(**vars(recording) | {"nonuniformity": replace(references, n_frames=1)})
+    np.testing.assert_allclose(u_gain(single, correction(single)), found * np.sqrt(references.n_frames))
     other = replace(references, high_dn=references.high_dn + 1)
     assert fingerprint(recording) == fingerprint(recording) != fingerprint(SimpleNamespace(nonuniformity=other))
     bare = SimpleNamespace(nonuniformity=None, frames=np.zeros((3, 4, 5)))
