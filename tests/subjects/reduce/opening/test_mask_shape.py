@@ -94,6 +94,13 @@ def test_the_border_ends_where_the_blur_does(sigma, plate):
     assert 2 * sigma <= found <= 3.5 * sigma + 3
 
 
+def test_the_border_ends_where_two_rings_in_a_row_are_as_the_one_before():
+    """Oracle: by hand; below the opening rows are rings: two alike, then a reflection, and from the fifth on nothing."""
+    rings = [0.5, 0.02, 0.02, 0.08, *[0.0] * 46]
+    contrast = np.repeat([*[1.0] * 20, *rings], 30).reshape(70, 30)
+    assert border_px(contrast, contrast > 0.9) == 6
+
+
 def test_a_border_that_never_ends_has_the_largest_width():
     """Oracle: the limit of 16 px in the module; contrast that falls by a per cent each pixel."""
     rows, columns = np.mgrid[:90, :90] - 44.5

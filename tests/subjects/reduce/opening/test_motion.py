@@ -134,6 +134,14 @@ def test_few_frames_tell_nothing():
     assert motion.findings(None, RIG, name="run") == ()
 
 
+@pytest.mark.parametrize(("n", "tells"), [(199, False), (200, True)])
+def test_every_part_has_two_and_a_half_frames_for_each_number(n, tells):
+    """Oracle: by hand; nine waves of two numbers, level and slope are 20; of 199 frames a fourth part has 49."""
+    seen, opening = _seen(_still())
+    few = motion.SampledFrames(values=seen.values, angle_rad=seen.angle_rad, index=seen.index, good=np.arange(N) < n)
+    assert (motion.places(few, opening) is not None) == tells
+
+
 def test_two_parts_are_apart_by_the_uncertainty_of_both():
     """Oracle: by hand; 3 px along rows, known to 0.6 and to 0.8 px: three standard uncertainties of 1 px."""
     places = motion.Places(
