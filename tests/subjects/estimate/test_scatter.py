@@ -120,6 +120,20 @@ def test_recordings_half_a_trigger_apart_are_of_other_triggers(apart_s, is_told,
     assert scatter.of_triggers(fits[:1], [_recording("first")]) == ()
 
 
+@pytest.mark.parametrize(
+    ("triggers_ms", "is_told"), [((0.0, 33.0, 38.0), True), ((0.0, 33.0), False), ((0.0, 5.0), True), ((0.0,), False)]
+)
+def test_the_shortest_time_between_triggers_counts_where_there_are_two(triggers_ms, is_told):
+    """Oracle: by hand; recordings are 3 ms apart, more than half of 5 ms and less than half of 33."""
+    fits = [_fit(np.full(4, 1e-3), np.eye(4)), _fit(np.full(4, 4e-3), np.eye(4))]
+    track = SimpleNamespace(clock_frequency_hz=1e6)
+    ticks = (1e3 * np.array(triggers_ms)).astype(np.int64)
+    one = SimpleNamespace(name="run", trigger_ticks=ticks, track=track)
+    found = scatter.of_triggers(fits, [one, one])
+    assert len(found) == is_told
+    assert all("triggers come every 5.000 ms" in finding.what for finding in found)
+
+
 @pytest.mark.parametrize(("n", "severity"), [(2, "doubt"), (3, "doubt"), (4, "warning")])
 def test_few_recordings_that_disagree_beyond_chance_are_a_doubt(n, severity):
     """Oracle: by hand; ten standard uncertainties are no chance, and from four runs on the uncertainty is widened by as much."""

@@ -1,5 +1,7 @@
 """`estimate.sector_weighed`: what images say of a warp and of the sector's other numbers."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -49,3 +51,24 @@ def test_the_image_of_the_weighed_lens_is_nearly_what_slopes_foretell(seen):
     there = images.residuals(last.numbers, images.sharp(last.numbers))
     assert np.linalg.norm(there[PRIORS:] - best.residual[PRIORS:]) > 0.1  # it did move
     assert 0 <= last.beside_linear < 0.01 * np.sum(best.residual**2)
+
+
+@pytest.mark.parametrize("moved_px", [0.0, 0.5])
+def test_how_far_an_image_is_from_what_slopes_foretell_is_a_sum_of_squares(seen, monkeypatch, moved_px):
+    """Oracle: residuals of the image with one number moved, against a straight line through those beside the best."""
+    images, best = seen
+    names = [name for name in best.free if name not in SLIGHT]
+    n = len(names) + len(sector_weighed.EXCHANGES) + len(WARP_NUMBERS)
+    moved = np.zeros(n)
+    moved[names.index("axle_row_px")] = moved_px
+    settled = SimpleNamespace(moved=moved, covariance=np.eye(n), camera="camera")
+    monkeypatch.setattr(sector_weighed.lens_and_tilt, "settled", lambda *_, **__: settled)
+    last = sector_weighed.weighed(images, best)
+    there, small = best.numbers | {"axle_row_px": best.numbers["axle_row_px"] + moved_px}, 0.01
+    ends = [best.numbers | {"axle_row_px": best.numbers["axle_row_px"] + way * small} for way in (-1, 1)]
+    behind, ahead = (images.residuals(one, images.sharp(one)) for one in ends)
+    straight = best.residual + moved_px * (ahead - behind) / (2 * small)
+    beside = (images.residuals(there, images.sharp(there)) - straight)[PRIORS:]
+    assert last.numbers == pytest.approx(there)
+    assert last.beside_linear == pytest.approx(np.sum(beside**2), rel=0.02, abs=1e-6)
+    assert (last.beside_linear > 1) == (moved_px > 0)
