@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from irtiming.physics import robust
 from irtiming.physics.covariance import hac_covariance
@@ -104,14 +103,21 @@ def _without_small(light: Array, angle: Array, *, parts: list[Ticks]) -> tuple[A
     noise = max(robust.spread((light[known] - whole @ amounts)[kept]), float(np.finfo(float).tiny) ** 0.5)
     prior = _small_at_most(amounts)
     small = passing_wave.waves(angle[known], _SMALL)[:, 2:] * prior
-    columns = block_diag(*(passing_wave.waves(angle[part], _ORDERS) for part in parts))
-    both = np.column_stack([light[known], small])[kept]
-    left = both - columns[kept] @ np.linalg.lstsq(columns[kept], both, rcond=None)[0]
+    both, ends = np.column_stack([light[known], small]), np.cumsum([part.size for part in parts[:-1]])
+    left = np.concatenate([
+        _beside(passing_wave.waves(angle[part], _ORDERS)[good], own[good])
+        for part, own, good in zip(parts, np.split(both, ends), np.split(kept, ends), strict=True)
+    ])  # fmt: skip
     covariance = np.linalg.inv(np.eye(small.shape[1]) + left[:, 1:].T @ left[:, 1:] / noise**2)
     seen = covariance @ (left[:, 1:].T @ left[:, 0]) / noise**2
     less = np.full(light.size, np.nan)
     less[known] = light[known] - small @ seen
     return less, covariance * np.outer(prior, prior)
+
+
+def _beside(columns: Array, values: Array) -> Array:
+    """What the columns do not explain of the values, shape (n, k)."""
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
 
 def _small_at_most(found: Array) -> Array:
