@@ -1,7 +1,6 @@
 """One recording from the armed camera to the closed file, and every way in which it can end."""
 
 import asyncio
-import sys
 from dataclasses import replace
 from time import sleep
 
@@ -151,7 +150,7 @@ def test_a_camera_that_is_unplugged(laboratory, monkeypatch):
 
     Which triggers made them is told by how soon they come: slowly, or a busy computer takes them a trigger late.
     """
-    monkeypatch.setattr(sys.modules[type(laboratory).__module__], "SPEED", 0.5)
+    monkeypatch.setitem(type(laboratory.generator).now.__globals__, "SPEED", 0.5)
     laboratory.camera.gone_after = 50
     made = _kept(_long(laboratory).recorded())
     assert made.ending == "camera has vanished; plug it in again"
