@@ -23,7 +23,7 @@ from irtiming.errors import ConditionError
 from irtiming.inference.weighted_line import line_weights
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import Estimate
-from irtiming.units import readable_time
+from irtiming.units import counted, readable_time
 
 Axis = Literal["integration time", "time between frames"]
 
@@ -141,8 +141,8 @@ def _birge(chi_squared: float, freedom: int, *, name: str, axis: Axis, where: st
     p_value = float(chdtrc(freedom, chi_squared))
     if p_value < _REFUSED:
         raise ConditionError(
-            f"{name} is no straight line over the {axis}: chi-squared is {chi_squared:.3g} for {freedom} degrees of freedom; "
-            "give results nearer to its setting, or measure it there",
+            f"{name} is no straight line over the {axis}: chi-squared is {chi_squared:.3g} for "
+            f"{counted(freedom, 'degree')} of freedom; give results nearer to its setting, or measure it there",
             where=where,
         )
     return float(np.sqrt(chi_squared / freedom)) if p_value < _DOUBTFUL else 1.0

@@ -20,6 +20,7 @@ from irtiming.estimate.joint import Joint
 from irtiming.inference.information import Information
 from irtiming.records.estimate import RecordingFit
 from irtiming.records.finding import Finding
+from irtiming.units import counted
 
 _FLAT = 1e-10  # of the largest: axes along which a recording says nothing
 _SIGNIFICANCE = 1e-6  # once in the life of all laboratories
@@ -84,7 +85,7 @@ def findings(joint: Joint, fits: Sequence[RecordingFit]) -> tuple[Finding, ...]:
             code="statements-contradict",
             severity="doubt",
             what=f"recordings, images and rig.toml contradict each other: chi-square {found.chi_square:.0f} with "
-            f"{found.degrees_of_freedom} degrees of freedom{'; farthest off are ' if named else ''}{', '.join(named)}",
+            f"{counted(found.degrees_of_freedom, 'degree')} of freedom{'; farthest off are ' if named else ''}{', '.join(named)}",
             cure="analyse the recordings apart to see which differs, and look at the contrast image and at what rig.toml states",
         ),
     )

@@ -11,6 +11,7 @@ from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.latency_check import GateRegister, LatencyDifference, LoopBack
 from irtiming.records.rig import Latency, Measured
+from irtiming.units import counted
 
 _SPEEDS_APART = 1.2
 _SIGNIFICANCE = 0.01
@@ -54,7 +55,7 @@ def over_speeds(
     findings: tuple[Finding, ...] = ()
     if free and special.chdtrc(free, chi_squared) < _SIGNIFICANCE:
         u_slope *= math.sqrt(chi_squared / free)
-        chi = f"chi squared {chi_squared:.1f} with {free} degrees of freedom"
+        chi = f"chi squared {chi_squared:.1f} with {counted(free, 'degree')} of freedom"
         what = f"the {line}'s edges do not move in proportion to the speed ({chi})"
         cure = "check the wheel's lock and the gates' fastening; the uncertainty is widened"
         findings = (Finding(code="latency-not-proportional", severity="warning", what=what, cure=cure),)

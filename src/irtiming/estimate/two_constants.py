@@ -38,6 +38,7 @@ from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.result import Bound, EffectiveTimeConstants, Result
 from irtiming.records.two_constants import NAMES, PixelSurroundings, TwoConstantsResult
+from irtiming.units import counted
 
 _SHARES = np.linspace(0.0, 0.98, 50)
 _UNDETERMINED = 0.25  # relative standard uncertainty of the share from which the constants are no numbers any more
@@ -330,7 +331,7 @@ def _findings(
                 severity="warning",
                 what=f"time constants over the blackbody's temperature do not follow the two-constant model (chi squared "
                 f"{misfit:.1f} "
-                f"with {freedom} degrees of freedom)",
+                f"with {counted(freedom, 'degree')} of freedom)",
                 cure="check the temperatures, and whether the camera changed between recordings",
             )
         )

@@ -42,7 +42,7 @@ def test_what_is_known_beforehand_counts_and_is_named():
     assert found.distances["error"] == pytest.approx(2.4 * 0.1 / 0.06, rel=1e-6)
     (doubt,) = agreement.findings(fitted, [SimpleNamespace(name=name) for name in "ab"])
     assert (doubt.code, doubt.severity) == ("statements-contradict", "doubt")
-    assert "chi-square 96 with 1 degrees of freedom" in doubt.what
+    assert "chi-square 96 with 1 degree of freedom" in doubt.what
     assert doubt.what.endswith("farthest off are recording b (8.0 u), recording a (4.0 u)")
 
 

@@ -1,6 +1,7 @@
 """What is known of the contrast images of a sector: uncertainties of pixels, and what levels that are not known do to them."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -97,3 +98,19 @@ def test_where_light_ends_within_a_pixel_its_phase_is_uncertain_as_the_blurs_sha
     border = (0.25 * np.sqrt(2 * np.pi) * wide_px) ** 0.5
     assert found[15, 22].imag == pytest.approx(2 * 0.2 * border * wide_px / away_px, rel=1e-3)
     assert found[15, 22].real == 0
+
+
+def test_the_edges_way_is_asked_for_by_the_bright_pixels_and_to_a_pixel_of_the_longer_side(monkeypatch):
+    """Oracle: by hand; of 2 x 5 pixels those of less than half of the brightest are dark, and a fifth is the least."""
+    asked = {}
+
+    def contradiction(in_light, rig, *, least_turn_rad):
+        asked.update(in_light=in_light, rig=rig, least_turn_rad=least_turn_rad)
+        return "word"
+
+    monkeypatch.setattr(sector_images.edge_motion, "contradiction", contradiction)
+    projection = np.array([[10j, 9.0, 1.0, 0.0, 10.0], [4.0, -6.0, 0.0, 10.0, 3j]])
+    images = SimpleNamespace(seen=[SimpleNamespace(projection=projection)], rig="rig")
+    assert sector_images.Images.sense(images) == "word"
+    np.testing.assert_array_equal(asked["in_light"], [[10j, 9.0, 0.0, 0.0, 10.0], [0.0, -6.0, 0.0, 10.0, 0.0]])
+    assert (asked["rig"], asked["least_turn_rad"]) == ("rig", pytest.approx(0.2))

@@ -128,6 +128,7 @@ def test_constants_that_do_not_follow_the_model_are_doubted():
     )
     found = two_constants.estimate(wrong, substrate_temperature_k=SUBSTRATE_K)
     assert any("do not follow the two-constant model" in text for text in _texts(found))
+    assert any("with 1 degree of freedom)" in text for text in _texts(found))
     assert any("--wheel-temperature" in text for text in _texts(found))
     assert found.surroundings.wheel_temperature_from == "assumption"
 

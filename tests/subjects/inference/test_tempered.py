@@ -34,6 +34,17 @@ def test_a_bent_valley_with_two_floors():
     assert np.mean(found[:, 0] > 0) == pytest.approx(0.5, abs=0.08)
 
 
+@pytest.mark.parametrize("more", [1e4, -1e4])
+def test_a_constant_beside_the_likelihood_changes_nothing(more):
+    """Oracle: a law; only differences of its logarithm count, and one of ten thousand lets none be lost in rounding."""
+
+    def told(at):
+        return -0.5 * ((at[:, 0] - 1.0) / 0.1) ** 2
+
+    plain, beside = (tempered.draws(one, n_numbers=2, n_draws=100) for one in (told, lambda at: told(at) + more))
+    np.testing.assert_allclose(beside, plain, rtol=1e-6)
+
+
 def test_the_same_each_time():
     """Oracle: two calls."""
     first, second = (tempered.draws(lambda at: -(at[:, 0] ** 2), n_numbers=1, n_draws=40) for _ in range(2))
