@@ -22,7 +22,7 @@ def of(residual: Array, angle_rad: Array, *, name: str) -> Mask:
     residual
         Of the pixel sums, in units of the step, shape (n,).
     angle_rad
-        Of the wheel, but for a common one, shape (n,).
+        Of the wheel, shape (n,); what all are off leaves neighbours as they are.
     name
         Of the recording.
 

@@ -1,6 +1,7 @@
 """Points of light that a Gaussian spreads over the pixels around them."""
 
 import math
+from functools import lru_cache
 from typing import Any, NamedTuple, final
 
 import numpy as np
@@ -82,8 +83,9 @@ class _Series(NamedTuple):
     back: Array
 
 
+@lru_cache(maxsize=16)
 def _series(correlation: float) -> _Series:
-    """As many terms as it takes."""
+    """As many terms as it takes; a search asks for few correlations."""
     n_terms = 1
     while abs(correlation) ** n_terms > n_terms * (1 - abs(correlation)) * _LEFT_OUT:
         n_terms += 1

@@ -37,7 +37,7 @@ class FakeGenerator:
     clock_frequency_hz = CLOCK_HZ
 
     def __init__(self) -> None:
-        self.born = monotonic()
+        self.born, self.speed = monotonic(), SPEED
         self.run: PlannedRun | None = None
         self.armed = self.started = NEVER
         self.stopped: int | None = None
@@ -47,7 +47,7 @@ class FakeGenerator:
         self.begun: list[str] = []
 
     def now(self) -> int:
-        return int((monotonic() - self.born) * SPEED * CLOCK_HZ)
+        return int((monotonic() - self.born) * self.speed * CLOCK_HZ)
 
     def triggers(self, now: int | None = None) -> np.ndarray:
         """Delayed triggers until now, which a computer that is busy elsewhere meanwhile may have to know."""
@@ -191,7 +191,7 @@ class FakeCamera:
                 triggers = self.made_by_itself()
             if self.free_running:
                 period = int(0.02 * CLOCK_HZ)
-                first = int((self._since - self.generator.born) * SPEED * CLOCK_HZ)
+                first = int((self._since - self.generator.born) * self.generator.speed * CLOCK_HZ)
                 triggers = list(range(first, self.generator.now(), period))
             due = [tick for tick in triggers if tick + self.latency_s * CLOCK_HZ <= self.generator.now()]
             while at < len(due):
@@ -375,7 +375,7 @@ class Laboratory:
             camera=self.camera,
             chopper=self.chopper,
             blackbody=self.blackbody,
-            speed=SPEED,
+            speed=self.generator.speed,
         )
 
     @property

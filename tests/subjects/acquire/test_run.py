@@ -145,13 +145,12 @@ def test_it_ends_when_it_is_enough(laboratory):
     assert _kept(outcome).verdict.frames >= 30
 
 
-def test_a_camera_that_is_unplugged(laboratory, monkeypatch):
+def test_a_camera_that_is_unplugged(laboratory):
     """Oracle: it vanishes after 50 frames, and all of them are in the file.
 
     Which triggers made them is told by how soon they come: slowly, or a busy computer takes them a trigger late.
     """
-    monkeypatch.setitem(type(laboratory.generator).now.__globals__, "SPEED", 0.5)
-    laboratory.camera.gone_after = 50
+    laboratory.generator.speed, laboratory.camera.gone_after = 0.5, 50
     made = _kept(_long(laboratory).recorded())
     assert made.ending == "camera has vanished; plug it in again"
     assert made.verdict.frames == 50
