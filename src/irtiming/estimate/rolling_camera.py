@@ -38,6 +38,7 @@ _WHOLE_ROUNDS = 12  # after so many each goes but half of its way, lest it go to
 _IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.05  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them: an image that is told to less than that may go to and fro
+_STAYED = 1.0  # sum of squares that a search gains of each image from where the round before left it
 _FIRST_RESPONSE_S = 1e-4  # of pixels that answer at once, nearly: with it a sector is guessed
 
 
@@ -140,7 +141,7 @@ def _in_turns(
     for n_round in range(1, _MOST_ROUNDS):
         (earlier, before), is_start = (before, fits), n_round + 1 < _FEWEST_ROUNDS
         views, fits = turns.next(turns.timings(fits), views=views, before=before)
-        if not is_start and _are_settled(earlier, before, fits):
+        if not is_start and (_stay(views, before, fits) or _are_settled(earlier, before, fits)):
             if is_searched:
                 break
             found, is_searched = fits, True
@@ -203,7 +204,7 @@ class _Turns:
     ) -> _View:  # fmt: skip
         seen = _seen(self.recordings, members, fits=fits)
         if is_last and start is not None:
-            sector = sector_fit.settled(seen, self.model, rig=self.rig, timing=timing, start=start)
+            sector = sector_fit.settled(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         elif start is not None and start.n_rounds >= _WHOLE_ROUNDS:
             sector = sector_fit.half_way(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         else:
@@ -303,6 +304,15 @@ def _mean(timings: list[dict[str, float]]) -> Timing:
     whole = [completed(timing) for timing in timings]
     names = dict.fromkeys(name for timing in timings for name in timing)
     return {name: float(np.mean([timing[name] for timing in whole])) for name in names}
+
+
+def _stay(views: list[_View], before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
+    """Whether images are where they were, within a part of what they can tell at all, and rows near.
+
+    By Cauchy and Schwarz, an image that moved by a sum of squares d moves a number of the rows by the root of d of what the
+    image's uncertainty leaves of it, at most.
+    """
+    return all(view.sector.gained <= _STAYED for view in views) and _move(before, now) <= _NEAR
 
 
 def _are_settled(

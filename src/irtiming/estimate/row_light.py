@@ -57,12 +57,12 @@ class RowLight:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Variation:
-    """Two fits with one number of the shape ``distance`` apart."""
+class Variations:
+    """A fit, ``at``, and the same with one number of its shape after the other moved by ``steps``, ``beside`` it."""
 
-    ahead: SectorFit
-    behind: SectorFit
-    distance: float
+    at: SectorFit
+    beside: tuple[SectorFit, ...]
+    steps: tuple[float, ...]
 
 
 def row_light(
@@ -109,7 +109,7 @@ def _told_from_blade(sector: SectorFit, blade: float, beside: float) -> SectorFi
     return replace(sector, plate=plate, ring=plate * sector.swept + (1 - blade) * field)
 
 
-def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
+def changes(light: RowLight, varied: Variations) -> ComplexArray:
     """Derivatives of the light's harmonics to the sector's numbers, shape (n_shape, n_row, M + 1).
 
     Parameters
@@ -117,15 +117,14 @@ def changes(light: RowLight, varied: Sequence[Variation]) -> ComplexArray:
     light
         Of the rows.
     varied
-        One for each number, in the order of the covariance.
+        In the order of the covariance.
     """
 
     def harmonics(sector: SectorFit) -> ComplexArray:
         return _harmonics(sector, light.row_px, n_harmonics=light.harmonics.shape[1] - 1)
 
-    return np.array(
-        in_threads.mapped(lambda one: (harmonics(one.ahead) - harmonics(one.behind)) / one.distance, varied)
-    )
+    at, *beside = in_threads.mapped(harmonics, [varied.at, *varied.beside])
+    return np.array([(one - at) / step for one, step in zip(beside, varied.steps, strict=True)])
 
 
 def slopes(of: Callable[[SectorShape], Array], sector: SectorFit) -> Array:

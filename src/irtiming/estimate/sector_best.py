@@ -21,7 +21,10 @@ _SURE = 1.1  # of the noise: what a pixel's uncertainty across its phase is at m
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Best:
-    """End of a search: all numbers, names of the free ones, residual (m,), its slopes (m, n_free) and clusters (m,)."""
+    """End of a search: all numbers, names of the free ones, residual (m,), its slopes (m, n_free) and clusters (m,).
+
+    ``gained`` is by how much it lessened the sum of squares that it began with, for each image.
+    """
 
     numbers: dict[str, float]
     free: list[str]
@@ -29,6 +32,7 @@ class Best:
     slopes: Array
     clusters: Ticks
     chi_square: float
+    gained: float
 
 
 def searched(
@@ -65,6 +69,7 @@ def searched(
         slopes=np.asarray(found.jac),
         clusters=clusters,
         chi_square=_chi_square(images, residual[clusters >= 0]),
+        gained=float(found.gained) / len(images.seen),
     )
 
 

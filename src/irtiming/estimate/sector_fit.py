@@ -20,7 +20,7 @@ import numpy as np
 from scipy import ndimage
 
 from irtiming.estimate import sector_best, sector_guess, sector_images, sector_limits, sector_weighed
-from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variation
+from irtiming.estimate.row_light import SHAPE_NUMBERS, STEP_OF, Variations
 from irtiming.estimate.sector_best import Best
 from irtiming.estimate.sector_image import SeenContrast, View
 from irtiming.estimate.sector_images import FIRST_SCATTER, Images, border_weight, numbers_of
@@ -41,6 +41,11 @@ _BORDER = 0.35  # about half of full contrast
 _ODD = 10  # times the standard deviation
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 _STARTS = 3  # fits: seen with timing and noise that are not known yet, an image may look like any lens
+_BESIDE_PLACE = (
+    "blur_ellipticity", "blur_correlation", "blur_growth", "glare", "glare_px", "ring_inner_px", "ring_outer_px",
+    "plate_reflection",
+)  # left alone while the place is looked for  # fmt: skip
+_RING_MARGINS_PX = (0.5, 1.0, 1.5, 2.5, 4.0, 6.0, 9.0, 13.0, 20.0, 30.0)  # beside the opening
 _LINEAR, _MOST_WEIGHINGS = 4.0, 4  # sum of squares by which an image may be bent; searches anew
 
 
@@ -137,8 +142,7 @@ def _from(
     One of the first fits may have any lens.
     """
     if not images.begin:
-        begin = _first_guess(images)
-        return sector_best.searched(images, begin=begin, held=(*SLIGHT, *held), gain=FIRST)
+        return _first(images, held=(*SLIGHT, *held))
     best = sector_best.searched(images, begin=images.begin, held=held, gain=gain, slopes=slopes)
     if "distortion" in best.free and not is_first:
         sector_limits.check_lens(
@@ -147,17 +151,33 @@ def _from(
     return best
 
 
-def _first_guess(images: Images) -> dict[str, float]:
+def _first(images: Images, *, held: tuple[str, ...]) -> Best:
+    """From what the image shows on: its place first, for blur and ring mean nothing elsewhere."""
+    begin = _first_guess(images, held=held)
+    place = sector_best.searched(images, begin=begin, held=(*held, *_BESIDE_PLACE), gain=FIRST)
+    return sector_best.searched(images, begin=_ring_tried(images, place.numbers), held=held, gain=FIRST)
+
+
+def _ring_tried(images: Images, numbers: dict[str, float]) -> dict[str, float]:
+    """The numbers with those radii of the ring, of some, that suit the images best: slopes tell no more than the next pixel."""
+    sharp, best = images.sharp(numbers), dict(numbers)
+    for name, border, way in (("ring_outer_px", "outer_radius_px", 1), ("ring_inner_px", "inner_radius_px", -1)):
+        tried = [best | {name: max(best[border] + way * margin, 0.0)} for margin in _RING_MARGINS_PX]
+        left = [float(np.sum(images.residuals(one, sharp) ** 2)) for one in tried]
+        best = tried[int(np.argmin(left))]
+    return best
+
+
+def _first_guess(images: Images, *, held: tuple[str, ...]) -> dict[str, float]:
     first, *others = images.seen
-    return sector_images.turned(
-        others, sector_guess.first_guess(first, images.view) | images.lens.start, view=images.view
-    )
+    guess = sector_guess.first_guess(first, images.view, is_rolling="row_delay_s" not in held)
+    return sector_images.turned(others, guess | images.lens.start, view=images.view)
 
 
 def _as_it_is(images: Images, best: Best, *, start: SectorFit | None) -> SectorFit:
     covariance = clustered.covariance(best.slopes, best.residual, clusters=best.clusters)
     told = _told(images, best.numbers, names=best.free, covariance=covariance, chi_square=best.chi_square)
-    return replace(told, n_rounds=1 if start is None else start.n_rounds + 1)
+    return replace(told, n_rounds=1 if start is None else start.n_rounds + 1, gained=best.gained)
 
 
 def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing) -> SectorFit:
@@ -166,34 +186,28 @@ def guess(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig
     Parameters as for `fit`.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=None)
-    told = _told(images, _first_guess(images), names=(), covariance=np.zeros((0, 0)), chi_square=1.0)
+    told = _told(
+        images, _first_guess(images, held=_held(recordings[0])), names=(), covariance=np.zeros((0, 0)), chi_square=1.0
+    )
     return replace(told, n_rounds=0)
 
 
 def variations(
     recordings: Sequence[ReducedRecording], wheel: WheelModel, *, rig: Rig, timing: Timing, found: SectorFit
-) -> tuple[Variation, ...]:
-    """The fitted sector with each number of its shape a little larger and smaller, and what the same images then leave over.
+) -> Variations:
+    """The fitted sector with each number of its shape a little larger, and what the same images then leave over.
 
     Pixels of the contrast image show their own amount of light, so a number that is off changes little but where that light
     lies. Parameters as for `fit`, which gave ``found``.
-
-    Returns
-    -------
-    One for each number that may be off, in the order of its covariance.
     """
     images = sector_images.of(recordings, wheel, rig=rig, timing=timing, known=found)
     numbers = {**images.begin, **numbers_of(found)}
-    return tuple(in_threads.mapped(lambda name: _varied(images, found, numbers, name=name), found.names))
-
-
-def _varied(images: Images, found: SectorFit, numbers: Mapping[str, float], *, name: str) -> Variation:
-    step = STEP_OF[name]
-    ahead, behind = (
-        replace(found, **_light(images.contrast(moved), moved, view=images.view))
-        for moved in ({**numbers, name: numbers[name] + way * step} for way in (1, -1))
+    steps = tuple(STEP_OF[name] for name in found.names)
+    moved = [numbers | {name: numbers[name] + step} for name, step in zip(found.names, steps, strict=True)]
+    at, *beside = in_threads.mapped(
+        lambda one: replace(found, **_light(images.contrast(one), one, view=images.view)), [numbers, *moved]
     )
-    return Variation(ahead=ahead, behind=behind, distance=2 * step)
+    return Variations(at=at, beside=tuple(beside), steps=steps)
 
 
 def _told(
@@ -220,6 +234,7 @@ def _told(
         contrast=seen.model + seen.residual,
         model_contrast=seen.light,
         unevenness=seen.unevenness,
+        field_height=seen.field_height,
         gain_scatter=gains,
         border_scatter=burrs,
         summed=view.summed,
@@ -232,6 +247,7 @@ def _told(
         reduced_chi_square=chi_square,
         roi=view.roi,
         n_rounds=1,
+        gained=0.0,
     )
 
 

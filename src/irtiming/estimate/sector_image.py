@@ -27,6 +27,10 @@ from irtiming.records.row_timing import LensTerms, SectorShape
 NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_outer_px", "plate_reflection")
 """Names of all numbers that are searched for."""
 
+HIGHEST_FIELD = 0.1
+"""Of the smooth field, a share of the contrast."""
+
+_HEIGHTS = np.geomspace(1e-4 * HIGHEST_FIELD, HIGHEST_FIELD, 97)
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
 _PLAIN = LensTerms()
@@ -115,7 +119,7 @@ class SeenContrast:
     sweep, ``plate`` the plate's contrast as a share of the opening's, ``field`` the smooth one as it shows, with ``unevenness``
     as its standard deviation, ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty
     ``u``; ``light_angle_rad`` is the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of even light,
-    both from the bisector.
+    both from the bisector. ``fits`` are those of the images.
     """
 
     light: Array
@@ -128,6 +132,14 @@ class SeenContrast:
     u: float
     light_angle_rad: Array
     centre_angle_rad: Array
+    fits: Sequence[Fitted]
+
+    @cached_property
+    def field_height(self) -> float:
+        """Root mean square of the heights, shares of the contrast, over all that the images make likely; beforehand any is."""
+        likely = np.sum([fit.solved.log_evidence(_HEIGHTS) for fit in self.fits], axis=0)
+        weight = _HEIGHTS * np.exp(likely - likely.max())  # they are spaced by their logarithms
+        return float(np.sqrt(weight @ _HEIGHTS**2 / weight.sum()))
 
     @property
     def over_ring(self) -> Array:
@@ -383,6 +395,7 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
             np.where(light > 1e-3, moment / np.maximum(light, 1e-3), places.middle_rad), dtype=float
         ),
         centre_angle_rad=places.middle_rad,
+        fits=models,
     )
 
 

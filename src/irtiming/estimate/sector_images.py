@@ -28,7 +28,6 @@ N_PRIORS = sector_limits.N_USUAL + N_KNOWN
 FIRST_SCATTER = 0.02
 """Of gains and of the border, before an image told it; shares of the contrast."""
 
-_FIELD_PRIORS = (1e-5, 0.1)  # at first the highest, later the field's own height: an even opening gets an even field
 _HIDDEN = 0.1  # of the noise of an image, all pixels together
 _BLUR_SHAPE = 0.2  # of the blur's width: how far light on the border may lie beside the middle that a Gaussian gives
 
@@ -110,7 +109,7 @@ def of(
         good=good,
         summed=_summed(first),
         mirrored=rig.wheel.rotation == "counterclockwise",
-        field_prior=_FIELD_PRIORS[1] if known is None else float(np.clip(known.unevenness, *_FIELD_PRIORS)),
+        field_prior=sector_image.HIGHEST_FIELD if known is None else known.field_height,
         lens_terms=lens.terms,
     )
     begin: dict[str, float] = {}

@@ -117,6 +117,21 @@ class Solved:
         taken = self._inverse @ (self.linear.sums(change) + beside.sums(self.off) + self.prior**2 * self.found)
         return np.concatenate([self.linear.in_units(change - self.linear.image(taken)), (-self.prior * taken)[_FREE:]])
 
+    def log_evidence(self, heights: Array) -> Array:
+        """How likely the image is where heights of the field have that standard deviation, as a share of the light, shape (n,).
+
+        All heights are integrated out, levels as well, of a Gaussian: with what is left of the normal matrix beside the levels,
+        of eigenvalues d, and of the sums along its axes z, its logarithm is, but for what no height changes,
+        1/2 sum z^2 / (d + p^2) - log(1 + d / p^2).
+        """
+        n, sums = len(self.linear.levels), self.normal @ self.found
+        mixed, own = self.normal[:n, n:], self.normal[n:, n:] - np.diag(self.prior[n:] ** 2)
+        of_levels = np.linalg.solve(self.normal[:n, :n], np.column_stack([mixed, sums[:n]]))
+        told, axes = np.linalg.eigh(own - mixed.T @ of_levels[:, :-1])
+        told, along = np.maximum(told, 0.0), axes.T @ (sums[n:] - mixed.T @ of_levels[:, -1])
+        prior = (heights[:, None] * self.found[0]) ** -2.0
+        return np.asarray(np.sum(along**2 / (told + prior) - np.log1p(told / prior), axis=1) / 2)
+
     @cached_property
     def _inverse(self) -> Array:
         return np.asarray(np.linalg.inv(self.normal), dtype=float)

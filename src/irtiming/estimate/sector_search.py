@@ -23,10 +23,12 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.6, 15.0
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _MOST_EVALUATIONS = 30
-_INWARD = 0.05  # of a number's scale: how far from its limits a search begins, lest it stick there
+_INWARD, _SLIGHTLY_INWARD = 0.05, 1e-3  # of a number's scale: how far from limits a first and a later search begin
+_FIRST_STEP = 10.0  # of its scale: how far a number may go at once
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
 _MISSED = 0.3  # of a step's change: slopes that foretell it worse are taken anew
+_SLIGHT = 0.3  # of the gain that ends a search: less that was missed, a sum of squares, does no harm
 FIRST, BETWEEN, LAST = 100.0, 1.0, 0.1
 """Gains below which a search ends, of a sum of squares that are 1 on average: the first search is but a start for another."""
 SCALES: Mapping[str, float] = dict.fromkeys(NUMBERS, 1.0) | {
@@ -132,17 +134,32 @@ def _search(
 ) -> OptimizeResult:
     scales = np.array([scale(name) for name in free])
     low, high = np.array([LIMITS.get(name, (-np.inf, np.inf)) for name in free]).T
-    course = _Course(misfit=misfit, start=start, free=free, step=_STEP * scales, high=high, kept=slopes or Slopes())
-    begin = np.clip([start[name] for name in free], low + _INWARD * scales, high - _INWARD * scales)
-    return least_squares(
-        course.residuals,
-        begin,
-        jac=course.slopes,
-        x_scale=scales,
-        bounds=(low, high),
-        max_nfev=_MOST_EVALUATIONS,
-        ftol=gain / course.residuals(begin).size,
+    course = _Course(
+        misfit=misfit, start=start, free=free, step=_STEP * scales, high=high, kept=slopes or Slopes(), gain=gain
     )
+    inward = (_INWARD if gain == FIRST else _SLIGHTLY_INWARD) * scales
+    begin = np.clip([start[name] for name in free], low + inward, high - inward)
+    origin = begin - _FIRST_STEP * scales  # a first step is bounded by the distance from there
+
+    def residuals(off: Array) -> Array:
+        return course.residuals(origin + off)
+
+    def slopes_there(off: Array) -> Array:
+        return course.slopes(origin + off)
+
+    first = residuals(begin - origin)
+    found = least_squares(
+        residuals,
+        begin - origin,
+        jac=slopes_there,
+        x_scale=scales,
+        bounds=(low - origin, high - origin),
+        max_nfev=_MOST_EVALUATIONS,
+        ftol=gain / first.size,
+    )
+    found.x += origin
+    found["gained"] = float(first @ first) - 2 * found.cost
+    return found
 
 
 @dataclass(kw_only=True, eq=False)
@@ -158,6 +175,7 @@ class _Course:
     step: Array
     high: Array
     kept: Slopes
+    gain: float
     before: tuple[Array, Array] | None = None
     at: Array | None = None
 
@@ -189,13 +207,16 @@ class _Course:
         return slopes[:, [names.index(name) for name in self.free]]
 
     def _updated(self, slopes: Array | None, at: Array) -> Array | None:
-        """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not."""
+        """Slopes that foretell the step to where it stands, as the ones before did nearly; None where they did not.
+
+        As they were after a step that matters less than what a search ends with.
+        """
         if slopes is None or self.before is None:
             return slopes
         step, change = at - self.before[0], self.place.residual - self.before[1]
         missed = change - slopes @ step
         if not np.linalg.norm(missed) <= _MISSED * np.linalg.norm(change):
-            return None
+            return slopes if missed @ missed <= _SLIGHT * self.gain else None
         weighted = step / self.step**2
         return np.asarray(slopes + np.multiply.outer(missed, weighted / (weighted @ step)))
 

@@ -123,6 +123,8 @@ class SectorFit:
         Part of each pixel over which the cutouts sweep, same shape: there the wheel itself shows, blade after blade.
     unevenness
         Standard deviation of that field over the ring, as a share of the contrast.
+    field_height
+        What the basis functions of such a field may be high, root mean square, by what the images say; a share of the contrast.
     borrowed, borrowed_angle_rad
         What dead pixels do not show of all that, and what their neighbours in the row show in their place; same shape.
     excess, excess_angle_rad
@@ -148,6 +150,9 @@ class SectorFit:
         First row, end row, first column, end column, ends excluded.
     n_rounds
         How often it was fitted, each time with the timing of the last.
+    gained
+        By how much the last search lessened the sum of squares that it began with, for each image: where little, rows hardly
+        move either.
     camera
         Lens and tilt as image and prior knowledge have them together; None where they were not settled. They need not be those of
         ``shape``, which the warp takes to the same place.
@@ -165,6 +170,7 @@ class SectorFit:
     ring_angle_rad: Array
     swept: Array
     unevenness: float
+    field_height: float
     borrowed: Array
     borrowed_angle_rad: Array
     excess: Array
@@ -181,6 +187,7 @@ class SectorFit:
     reduced_chi_square: float
     roi: tuple[int, int, int, int]
     n_rounds: int
+    gained: float
     camera: Estimate | None = None
 
     def value(self, name: str) -> float:

@@ -393,6 +393,7 @@ def sector_of() -> Callable[..., SectorFit]:
             "swept": nothing + 1.0,
             "ring_angle_rad": blurred_sector.pixel_places(camera.shape, roi=roi)[0],
             "unevenness": 0.0,
+            "field_height": 0.1,
             "gain_scatter": 0.0,
             "border_scatter": 0.0,
             "odd": nothing > 0,
@@ -405,6 +406,7 @@ def sector_of() -> Callable[..., SectorFit]:
             "reduced_chi_square": 1.0,
             "roi": roi,
             "n_rounds": 1,
+            "gained": 0.0,
         }
         return SectorFit(**(values | fields))
 

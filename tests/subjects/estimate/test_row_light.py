@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irtiming.errors import EstimationError
-from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variation, _powers, changes, row_light, shape_of
+from irtiming.estimate.row_light import SHAPE_NUMBERS, SHAPE_STEPS, Variations, _powers, changes, row_light, shape_of
 from irtiming.physics import blurred_sector, sector_points
 from irtiming.physics.response.first_order_lag import HARMONICS
 from irtiming.records.blur import Blur
@@ -117,7 +117,7 @@ def test_changes_with_the_sector_are_differences(sector, bare, number, mirrored)
     found = bare[mirrored]
     name, own = SHAPE_NUMBERS[number], SHAPE_STEPS[number]
     ahead, behind = (replace(sector, shape=replace(shape, **{name: getattr(shape, name) + off})) for off in (own, -own))
-    (change,) = changes(found, [Variation(ahead=ahead, behind=behind, distance=2 * own)])
+    (change,) = changes(found, Variations(at=behind, beside=(ahead,), steps=(2 * own,)))
     step = 4 * own
     values = {one: getattr(shape, one) for one in SHAPE_NUMBERS}
 

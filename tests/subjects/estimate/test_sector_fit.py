@@ -406,7 +406,7 @@ def test_burrs_are_counted_by_the_light_of_a_pixel_on_the_border():
     residual = 0.05 * np.exp(-(off**2) / (4 * blur_px**2)) * rng.standard_normal(sharp.shape)
     seen = SimpleNamespace(
         sharp=sharp, light=sharp, residual=residual, u=0.0, model=sharp, plate=0.0, ring=0.0 * sharp, over_ring=0.0 * sharp,
-        centre_angle_rad=0.0 * sharp, light_angle_rad=0.0 * sharp, unevenness=0.0,
+        centre_angle_rad=0.0 * sharp, light_angle_rad=0.0 * sharp, unevenness=0.0, field_height=0.1,
     )  # fmt: skip
     good = np.ones(sharp.shape, bool)
     view = SimpleNamespace(good=good, summed=good, stand_ins=[], shape=lambda _: None, roi=(0, 60, 0, 40))
@@ -459,3 +459,13 @@ def test_light_counts_where_pixels_are_summed():
     expected = {"ring": [0.2, 0.0], "swept": [0.7, 0.0], "borrowed": [0.0, 0.0], "excess": [0.04, 0.0]}
     assert {name: found[name][0].tolist() for name in expected} == expected
     assert found["excess_angle_rad"].tolist() == [[3.0, 2.0]]
+
+
+def test_the_ring_is_looked_for_beside_the_opening_and_no_farther_in_than_the_axle():
+    """Oracle: by hand; of the margins 4, 6 and 9 px, 6 lies next to 6.6, and 8.3 less 9 px or more is at the axle."""
+    numbers = {"outer_radius_px": 30.0, "inner_radius_px": 8.3, "ring_outer_px": 31.5, "ring_inner_px": 6.8}
+    off = {"ring_outer_px": 36.6, "ring_inner_px": 0.1}
+    images = SimpleNamespace(
+        sharp=lambda _: None, residuals=lambda at, _: np.array([at[name] - place for name, place in off.items()])
+    )
+    assert sector_fit._ring_tried(images, numbers) == numbers | {"ring_outer_px": 36.0, "ring_inner_px": 0.0}

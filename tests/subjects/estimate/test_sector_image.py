@@ -11,7 +11,7 @@ from scipy.special import ndtr
 from irtiming.estimate import contrast_look, sector_guess, sector_image
 from irtiming.estimate.point_table import PointTable
 from irtiming.estimate.row_light import SHAPE_NUMBERS
-from irtiming.estimate.sector_image import NUMBERS, View
+from irtiming.estimate.sector_image import NUMBERS, SeenContrast, View
 from irtiming.physics import blurred_sector
 from irtiming.physics.blur_shape import exchanged
 from irtiming.physics.wheel_angle import wheel_angle_rad
@@ -191,6 +191,21 @@ def test_contrast_is_the_light_in_each_pixel(camera, brute_rows, lag):
     np.testing.assert_allclose(np.exp(1j * found.centre_angle_rad), polar, atol=1e-9)
 
 
+def test_the_height_of_the_field_is_its_mean_square_over_what_is_likely():
+    """Oracle: closed forms; half a normal distribution, of two images together too, and an even one up to the highest."""
+    seen = SeenContrast(**(dict.fromkeys(("light", "sharp", "ring", "field", "residual"), np.zeros((1, 1)))
+        | dict.fromkeys(("light_angle_rad", "centre_angle_rad"), np.zeros((1, 1)))
+        | {"plate": 0.0, "unevenness": 0.0, "u": 1.0, "fits": []}))  # fmt: skip
+
+    def image(log_evidence):
+        return SimpleNamespace(solved=SimpleNamespace(log_evidence=log_evidence))
+
+    bell, even = image(lambda height: -((height / 0.005) ** 2) / 2), image(np.zeros_like)
+    assert replace(seen, fits=[bell]).field_height == pytest.approx(0.005, rel=2e-3)
+    assert replace(seen, fits=[bell, bell]).field_height == pytest.approx(0.005 / np.sqrt(2), rel=2e-3)
+    assert replace(seen, fits=[even]).field_height == pytest.approx(sector_image.HIGHEST_FIELD / np.sqrt(3), rel=0.1)
+
+
 @pytest.mark.parametrize("mirror", [False, True])
 def test_first_guess_is_near(camera, brute_rows, mirror):
     """Oracle: the camera's sector, to a pixel and three degrees; before any lag is known, from a mirrored image too."""
@@ -204,6 +219,10 @@ def test_first_guess_is_near(camera, brute_rows, mirror):
     assert guess["outer_radius_px"] == pytest.approx(camera.radii[1], abs=1.0)
     assert guess["bisector_rad"] == pytest.approx(camera.bisector_rad, abs=0.055)
     assert guess["opening_angle_rad"] == pytest.approx(camera.opening_rad, abs=0.055)
+    assert guess["row_delay_s"] == 0
+    rolling = sector_guess.first_guess(look, _view(rows, mirrored=mirror), is_rolling=True)
+    assert rolling["row_delay_s"] == pytest.approx(camera.row_delay_s, rel=0.3)
+    assert (rolling["axle_row_px"], rolling["axle_column_px"]) == pytest.approx((camera.axle[0], column), abs=0.25)
 
 
 @pytest.mark.parametrize("beside", ["reflection", "plate"])

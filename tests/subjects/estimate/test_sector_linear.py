@@ -80,3 +80,20 @@ def test_the_change_beside_a_place_is_that_of_a_second_solution(linear):
     turned = here.change(linear, image * np.exp(1e-5j))
     again = _solved_for(linear, image * np.exp(1e-5j), here.prior) - here.misfit
     assert np.linalg.norm(turned - again) < 3e-4 * np.linalg.norm(again)
+
+
+def test_a_fields_height_is_as_likely_as_the_image_that_it_makes(linear):
+    """Oracle: the normal density of the pixels beside free levels, its covariance written out; differences of its logarithm."""
+    image = _image(linear, 1) + 3 * linear.cover * np.cos(np.arange(COLUMNS) / 3)
+    found = sector_linear.solved(linear, image, field_prior=PRIOR)
+    seen = np.concatenate([(image.real / linear.u_dn.real)[linear.good], (image.imag / linear.u_dn.imag)[linear.good]])
+    design = _written_out(linear)
+    beside = np.linalg.qr(design[:, :2], mode="complete")[0][:, 2:].T
+    sway, fields, left = beside @ design[:, 2] / found.prior[2], beside @ design[:, 3:] * found.found[0], beside @ seen
+    heights, expected = np.array([1e-4, 0.01, 0.03, 0.2]), []
+    for height in heights:
+        covariance = np.eye(left.size) + np.outer(sway, sway) + height**2 * fields @ fields.T
+        expected.append(-(np.linalg.slogdet(covariance)[1] + left @ np.linalg.solve(covariance, left)) / 2)
+    likely = found.log_evidence(heights)
+    assert likely - likely[0] == pytest.approx(np.array(expected) - expected[0], abs=1e-6)
+    assert np.argmax(likely) in (1, 2)

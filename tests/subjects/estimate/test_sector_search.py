@@ -146,8 +146,27 @@ def test_slopes_are_kept_that_miss_less_than_three_tenths_of_a_change(
     course = sector_search._Course(
         misfit=Misfit(at=lambda *_: Place(residual=np.zeros(1), change=lambda *_: np.zeros(1)), sharp=lambda _: ()),
         start={}, free=FREE[:1], step=np.array([1e-4]), high=np.array([np.inf]), kept=Slopes(),
-        before=(np.zeros(1), np.zeros(1)),
+        gain=1e-9, before=(np.zeros(1), np.zeros(1)),
     )  # fmt: skip
     course.place = Place(residual=np.array([100.0 * size]), change=lambda *_: np.zeros(1))
     found = course._updated(np.array([[foretold * size]]), np.ones(1))
     assert found == (pytest.approx(np.array([[100.0 * size]])) if is_kept else None)
+
+
+@pytest.mark.parametrize(("missed", "is_kept"), [(5.4, True), (5.5, False)])
+def test_slopes_stay_as_they_are_after_a_step_that_matters_less_than_the_end(missed: float, is_kept: bool) -> None:
+    """Oracle: by hand; three tenths of a gain of 100 squares are 5.48 of one residual, where a step of 1e-3 changed it by 6."""
+    course = sector_search._Course(
+        misfit=Misfit(at=lambda *_: Place(residual=np.zeros(1), change=lambda *_: np.zeros(1)), sharp=lambda _: ()),
+        start={}, free=FREE[:1], step=np.array([1e-4]), high=np.array([np.inf]), kept=Slopes(), gain=100.0,
+        before=(np.zeros(1), np.zeros(1)),
+    )  # fmt: skip
+    course.place = Place(residual=np.array([6.0]), change=lambda *_: np.zeros(1))
+    slopes = np.array([[(6.0 - missed) / 1e-3]])
+    found = course._updated(slopes, np.array([1e-3]))
+    assert found is (slopes if is_kept else None)
+
+
+def test_what_a_search_gained_is_what_it_began_with_less_what_it_ended_with() -> None:
+    """Oracle: by hand; a line of slope 5 from 4 beside where it is nothing, squared."""
+    assert _One(FREE[0], lambda row: 5 * (row - 3.0)).searched(7.0).gained == pytest.approx(400.0)
