@@ -17,9 +17,10 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from scipy import ndimage
 
-from irtiming.inference import weighed_lens
+from irtiming.inference import in_threads, weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.inference.lens_knowledge import U_BLUR_GROWTH, U_GLARE, LensKnowledge
+from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector, sector_points, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
@@ -111,14 +112,17 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
     def harmonics(shape: SectorShape) -> ComplexArray:
         return sector_rows.harmonics(shape, rows, summed=summed, roi=roi, n_harmonics=n_harmonics)
 
-    changes = []
-    for name in _SHAPE:
-        step = _STEPS[name]
-        ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        gained = (summed * (_pixels(ahead, roi) - _pixels(behind, roi)))[here]  # each pixel's light about its own angle
+    at = harmonics(sector)
+
+    def change(name: str) -> ComplexArray:
+        moved = replace(sector, **{name: getattr(sector, name) + _STEPS[name]})
+        gained = (summed * (_pixels(moved, roi) - light))[here]  # each pixel's light about its own angle
         kept = pixel_waves.by_row(gained, angle, smear=smear, n_harmonics=n_harmonics)
-        changes.append((harmonics(ahead) - harmonics(behind) - kept) / (2 * step))
-    return Rows(row_px=rows.astype(float), harmonics=harmonics(sector), changes=np.array(changes), weight=weight)
+        return np.asarray((harmonics(moved) - at - kept) / _STEPS[name], complex)
+
+    with one_thread():
+        changes = np.array(in_threads.mapped(change, _SHAPE))
+    return Rows(row_px=rows.astype(float), harmonics=at, changes=changes, weight=weight)
 
 
 def _pixels(sector: SectorShape, roi: _Roi) -> Array:
@@ -295,24 +299,25 @@ class SectorImage:
 def sector_image(sector: SectorShape) -> SectorImage:
     """The image of an opening, with the same derivatives whatever the wheel's speed."""
     roi = _around(sector)
-
-    def slope(name: str) -> ComplexArray:
-        step = _STEPS[name]
-        ahead, behind = (replace(sector, **{name: getattr(sector, name) + sign * step}) for sign in (1, -1))
-        return np.asarray((_second_harmonic(ahead, roi) - _second_harmonic(behind, roi)) / (2 * step), complex)
-
     angle, _ = blurred_sector.pixel_places(sector, roi=roi)
     image, phase = _second_harmonic(sector, roi), np.asarray(np.exp(-2j * (angle + sector.bisector_rad)), complex)
+
+    def slope(name: str) -> ComplexArray:
+        moved = replace(sector, **{name: getattr(sector, name) + _STEPS[name]})
+        return np.asarray((_second_harmonic(moved, roi) - image) / _STEPS[name], complex)
+
+    with one_thread():
+        slopes = in_threads.mapped(slope, (*_OPENING, *WARP_NUMBERS))
     down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
     fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
-    columns = [*map(slope, _OPENING), down * image * 1j, image * 1j, image, phase - image]
+    columns = [*slopes[: len(_OPENING)], down * image * 1j, image * 1j, image, phase - image]
     columns += [field * phase for field in fields]
     columns += [exchanged(image, U_EXCHANGED, axis=axis, away=away) - image for axis, away in EXCHANGES]
     known = np.zeros(len(columns) + len(WARP_NUMBERS))
     known[_OPENING.index("glare")] = U_GLARE**-2
     known[_OPENING.index("blur_growth")] = U_BLUR_GROWTH**-2
     known[len(columns) - len(EXCHANGES) : len(columns)] = 1.0
-    columns += map(slope, WARP_NUMBERS)
+    columns += slopes[len(_OPENING) :]
     return SectorImage(
         sector=sector,
         light=np.clip(np.abs(image), 0, 1).ravel(),
