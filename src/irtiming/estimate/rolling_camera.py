@@ -307,7 +307,7 @@ def _mean(timings: list[dict[str, float]]) -> Timing:
 
 
 def _stay(views: list[_View], before: tuple[RowTimingFit, ...], now: tuple[RowTimingFit, ...]) -> bool:
-    """Whether images are where they were, within a part of what they can tell at all, and rows near.
+    """Whether images are where they were, within what they can tell at all, and rows near.
 
     By Cauchy and Schwarz, an image that moved by a sum of squares d moves a number of the rows by the root of d of what the
     image's uncertainty leaves of it, at most.

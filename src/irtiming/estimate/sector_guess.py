@@ -31,7 +31,8 @@ class _Place:
 def first_guess(look: Look, view: View, *, is_rolling: bool = False) -> dict[str, float]:
     """Sector about the centre that makes the phases twice the polar angles, as large as the pixels of more than half contrast.
 
-    Of several such regions the largest is the opening: a wheel that mirrors the camera may swing as much beside it.
+    Of several such regions the largest is the opening: a wheel that mirrors the camera may swing as much beside it. Only of a
+    camera that ``is_rolling`` may the phases advance from row to row too.
     """
     told = view.good | ~view.good.any(axis=1, keepdims=True)  # dead rows show what those beside them do
     size = ndimage.median_filter(np.where(told, np.abs(look.projection), 0.0), 3)
@@ -78,7 +79,7 @@ def _phase_place(row: Array, column: Array, phase: Array, *, is_rolling: bool) -
     some = slice(None, None, -(-row.size // _MOST_TRIED))
     row, column, seen = row[some], column[some], np.exp(1j * phase[some])
     middle, reach = np.array([row.mean(), column.mean()]), float(np.ptp(row) + np.ptp(column))
-    down, extent = row - middle[0], float(np.ptp(row))
+    down, extent = row - middle[0], max(float(np.ptp(row)), 1.0)
 
     def off(centre: Array) -> ComplexArray:
         return np.asarray(seen * np.exp(-2j * np.arctan2(row - centre[0], column - centre[1])))
