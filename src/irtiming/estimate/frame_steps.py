@@ -36,8 +36,7 @@ def step_rad(recording: ReducedRecording) -> float:
     steps = np.diff(angle)[follows(recording)[1:]]
     if steps.size:
         return float(np.mean(steps))
-    period_s = float(np.median(np.diff(recording.trigger_ticks))) / recording.track.clock_frequency_hz
-    return recording.track.angular_frequency_rad_per_s * period_s
+    return recording.track.angular_frequency_rad_per_s * recording.trigger_period_s
 
 
 def unfiltered(recording: ReducedRecording, share: float) -> ReducedRecording:

@@ -20,7 +20,6 @@ begins, how large the noise is, and which frames are wild.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -101,11 +100,6 @@ class PixelSums:
         """Pixel sums of the kept frames in the unit of the guessed step, shape (n_kept,)."""
         return np.asarray(self.reduced.pixel_sums.pixel_sum[self.kept] / self.unit_dn)
 
-    @cached_property
-    def period_ticks(self) -> float:
-        """From trigger to trigger, the median."""
-        return float(np.median(np.diff(self.reduced.trigger_ticks)))
-
     def angle(self, delay_s: float, *, is_before: bool = False) -> Array:
         """Wheel angle of the kept frames this long after the trigger and the delay set, rad, shape (n_kept,).
 
@@ -116,9 +110,12 @@ class PixelSums:
         if not is_before:
             return now
         then = wheel_angle_rad(
-            delay_s, self.reduced.track, at_ticks=np.asarray(ticks[self.kept] - self.period_ticks, float), set_s=set_s
+            delay_s,
+            self.reduced.track,
+            at_ticks=np.asarray(ticks[self.kept] - self.reduced.trigger_period_ticks, float),
+            set_s=set_s,
         )
-        step = self.angular_frequency_rad_per_s * self.period_ticks / self.reduced.track.clock_frequency_hz
+        step = self.angular_frequency_rad_per_s * self.reduced.trigger_period_s
         return np.where(np.isfinite(then), then, now - step)
 
     def shapes(self, numbers: Mapping[str, float]) -> Shapes:
@@ -346,7 +343,7 @@ def _solved_from(given: PixelSums, start: Mapping[str, float]) -> dict[str, floa
 def _of_own_trigger(given: PixelSums, found: Mapping[str, float]) -> dict[str, float]:
     """With a share of the frame before that is as far below a half as it is above: the light comes as late, and as long."""
     share = found[MEMORY]
-    earlier_s = (2 * share - 1) * given.period_ticks / given.reduced.track.clock_frequency_hz
+    earlier_s = (2 * share - 1) * given.reduced.trigger_period_s
     return {**found, MEMORY: 1 - share} | {name: found[name] - earlier_s for name in EDGE_DELAYS}
 
 

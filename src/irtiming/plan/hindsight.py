@@ -237,12 +237,11 @@ def _sampling(recording: ReducedRecording, fit: EdgeDelayFit) -> Sampling:
     angle = wheel_angle_rad(delay_s, recording.track, at_ticks=ticks, set_s=set_s)
     is_known = np.isfinite(angle)
     time = (ticks - ticks.mean()) / max(1.0, float(np.ptp(ticks)))
-    period_s = float(np.median(np.diff(ticks))) / recording.track.clock_frequency_hz
     return Sampling(
         wheel_angle_rad=angle[is_known],
         time=time[is_known],
         angular_frequency_rad_per_s=fit.angular_frequency_rad_per_s,
-        step_rad=fit.angular_frequency_rad_per_s * period_s,
+        step_rad=fit.angular_frequency_rad_per_s * recording.trigger_period_s,
     )
 
 

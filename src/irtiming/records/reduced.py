@@ -2,7 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, TypeAlias, final
+
+import numpy as np
 
 from irtiming.errors import ReductionError
 from irtiming.records.arrays import Array, ComplexArray, Mask, Pixels, Ticks
@@ -377,6 +380,16 @@ class ReducedRecording:
     def file(self) -> str:
         """Where it was read, or its name."""
         return self.source or self.name
+
+    @cached_property
+    def trigger_period_ticks(self) -> float:
+        """From trigger to trigger, the median; two or more must be there."""
+        return float(np.median(np.diff(self.trigger_ticks)))
+
+    @property
+    def trigger_period_s(self) -> float:
+        """The same, s."""
+        return self.trigger_period_ticks / self.track.clock_frequency_hz
 
     @property
     def pixel_sums(self) -> PixelSums:

@@ -108,7 +108,7 @@ def test_the_row_delay_is_looked_for_from_a_frame_period_over_all_rows(monkeypat
     """Oracle: by hand, as in the paper: a frame in 33 ms, 120 rows, 275 us."""
     recording = SimpleNamespace(
         axle=SimpleNamespace(row_px=35.2, column_px=31.3), opening=SimpleNamespace(mask=np.ones((120, 160), bool)),
-        trigger_ticks=1_622_016 * np.arange(9), track=SimpleNamespace(clock_frequency_hz=49_152_000),
+        trigger_period_s=33e-3,
     )  # fmt: skip
     begun = []
     monkeypatch.setattr(

@@ -107,7 +107,6 @@ def _lag_fit(average: ExposedRows, equal: WheelGeometry, *, first: ReducedRecord
     """Wheel centre and roll are those of the contrast image; the row delay begins at frame period over rows."""
     if first.axle is None:
         raise EstimationError("the wheel centre is not known; fit the contrast image first")
-    frame_period_s = float(np.median(np.diff(first.trigger_ticks))) / first.track.clock_frequency_hz
     return row_delay_and_lag.fit(
         average,
         equal.model,
@@ -117,7 +116,7 @@ def _lag_fit(average: ExposedRows, equal: WheelGeometry, *, first: ReducedRecord
             roll_rad=equal.camera_roll_rad or 0.0,
             rotation=equal.rotation,
         ),
-        initial_row_delay_s=frame_period_s / first.opening.mask.shape[0],
+        initial_row_delay_s=first.trigger_period_s / first.opening.mask.shape[0],
     )
 
 
