@@ -114,7 +114,7 @@ def settled(
                 break
             begin = last.numbers
     told = _told(images, last.numbers, names=last.names, covariance=last.covariance, chi_square=best.chi_square)
-    return replace(told, n_rounds=start.n_rounds + 1, camera=last.camera)
+    return replace(told, n_rounds=start.n_rounds + 1, gained=best.gained, camera=last.camera)
 
 
 def fit_row_by_row(

@@ -30,9 +30,9 @@ NUMBERS = (*SHAPE_NUMBERS, "row_delay_s", "turn_rad", "ring_inner_px", "ring_out
 HIGHEST_FIELD = 0.1
 """Of the smooth field, a share of the contrast."""
 
-_HEIGHTS = np.geomspace(1e-4 * HIGHEST_FIELD, HIGHEST_FIELD, 97)
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
+_HEIGHTS = np.geomspace(1e-4 * HIGHEST_FIELD, HIGHEST_FIELD, 97)
 _PLAIN = LensTerms()
 
 

@@ -23,7 +23,7 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.6, 15.0
 _LEAST_GLARE, _MOST_GLARE = -0.1, 0.5  # less than none makes up for a blur that ends sooner than a Gaussian
 _NARROWEST_GLARE_PX, _WIDEST_GLARE_PX = 2.0, 40.0
 _MOST_EVALUATIONS = 30
-_INWARD, _SLIGHTLY_INWARD = 0.05, 1e-3  # of a number's scale: how far from limits a first and a later search begin
+_INWARD = 1e-3  # of a number's scale: how far from its limits a search begins, for none begins upon them
 _FIRST_STEP = 10.0  # of its scale: how far a number may go at once
 _STEP = 1e-4  # of a number's scale: over which a slope is taken
 _AGREES = (1, 2, 4)  # how a search ends whose last step gained what the slopes foretold
@@ -137,8 +137,7 @@ def _search(
     course = _Course(
         misfit=misfit, start=start, free=free, step=_STEP * scales, high=high, kept=slopes or Slopes(), gain=gain
     )
-    inward = (_INWARD if gain == FIRST else _SLIGHTLY_INWARD) * scales
-    begin = np.clip([start[name] for name in free], low + inward, high - inward)
+    begin = np.clip([start[name] for name in free], low + _INWARD * scales, high - _INWARD * scales)
     origin = begin - _FIRST_STEP * scales  # a first step is bounded by the distance from there
 
     def residuals(off: Array) -> Array:

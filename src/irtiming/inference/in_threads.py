@@ -1,9 +1,11 @@
-"""Pieces of an estimate that do not depend on each other, on all processors that the program may use."""
+"""Pieces of work that do not depend on each other, on all processors that the program may use: linear algebra in one of each."""
 
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
+
+from irtiming.inference.one_thread import one_thread
 
 One = TypeVar("One")
 Made = TypeVar("Made")
@@ -23,5 +25,5 @@ def mapped(function: Callable[[One], Made], items: Iterable[One]) -> list[Made]:
     threads = int(said) if said.isdecimal() and int(said) else os.cpu_count() or 1
     if threads == 1:
         return list(map(function, items))
-    with ThreadPoolExecutor(threads) as pool:
+    with one_thread(), ThreadPoolExecutor(threads) as pool:
         return list(pool.map(function, items))

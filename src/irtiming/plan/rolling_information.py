@@ -20,7 +20,6 @@ from scipy import ndimage
 from irtiming.inference import in_threads, weighed_lens
 from irtiming.inference.information import NOISE, Information, without_own
 from irtiming.inference.lens_knowledge import U_BLUR_GROWTH, U_GLARE, LensKnowledge
-from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector, sector_points, wheel_harmonics
 from irtiming.physics import camera as physics_camera
 from irtiming.physics.blur_shape import EXCHANGES, U_EXCHANGED, exchanged
@@ -120,8 +119,7 @@ def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
         kept = pixel_waves.by_row(gained, angle, smear=smear, n_harmonics=n_harmonics)
         return np.asarray((harmonics(moved) - at - kept) / _STEPS[name], complex)
 
-    with one_thread():
-        changes = np.array(in_threads.mapped(change, _SHAPE))
+    changes = np.array(in_threads.mapped(change, _SHAPE))
     return Rows(row_px=rows.astype(float), harmonics=at, changes=changes, weight=weight)
 
 
@@ -306,8 +304,7 @@ def sector_image(sector: SectorShape) -> SectorImage:
         moved = replace(sector, **{name: getattr(sector, name) + _STEPS[name]})
         return np.asarray((_second_harmonic(moved, roi) - image) / _STEPS[name], complex)
 
-    with one_thread():
-        slopes = in_threads.mapped(slope, (*_OPENING, *WARP_NUMBERS))
+    slopes = in_threads.mapped(slope, _SHAPE)
     down, across = np.linspace(-1, 1, roi[1] - roi[0])[:, None], np.linspace(-1, 1, roi[3] - roi[2])[None, :]
     fields = [down + 0 * across, across + 0 * down, down**2 + 0 * across, across**2 + 0 * down, down * across]
     columns = [*slopes[: len(_OPENING)], down * image * 1j, image * 1j, image, phase - image]

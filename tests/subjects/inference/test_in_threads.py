@@ -3,6 +3,7 @@
 import threading
 
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from irtiming.inference import in_threads
 
@@ -25,6 +26,18 @@ def test_as_many_at_a_time_as_there_are_threads(monkeypatch):
         return item
 
     assert in_threads.mapped(waiting, range(4)) == [0, 1, 2, 3]
+
+
+def test_linear_algebra_in_each_takes_one_thread_and_as_many_as_before_afterwards(monkeypatch):
+    """Oracle: what the libraries themselves say; they are allowed two."""
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+
+    def allowed(_):
+        return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+    with threadpool_limits(2, user_api="blas"):
+        assert in_threads.mapped(allowed, range(2)) == [{1}, {1}]
+        assert allowed(None) == {2}
 
 
 @pytest.mark.parametrize("said", ["", "0", "many"])
