@@ -25,7 +25,8 @@ _STRETCHED = 1e-8  # error of a quadrature that is stretched to be more even
 _MOST_NODES = 5000  # of a quadrature: the sharpest opening that fills 4000 pixels asks for fewer
 _DIRECTIONS = 33  # in the sector, among which its sharpest are sought
 _LEAST_VARIANCE = 0.05  # of a blur, as a share of that in the middle of the image: no lens is so much sharper beside it
-_LOOKS = 9  # along either arc for the largest magnification
+_LOOKS = 9  # along either arc for the least and the largest magnification
+_SURELY = 0.8  # of the least that was found: no place between the looks has less
 
 
 @final
@@ -120,13 +121,14 @@ def _points(shape: SectorShape, *, n_harmonics: int, of_border: bool = False) ->
     within_px = 2 * (REACH * shape.blur.widest_px * most + 1) if of_border else math.inf
     eye = projection_of(shape).eye
     sector = sector_of(shape)
-    wide = max(1.0, _widest(sector, eye))
+    least_flat, widest = _magnifications(sector, eye)
+    wide = max(1.0, widest)
     along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape, least))
     for_waves = math.ceil(sector.half_angle_rad * n_harmonics) + _MORE_NODES
     width, around_px = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad * shape.outer_radius_px
     n_around = max(for_waves, math.ceil(around_px / across))
     radial, around = _even(max(8, math.ceil(width / along))), _even(n_around)
-    row, column, angle, area = _nodes(radial, around, sector, eye, within_px)
+    row, column, angle, area = _nodes(radial, around, sector, eye, (within_px, within_px / (_SURELY * least_flat)))
     return LightPoints(
         row_px=row,
         column_px=column,
@@ -224,24 +226,27 @@ def _gauss_legendre(n: int) -> tuple[Array, Array]:
 
 
 @njit(cache=True, nogil=True)
-def _widest(sector: Sector, eye: Eye) -> float:
-    """Magnification that no place of the sector exceeds, or next to none."""
-    widest = 0.0
+def _magnifications(sector: Sector, eye: Eye) -> tuple[float, float]:
+    """What no place of the sector falls short of, and what none exceeds, or next to none: least one way, largest the other."""
+    narrowest, widest = math.inf, 0.0
     for radius in sector.radii_px:
         for k in range(_LOOKS):
             polar = sector.bisector_rad + sector.half_angle_rad * (2 * k / (_LOOKS - 1) - 1)
             down = sector.offset_px[0] + radius * math.sin(polar)
             across = sector.offset_px[1] + radius * math.cos(polar)
             _, _, least, area = seen_by(eye, (down, sector.sense * across))
-            widest = max(widest, area / least)
-    return widest
+            narrowest, widest = min(narrowest, least), max(widest, area / least)
+    return narrowest, widest
 
 
 @njit(cache=True, nogil=True)
-def _nodes(radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sector, eye: Eye, within: float) -> Any:
+def _nodes(
+    radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sector, eye: Eye, within: tuple[float, float]
+) -> Any:
     """Row, column, polar angle from the bisector and area in the image of each node that is not too deep; shape (4, n).
 
-    Nodes and weights in radius and angle are those between -1 and 1; the depth is the distance to the nearest side.
+    Nodes and weights in radius and angle are those between -1 and 1; the depth is the distance to the nearest side. Too deep are
+    those beyond the first of ``within``, in the image; as those surely are that lie beyond the second, in the wheel's plane.
     """
     (place, weight), (turn, turn_weight) = radial, around
     half_width = (sector.radii_px[1] - sector.radii_px[0]) / 2
@@ -254,9 +259,12 @@ def _nodes(radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sec
     for i in range(place.size):
         radius, to_arc = sector.radii_px[0] + half_width * (1 + place[i]), half_width * (1 - abs(place[i]))
         for j in range(turn.size):
+            depth = min(radius * to_edge[j], to_arc)
+            if depth >= within[1]:
+                continue
             down, across = sector.offset_px[0] + radius * sine[j], sector.offset_px[1] + radius * cosine[j]
             row, column, least, larger = seen_by(eye, (down, sector.sense * across))
-            if min(radius * to_edge[j], to_arc) * least >= within:
+            if depth * least >= within[0]:
                 continue
             out[0, used], out[1, used] = row, column
             out[2, used] = half_turn(math.atan2(down, across) - sector.bisector_rad)

@@ -120,6 +120,18 @@ def test_rate_of_the_cameras_clock():
     assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1, abs=0.15)
 
 
+@pytest.mark.parametrize(("stamp_hz", "trigger_hz"), [(1e3, 49_152_000.0), (1e9, 1e3)])
+def test_a_rate_is_known_no_better_than_the_coarser_clock_rounds(stamp_hz, trigger_hz):
+    """Oracle: by hand; both ends of a run of 29.9 s round to a tick of a millisecond, sqrt(1/6) of it together."""
+    run_s = 0.1 * np.arange(300)
+    stamps, triggers = (np.rint(run_s * hz).astype(np.int64) + 1000 for hz in (stamp_hz, trigger_hz))
+    found = camera_clock(
+        "x", stamp_ticks=stamps, stamp_frequency_hz=stamp_hz, trigger_ticks=triggers, clock_frequency_hz=trigger_hz
+    )
+    assert found.relative_rate.value == pytest.approx(0, abs=1e-9)
+    assert found.relative_rate.standard_uncertainty == pytest.approx(1e-3 / 29.9 / np.sqrt(6), rel=1e-6)
+
+
 def test_the_drift_of_four_events_by_hand():
     """Oracle: by hand; a cubic at -1.5 to 1.5 s leaves 20 e^2 for one degree of freedom, x^2 less its mean 1, -1, -1, 1."""
     e = 1e-3

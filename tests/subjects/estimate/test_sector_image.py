@@ -128,6 +128,15 @@ def test_far_within_the_ring_the_wheel_covers_all_whatever_goes_astray(camera, r
     np.testing.assert_allclose(found.coverage, 1.0, atol=1e-12)
 
 
+def test_before_a_plate_that_mirrors_too_the_wheel_covers_less_where_it_is_not_open(camera, rows, lag):
+    """Oracle: the light that was summed; a plate that mirrors 0.3 leaves 0.7 of the wheel's beside the opening."""
+    (look,) = contrast_look.looks([rows], camera.model, timing=lag)
+    wide = {"ring_inner_px": -1e3, "ring_outer_px": 1e3, "plate_reflection": 0.3}
+    found = sector_image.fitted(look, _numbers(camera) | wide, view=_view(rows), u_dn=_along(rows, look))
+    light = camera.light[1].sum(axis=0)
+    np.testing.assert_allclose(found.coverage, 1 - 0.3 * (1 - light), atol=3e-3)
+
+
 def test_uneven_wheel_is_a_field_about_the_mean_contrast(camera, brute_rows, lag):
     """Oracle: pixels that respond by up to 10 % more about a place beside the opening; their mean is the contrast's affair."""
     gain = 1 + 0.1 * np.exp(-0.5 * ((np.arange(36)[:, None] - 25.0) ** 2 + (np.arange(64) - 22.0) ** 2) / 15.0**2)

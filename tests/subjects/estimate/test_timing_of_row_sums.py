@@ -3,16 +3,18 @@
 import re
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from geometry_by_hand import geometry_by_hand
 
-from irtiming.estimate import doubts, timing
+from irtiming.estimate import doubts, shared_numbers, timing
 from irtiming.estimate.rig_errors import RigErrors
 from irtiming.estimate.row_light import SHAPE_NUMBERS
 from irtiming.physics.camera import camera
 from irtiming.physics.light.row_sum import BLADES, timing_names
+from irtiming.physics.response import integration_window
 from irtiming.records.estimate import Estimate
 from irtiming.records.finding import Finding
 from irtiming.records.rig import Measured, WindowTail
@@ -415,6 +417,20 @@ def test_edges_that_part_with_the_blackbody_do_not_move_the_time_constant(fits, 
     found = _estimate(made, geometry(), sector)
     assert found.effective.time_constant_s == pytest.approx([SIX[4], warmer[4]], abs=1e-12)
     assert found.estimate.values[0] == pytest.approx(SIX[0], abs=1e-9)
+
+
+def test_a_window_of_which_the_frames_tell_no_sign_is_as_long_as_it_is():
+    """Oracle: by hand; light depends on the square of the length, so that 6 ms and -6 ms are one window, and one effect."""
+    tail = WindowTail(share=Measured(0.0, 0.02), time_constant_s=0.1e-3)
+    fits = [
+        SimpleNamespace(estimate={"integration_time": None}, timing={"integration_time": length_s})
+        for length_s in (6e-3, -6e-3)
+    ]
+    part = integration_window.tails(tail)
+    for one in part.values():
+        there, back = (shared_numbers._longer(fit, one, None) for fit in fits)
+        assert there == back
+        assert there["integration_time"] > 0
 
 
 def test_a_window_that_is_not_stated_looks_longer_by_what_comes_after_it(fits, geometry, sector):
