@@ -1,10 +1,10 @@
 """The compiled inner loops of the reduction; each reads every raw pixel once, in the order of memory.
 
-Frames are shared among threads where that pays: not in the loops at the end, which on pixels side by side in memory take less
-time than a thread needs to wake up. Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one
-vector register where eight bytes per count would fit four, and memory, not arithmetic, sets the pace. For the same reason frames
-go four at a time where each pixel is compared with something of its own, or added to it: that is then read once for four.
-Frames in a GPU's memory are left to the loops of `array_kernels`.
+Frames, or pixels, are shared among threads where that pays: not in loops that take less time than a thread needs to wake up.
+Sums over a row stay in the narrowest type that holds them: sixteen pixels then fit one vector register where eight bytes per
+count would fit four, and memory, not arithmetic, sets the pace. For the same reason frames go four at a time where each pixel is
+compared with something of its own, or added to it: that is then read once for four. Frames in a GPU's memory are left to the
+loops of `array_kernels`.
 """
 
 from collections.abc import Callable
@@ -205,22 +205,23 @@ def gather(frames: Pixels, spans: Ticks, into: Pixels) -> None:
         place = 0
         for span in range(spans.shape[0]):
             row, first, end = spans[span]
-            values = frames[frame, row]
-            for column in range(first, end):
-                into[frame, place] = values[column]
-                place += 1
+            n_pixels = end - first
+            values, copies = frames[frame, row, first:end], into[frame, place : place + n_pixels]
+            for pixel in range(n_pixels):
+                copies[pixel] = values[pixel]
+            place += n_pixels
 
 
 @_or_on_a_gpu
-@njit(cache=True, fastmath=True)
+@njit(parallel=True, cache=True, fastmath=True)
 def add_waves(values: Pixels, weights: np.ndarray, base: np.ndarray, into: np.ndarray) -> None:
     """Add weights (wave, frame) times values (frame, pixel) less ``base`` (pixel,) to ``into`` (wave, pixel); all float32.
 
     Some hundred pixels at a time become numbers with a point, which stay near the processor while every wave is done.
     """
     n_frames, n_pixels = values.shape
-    for first in range(0, n_pixels, _TILE):
-        end = min(first + _TILE, n_pixels)
+    for number in prange(-(-n_pixels // _TILE)):
+        first, end = number * _TILE, min((number + 1) * _TILE, n_pixels)
         tile = np.empty((n_frames, end - first), np.float32)
         for frame in range(n_frames):
             here, less, row = values[frame, first:end], base[first:end], tile[frame]
