@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from irtiming.physics.sector_points import _even, _sharpest, half_turn, light_points, places
+from irtiming.physics.projection import projection_of
+from irtiming.physics.sector_points import _even, _sharpest, border_points, half_turn, light_points, places
 from irtiming.records.row_timing import SectorShape
 
 SHAPE = SectorShape(
@@ -50,6 +52,32 @@ def test_nodes_are_close_enough_for_the_corner_where_the_blur_is_narrowest():
     for axis in (0, 1):
         gap = np.hypot(np.diff(row, axis=axis), np.diff(column, axis=axis)).max()
         assert 0.8 * narrowest < gap < 1.2 * narrowest
+
+
+@pytest.mark.parametrize("opening_rad", [1.0, 2.4, 5.0])
+@pytest.mark.parametrize("view", [{}, {"keystone_row": 0.05, "keystone_column": -0.03}, {"distortion": 0.08}])
+def test_of_the_border_are_all_nodes_that_are_not_surely_deep(opening_rad, view):
+    """Oracle: the distance in the image to 4000 places of the border, of which depths in the wheel's plane tell 2 % at least.
+
+    Two reaches of the blur and 2 px are deep enough.
+    """
+    shape = replace(
+        SHAPE, inner_radius_px=20.0, outer_radius_px=60.0, opening_angle_rad=opening_rad, blur_px=0.4, **view
+    )
+    every, found = light_points(shape), border_points(shape)
+    along, turn = np.linspace(20, 60, 1000), np.linspace(-0.5, 0.5, 1000)
+    radius = np.concatenate([along, along, np.full(1000, 20.0), np.full(1000, 60.0)])
+    part = np.concatenate([np.full(1000, -0.5), np.full(1000, 0.5), turn, turn])
+    polar = shape.bisector_rad + opening_rad * part
+    border = np.stack(projection_of(shape).seen(radius * np.sin(polar), radius * np.cos(polar)), axis=1)
+    apart, _ = cKDTree(border).query(np.stack([every.row_px, every.column_px], axis=1))
+    kept = set(zip(found.row_px.tolist(), found.column_px.tolist(), strict=True))
+    is_kept = np.array([place in kept for place in zip(every.row_px.tolist(), every.column_px.tolist(), strict=True)])
+    within = 2 * (5 * 0.4 + 1)
+    assert is_kept.sum() == found.row_px.size
+    assert is_kept[apart < 0.98 * within].all()
+    assert not is_kept[apart > 1.4 * within].any()
+    assert not is_kept.all()
 
 
 def test_two_nodes_are_those_of_gauss_and_legendre():

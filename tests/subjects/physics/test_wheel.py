@@ -9,6 +9,7 @@ import pytest
 from irtiming.errors import GeometryError
 from irtiming.physics.wheel import (
     EDGE_SIGNS,
+    at_point,
     corner_angles_rad,
     edge_in_opening,
     exposed_fraction,
@@ -177,3 +178,17 @@ def test_opening_without_plateau_is_refused(edges, opening_deg):
         wheel_model(
             tuple(np.radians(edges)), 0.2, opening_angle_rad=radians(opening_deg), centre_angle_rad=radians(-90)
         )
+
+
+@pytest.mark.parametrize("sweep", [1e-3, 0.3])
+def test_a_point_is_as_open_and_as_far_behind_the_second_blade_as_many_instants_say(sweep):
+    """Oracle: 20 000 instants of the window, each asked for the point: open after edges 1 and 3, the blade between 2 and 3."""
+    alpha = np.random.default_rng(4).uniform(-2, 9, 200)
+    found = at_point(alpha, UNEQUAL, sweep_rad=sweep)
+    there = np.mod(alpha[:, None] + sweep * (np.arange(20_000) + 0.5) / 20_000, TURN)
+    is_open = ((there >= UNEQUAL[1]) & (there < UNEQUAL[2])) | (there >= UNEQUAL[3])
+    is_behind = (there >= UNEQUAL[2]) & (there < UNEQUAL[3])
+    np.testing.assert_allclose(found.openness, is_open.mean(axis=1), atol=2e-4)
+    np.testing.assert_allclose(found.behind_second_blade, is_behind.mean(axis=1), atol=2e-4)
+    assert found.openness.min() == pytest.approx(0, abs=1e-12)
+    assert found.openness.max() == pytest.approx(1, abs=1e-12)

@@ -96,3 +96,15 @@ def test_a_short_recording_is_followed_by_up_to_a_quarter_as_many_numbers():
     level = 7 + wave + np.random.default_rng(2).normal(0, 0.1, 40)
     found = drift.fit(level, time_s, wheel_angle_rad=None, segment=np.zeros(40, np.int64))
     np.testing.assert_allclose(found.level_dn, wave - wave.mean(), atol=0.5)
+
+
+@pytest.mark.parametrize(("n", "is_followed"), [(250, False), (330, True)])
+def test_waves_of_the_wheel_count_among_the_numbers(n, is_followed):
+    """Oracle: by hand; thirty waves are sixty numbers, with them a bend takes 65: of 250 levels a quarter are 62, of 330, 82."""
+    time_s = np.linspace(0, 60, n)
+    bend = 0.05 * (time_s - 30) ** 2
+    angle = TURN * 0.1234 * np.arange(n)
+    found = drift.fit(7 + bend, time_s, wheel_angle_rad=angle, segment=np.zeros(n, np.int64))
+    left = np.ptp(found.level_dn - bend)
+    assert (left < 1.0) == is_followed
+    assert left < 1.0 or left == pytest.approx(np.ptp(bend), rel=0.3)
