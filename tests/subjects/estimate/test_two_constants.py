@@ -106,6 +106,7 @@ def test_what_cannot_be_told_apart_gets_bounds(share, kelvins, says):
         assert bound.upper is None or truth <= bound.upper
     assert found.bounds[1].upper is None
     assert says in _texts(found)[0]
+    assert len(kelvins) == 1 or "with u = 3 µs of each time constant" in _texts(found)[0]
 
 
 def test_a_warmer_substrate_changes_the_constants_as_told():

@@ -55,6 +55,18 @@ def test_no_pixel_is_quiet_where_the_opening_fills_the_image():
     assert not in_contrast._quiet(outline).any()
 
 
+@pytest.mark.parametrize(("n_rows", "is_enough"), [(3, False), (4, True)])
+def test_of_a_large_image_two_per_cent_must_be_quiet(n_rows, is_enough):
+    """Oracle: by hand; of 200 x 100 pixels 400, which are four rows, beyond three that are near the opening."""
+    mask = np.ones((200, 100), bool)
+    mask[200 - n_rows - 3 :] = False
+    moved = np.zeros((200, 100)) + 0j
+    outline = SimpleNamespace(mask=mask, border_px=0, harmonic=moved, interior_dn=1000.0, noise_dn=0.1)
+    quiet = in_contrast._quiet(outline)
+    assert quiet.any() == is_enough
+    assert not quiet[: 200 - n_rows].any()
+
+
 def test_the_brightest_and_darkest_frames_are_brought_to_the_same_level():
     """Oracle: by hand; of 100 good frames the six brightest and the six darkest, less the drift that each has, in the middle."""
     n = 110

@@ -173,3 +173,12 @@ def test_the_axles_distance_is_that_of_pixels_two_from_the_border():
     deep = inner & (np.abs(row - 7) <= 1) & (np.abs(column - 30) <= 18)
     expected = np.median(np.hypot(row - 47, column - 30)[deep])
     assert motion._radius_px(direction, inner) == pytest.approx(expected, rel=0.01)
+
+
+def test_the_part_that_is_looked_at_has_a_margin_on_every_side():
+    """Oracle: by hand; three pixels about rows 10 to 12 and columns 20 to 24, as far as the image goes."""
+    mask = np.zeros((50, 70), bool)
+    mask[10:13, 20:25] = True
+    assert motion._box(mask, margin=3) == (slice(7, 16), slice(17, 28))
+    mask[1, 2] = True
+    assert motion._box(mask, margin=3) == (slice(0, 16), slice(0, 28))
