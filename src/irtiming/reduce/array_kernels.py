@@ -30,17 +30,19 @@ def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
     return np.stack([to_host(xp.count_nonzero(at_end, axis=(1, 2))) for at_end in at_ends])
 
 
-def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
-    """Sum of the taken pixels of each row, shape (frame, row)."""
+def sum_within(frames: Pixels, taken: Pixels, every: int = 1) -> Ticks:
+    """Sum of the taken pixels of every nth row, shape (frame, nth row)."""
     xp = array_namespace(frames)
-    bits = xp.astype(frames & xp.asarray(taken), xp.uint32)  # of one width throughout, which GPUs add up fastest
+    bits = xp.astype(
+        frames[:, ::every, :] & xp.asarray(taken), xp.uint32
+    )  # of one width throughout, which GPUs add up fastest
     return to_host(xp.sum(bits, axis=2, dtype=xp.uint32)).astype(np.int64)
 
 
-def weighted_row_sum(frames: Pixels, weights: np.ndarray) -> Array:
-    """Sum of weight times value over each row, shape (frame, row)."""
+def weighted_row_sum(frames: Pixels, weights: np.ndarray, every: int = 1) -> Array:
+    """Sum of weight times value over every nth row, shape (frame, nth row)."""
     xp = array_namespace(frames)
-    sums = xp.sum(xp.astype(frames, xp.float32) * xp.asarray(weights), axis=2)
+    sums = xp.sum(xp.astype(frames[:, ::every, :], xp.float32) * xp.asarray(weights), axis=2)
     return to_host(xp.astype(sums, xp.float64))
 
 

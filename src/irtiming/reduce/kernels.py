@@ -116,17 +116,17 @@ def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
 
 @_or_on_a_gpu
 @njit(cache=True)
-def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
-    """Sum of the taken pixels of each row, shape (frame, row).
+def sum_within(frames: Pixels, taken: Pixels, every: int = 1) -> Ticks:
+    """Sum of the taken pixels of every nth row, shape (frame, nth row).
 
-    ``frames`` (frame, row, column), at most 65537 columns; ``taken`` (row, column) has all bits set where a pixel is taken,
+    ``frames`` (frame, row, column), at most 65537 columns; ``taken`` (nth row, column) has all bits set where a pixel is taken,
     none elsewhere.
     """
-    n_frames, n_rows, n_columns = frames.shape
-    sums = np.zeros((n_frames, n_rows), np.int64)
+    n_frames, _, n_columns = frames.shape
+    sums = np.zeros((n_frames, taken.shape[0]), np.int64)
     for frame in range(n_frames):
-        for row in range(n_rows):
-            values, bits = frames[frame, row], taken[row]
+        for row in range(taken.shape[0]):
+            values, bits = frames[frame, row * every], taken[row]
             total = np.uint32(0)
             for column in range(n_columns):
                 total = np.uint32(total + np.uint32(values[column] & bits[column]))
@@ -136,16 +136,16 @@ def sum_within(frames: Pixels, taken: Pixels) -> Ticks:
 
 @_or_on_a_gpu
 @njit(cache=True, fastmath=True)
-def weighted_row_sum(frames: Pixels, weights: np.ndarray) -> Array:
-    """Sum of weight times value over each row, shape (frame, row).
+def weighted_row_sum(frames: Pixels, weights: np.ndarray, every: int = 1) -> Array:
+    """Sum of weight times value over every nth row, shape (frame, nth row).
 
-    ``frames`` (frame, row, column); ``weights`` float32 (row, column).
+    ``frames`` (frame, row, column); ``weights`` float32 (nth row, column).
     """
-    n_frames, n_rows, n_columns = frames.shape
-    sums = np.zeros((n_frames, n_rows), np.float64)
+    n_frames, _, n_columns = frames.shape
+    sums = np.zeros((n_frames, weights.shape[0]), np.float64)
     for frame in range(n_frames):
-        for row in range(n_rows):
-            values, weight = frames[frame, row], weights[row]
+        for row in range(weights.shape[0]):
+            values, weight = frames[frame, row * every], weights[row]
             total = np.float32(0)
             for column in range(n_columns):
                 total += weight[column] * np.float32(values[column])

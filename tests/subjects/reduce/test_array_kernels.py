@@ -36,10 +36,13 @@ def test_counts_and_sums_are_those_of_the_compiled_loops(shape, there):
         (kernels.count_above, (frames[0],)),
         (kernels.count_at_limits, (450, 3)),
         (kernels.sum_within, (bits,)),
+        (kernels.sum_within, (bits[::3], 3)),
     ):
         assert np.array_equal(loop(given, *more), loop(frames, *more))
     for loop in (kernels.weighted_sum, kernels.weighted_row_sum):
         np.testing.assert_allclose(loop(given, weights), loop(frames, weights), rtol=1e-6)
+    thin = kernels.weighted_row_sum(frames, weights[::3], 3)
+    np.testing.assert_allclose(kernels.weighted_row_sum(given, weights[::3], 3), thin, rtol=1e-6)
 
 
 def test_repeated_frames_are_found(there):

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from irtiming.records.arrays import Mask
-from irtiming.reduce import device_memory, row_bands
+from irtiming.reduce import row_bands
 from irtiming.reduce.accumulators.weighted_rows import WeightedRows
 from irtiming.reduce.frame_pass import Block
 from irtiming.reduce.nonuniformity import Correction
@@ -31,9 +31,9 @@ class QuietLevel:
     def __init__(self, quiet: Mask, correct: Correction, *, n_frames: int, fewest: int = 1) -> None:
         self._n_quiet = int(quiet.sum())
         used = np.flatnonzero(quiet.any(axis=1))
-        self._rows = slice(None, None, max(1, int(np.gcd.reduce(used))))
-        thin = (self._rows, slice(None))
-        self._sums = WeightedRows(quiet[thin].astype(float), correct.at(thin))
+        every = max(1, int(np.gcd.reduce(used)))
+        thin = (slice(None, None, every), slice(None))
+        self._sums = WeightedRows(quiet[thin].astype(float), correct.at(thin), every=every)
         counts = quiet[thin].sum(axis=1)
         self._bands = row_bands.starts(counts.size)
         in_band = np.add.reduceat(counts, self._bands)
@@ -43,7 +43,6 @@ class QuietLevel:
     def add(self, block: Block) -> None:
         """Average over some frames' quiet pixels."""
         if self._n_quiet:
-            some = device_memory.contiguous(block.whole[:, self._rows, :])
-            sums = self._sums.of(some)
+            sums = self._sums.of(block.whole)
             self.level_dn[block.now] = sums.sum(axis=1) / self._n_quiet
             self.band_dn[block.now] = np.add.reduceat(sums, self._bands, axis=1) / self._in_band
