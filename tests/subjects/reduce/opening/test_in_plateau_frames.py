@@ -260,6 +260,15 @@ def test_the_blackbody_is_seen_well_inside_the_mask(radius, blackbody):
     assert in_plateau_frames._peaks(open_dn, mask, np.ones_like(mask)) == (5000.0, blackbody)
 
 
+def test_the_plate_is_seen_by_most_pixels_around_the_mask():
+    """Oracle: by hand; a tenth of them shows a bright screw, which a mean would follow."""
+    rows, columns = np.mgrid[:31, :31]
+    mask = (np.abs(rows - 15) <= 6) & (np.abs(columns - 15) <= 6)
+    open_dn = np.where(mask, 6000.0, 5000.0)
+    open_dn[:3] = 5900.0
+    assert in_plateau_frames._peaks(open_dn, mask, np.ones_like(mask)) == (5000.0, 6000.0)
+
+
 @pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize(("away", "is_closed"), [(34, False), (36, True)])
 def test_a_closed_shutter_lies_beyond_the_outer_fences(sign, away, is_closed):

@@ -167,6 +167,14 @@ def test_too_many_wrong_edges_are_refused():
         _numbered(np.delete(_regular(), every))
 
 
+def test_missing_and_spurious_edges_count_together():
+    """Oracle: by hand; 12 that are missing and 12 that are spurious are 24 of 1000, more than 2 % though neither is."""
+    ticks = np.delete(_regular(), np.arange(10, 1000, 82)[:12])
+    added = ticks[40:1000:78][:12] + PERIOD // 2
+    with pytest.raises(ReductionError, match=r"12 edges missing and 12 doubled or spurious of 1000"):
+        _numbered(np.sort(np.concatenate([ticks, added])))
+
+
 def test_lost_rhythm_is_refused_by_name():
     """Oracle: by hand; a burst of noise, then edges at half a period beside their places."""
     ticks = _regular()

@@ -198,3 +198,16 @@ def test_variance_of_a_mean_over_turns_is_that_of_newey_and_west(turns, lags):
     weight = np.clip(1 - apart / (lags + 1), 0, None)
     expected = float((wave.conj() @ weight @ wave).real) / turns / (turns - 1 - lags)
     assert slot_table._variance_of_mean(deviation)[1] == pytest.approx(expected, rel=1e-9)
+
+
+def test_what_was_not_recorded_moves_no_mean_and_what_is_far_moves_it_by_two_deviations():
+    """Oracle: by hand; of 20 turns about zero, whose scale is 1.4826 by its median, one is far off and one was not recorded."""
+    by_turn = np.array([-1.0, 1.0] * 10)[:, None] * np.ones(3)
+    by_turn[3], by_turn[4] = 50.0, 0.0
+    weight = np.ones((20, 3))
+    weight[5, 1] = 0.0
+    mean, influence = slot_table._robust_mean(by_turn, weight, least_scale=1e-3)
+    limit = 2 * 1.4826
+    assert influence[5, 1] == 0
+    assert influence[4] == pytest.approx(-mean * 19 / np.array([19, 18, 19]))
+    assert influence[3] == pytest.approx(limit * 19 / np.array([19, 18, 19]))
