@@ -128,7 +128,8 @@ def _points(shape: SectorShape, *, n_harmonics: int, of_border: bool = False) ->
     width, around_px = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad * shape.outer_radius_px
     n_around = max(for_waves, math.ceil(around_px / across))
     radial, around = _even(max(8, math.ceil(width / along))), _even(n_around)
-    row, column, angle, area = _nodes(radial, around, sector, eye, (within_px, within_px / (_SURELY * least_flat)))
+    surely_px = within_px / (_SURELY * least_flat) if least_flat > 0 else math.inf
+    row, column, angle, area = _nodes(radial, around, sector, eye, (within_px, surely_px))
     return LightPoints(
         row_px=row,
         column_px=column,

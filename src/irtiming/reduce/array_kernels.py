@@ -33,9 +33,8 @@ def count_at_limits(frames: Pixels, full_scale: int, every: int = 1) -> Ticks:
 def sum_within(frames: Pixels, taken: Pixels, every: int = 1) -> Ticks:
     """Sum of the taken pixels of every nth row, shape (frame, nth row)."""
     xp = array_namespace(frames)
-    bits = xp.astype(
-        frames[:, ::every, :] & xp.asarray(taken), xp.uint32
-    )  # of one width throughout, which GPUs add up fastest
+    some = frames[:, ::every, :] & xp.asarray(taken)
+    bits = xp.astype(some, xp.uint32)  # of one width throughout, which GPUs add up fastest
     return to_host(xp.sum(bits, axis=2, dtype=xp.uint32)).astype(np.int64)
 
 
