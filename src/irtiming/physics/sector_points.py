@@ -121,15 +121,14 @@ def _points(shape: SectorShape, *, n_harmonics: int, of_border: bool = False) ->
     within_px = 2 * (REACH * shape.blur.widest_px * most + 1) if of_border else math.inf
     eye = projection_of(shape).eye
     sector = sector_of(shape)
-    least_flat, widest = _magnifications(sector, eye)
+    narrowest, widest = _magnifications(sector, eye)
     wide = max(1.0, widest)
     along, across = (_NODES_PER_BLUR * blur * 2 / np.pi / wide for blur in _sharpest(shape, least))
     for_waves = math.ceil(sector.half_angle_rad * n_harmonics) + _MORE_NODES
     width, around_px = shape.outer_radius_px - shape.inner_radius_px, shape.opening_angle_rad * shape.outer_radius_px
     n_around = max(for_waves, math.ceil(around_px / across))
     radial, around = _even(max(8, math.ceil(width / along))), _even(n_around)
-    surely_px = within_px / (_SURELY * least_flat) if least_flat > 0 else math.inf
-    row, column, angle, area = _nodes(radial, around, sector, eye, (within_px, surely_px))
+    row, column, angle, area = _nodes(radial, around, sector, eye, within_px, _SURELY * narrowest)
     return LightPoints(
         row_px=row,
         column_px=column,
@@ -242,12 +241,12 @@ def _magnifications(sector: Sector, eye: Eye) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True)
 def _nodes(
-    radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sector, eye: Eye, within: tuple[float, float]
+    radial: tuple[Array, Array], around: tuple[Array, Array], sector: Sector, eye: Eye, within: float, surely: float
 ) -> Any:
     """Row, column, polar angle from the bisector and area in the image of each node that is not too deep; shape (4, n).
 
-    Nodes and weights in radius and angle are those between -1 and 1; the depth is the distance to the nearest side. Too deep are
-    those beyond the first of ``within``, in the image; as those surely are that lie beyond the second, in the wheel's plane.
+    Nodes and weights in radius and angle are those between -1 and 1; the depth is the distance to the nearest side. Nodes that
+    are too deep even where the image is ``surely`` so large need no projection.
     """
     (place, weight), (turn, turn_weight) = radial, around
     half_width = (sector.radii_px[1] - sector.radii_px[0]) / 2
@@ -261,11 +260,11 @@ def _nodes(
         radius, to_arc = sector.radii_px[0] + half_width * (1 + place[i]), half_width * (1 - abs(place[i]))
         for j in range(turn.size):
             depth = min(radius * to_edge[j], to_arc)
-            if depth >= within[1]:
+            if depth * surely >= within:
                 continue
             down, across = sector.offset_px[0] + radius * sine[j], sector.offset_px[1] + radius * cosine[j]
             row, column, least, larger = seen_by(eye, (down, sector.sense * across))
-            if depth * least >= within[0]:
+            if depth * least >= within:
                 continue
             out[0, used], out[1, used] = row, column
             out[2, used] = half_turn(math.atan2(down, across) - sector.bisector_rad)

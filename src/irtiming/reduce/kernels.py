@@ -34,13 +34,6 @@ def _or_on_a_gpu(compiled: Callable[_Given, _Found]) -> Callable[_Given, _Found]
     return loop
 
 
-@njit(cache=True, inline="always")
-def _four(number: int, n_frames: int) -> tuple[int, int, int, int]:
-    """Four frames in a row; where there are not as many, the last one again."""
-    first, last = 4 * number, n_frames - 1
-    return first, min(first + 1, last), min(first + 2, last), min(first + 3, last)
-
-
 @_or_on_a_gpu
 @njit(parallel=True, cache=True)
 def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
@@ -59,8 +52,10 @@ def count_above(frames: Pixels, thresholds: Pixels) -> Ticks:
     """
     n_frames, n_rows, n_columns = frames.shape
     counts = np.zeros(n_frames, np.int64)
+    last = n_frames - 1
     for four in prange(-(-n_frames // 4)):
-        a, b, c, d = _four(four, n_frames)
+        a = 4 * four  # where there are not as many, the last one again
+        b, c, d = min(a + 1, last), min(a + 2, last), min(a + 3, last)
         in_a, in_b, in_c, in_d = 0, 0, 0, 0
         for row in range(n_rows):
             of_a, of_b, of_c, of_d = frames[a, row], frames[b, row], frames[c, row], frames[d, row]

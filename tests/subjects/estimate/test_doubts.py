@@ -69,9 +69,9 @@ def test_a_camera_that_runs_free_may_expose_before_its_strobe():
     assert doubts.of_events(findings, [SimpleNamespace(events="strobe")]) == (findings[1],)
 
 
-def _angles(found_mrad, u_mrad=(1.0, 1.0, 1.0, 1.0)):
+def _angles(found_mrad):
     names = [f"edge_angle_{k}" for k in range(4)]
-    prior = _estimate({"delay": 0.0} | dict.fromkeys(names, 0.0), (1.0, *(1e-3 * u for u in u_mrad)))
+    prior = _estimate({"delay": 0.0} | dict.fromkeys(names, 0.0), (1.0, *[1e-3] * 4))
     parameters = _estimate({"delay": 5.0} | dict(zip(names, 1e-3 * np.array(found_mrad), strict=True)), (1.0,) * 5)
     return SimpleNamespace(prior=prior, parameters=parameters)
 
