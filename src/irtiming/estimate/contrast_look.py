@@ -43,16 +43,18 @@ class Unsteady:
 class Look:
     """Contrast images of one wheel speed, added up; those of a colder opening with the other sign.
 
-    ``point`` is what a point of light shows, made with the weights of the recordings; ``omega`` the angular frequency,
-    ``full_dn`` the projection of a pixel wholly in the light, roughly. ``turn`` is the name of the number by which the wheel is
-    turned in this image: delay, lag and angle errors turn it at each speed by another angle. ``unsteady`` are the numbers that
-    are not known of the levels, ``swayed`` is what they do to the image of a sector that is known, each of the region's shape;
+    ``point`` is what a point of light shows, made with the weights of the recordings, and ``odd`` what a warmer blade before it
+    adds in odd orders, over the contrast of the opening; ``omega`` the angular frequency, ``full_dn`` the projection of a pixel
+    wholly in the light, roughly. ``turn`` is the name of the number by which the wheel is turned in this image: delay, lag and
+    angle errors turn it at each speed by another angle. ``unsteady`` are the numbers that are not known of the levels,
+    ``swayed`` is what they do to the image of a sector that is known, each of the region's shape;
     empty while none is.
     """
 
     projection: ComplexArray
     u_dn: float
     point: PointTable
+    odd: PointTable
     omega: float
     full_dn: float
     turn: str = "turn_rad"
@@ -72,16 +74,22 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
         group = [recordings[k] for k in members]
         projection = np.sum([_turned_over(one) for one in group], axis=0)
         size = np.abs(projection)
-        table, unsteady = np.zeros(point_table.SIZE, complex), list[Unsteady]()
+        table, odd, unsteady = (
+            np.zeros(point_table.SIZE, complex),
+            np.zeros(point_table.SIZE, complex),
+            list[Unsteady](),
+        )
         for one in group:  # a recording's waves are many, and go with it
             point = _Point.of(one, wheel, timing)
-            table += point.table(point.image.model_weight)
+            table += point.table(point.passing, weight=point.image.model_weight)
+            odd += point.table(point.odd, weight=point.image.model_weight)
             unsteady += point.unsteady()
         found.append(
             Look(
                 projection=projection,
                 u_dn=float(np.sqrt(sum(one.contrast_image.u_dn**2 for one in group))),
                 point=PointTable(table=table),
+                odd=PointTable(table=odd),
                 omega=float(np.mean([one.track.angular_frequency_rad_per_s for one in group])),
                 full_dn=float(np.median(size[is_bright(size)])),
                 turn=f"turn_{len(found)}_rad" if found else "turn_rad",
@@ -107,11 +115,12 @@ def _turned_over(recording: ReducedRecording) -> ComplexArray:
 class _Point:
     """A point of light before the wheel in one recording.
 
-    Harmonics of its passing over the wheel angle, ``passing`` (M,), from the first order on, waves of the kept frames, ``waves``
-    (n, M), and the contrast image that says with which weights they are added up.
+    Harmonics of its passing over the wheel angle, ``passing`` (M,), from the first order on, and of a warmer blade, ``odd`` (M,);
+    waves of the kept frames, ``waves`` (n, M), and the contrast image that says with which weights they are added up.
     """
 
     passing: ComplexArray
+    odd: ComplexArray
     waves: ComplexArray
     image: ContrastImage
 
@@ -126,17 +135,18 @@ class _Point:
         by_edge = wheel_harmonics.open_harmonics(wheel, HARMONICS) * wheel_harmonics.later(
             late_rad, n_harmonics=HARMONICS
         )
-        shown = by_edge.sum(axis=0)
-        shown[1::2] -= blade * by_edge[2:, 1::2].sum(axis=0)  # in even orders a blade is as good as a weaker contrast
-        passing = shown * response.transfer(omega, timing[response.PARAMETER], n_harmonics=HARMONICS)
+        warmer = -blade * by_edge[2:].sum(axis=0)
+        warmer[::2] = 0.0  # in even orders a blade is as good as a weaker contrast
+        transfer = response.transfer(omega, timing[response.PARAMETER], n_harmonics=HARMONICS)
+        passing, odd = by_edge.sum(axis=0) * transfer, warmer * transfer
         angle = wheel_angle_rad(0.0, one.track, at_ticks=one.trigger_ticks, set_s=one.trigger_delay_time_set_s)
         waves = wheel_harmonics.later(angle, n_harmonics=HARMONICS)
-        return cls(passing=passing[1:], waves=waves[:, 1:], image=one.contrast_image)
+        return cls(passing=passing[1:], odd=odd[1:], waves=waves[:, 1:], image=one.contrast_image)
 
-    def table(self, weight: ComplexArray, *, orders: int = HARMONICS) -> ComplexArray:
-        """Projection of the point, less its mean, over its polar angle from the bisector, made with these weights (n,)."""
-        spectrum, order = np.zeros(point_table.SIZE, complex), np.arange(1, orders + 1)
-        passing, waves = self.passing[:orders], self.waves[:, :orders]
+    def table(self, passing: ComplexArray, *, weight: ComplexArray) -> ComplexArray:
+        """Projection of harmonics (k,), less their mean, over the polar angle from the bisector, with these weights (n,)."""
+        spectrum, order = np.zeros(point_table.SIZE, complex), np.arange(1, passing.size + 1)
+        waves = self.waves[:, : passing.size]
         spectrum[-order] = passing * (weight @ waves) / 2
         spectrum[order] = (passing * (weight.conj() @ waves)).conj() / 2
         return np.fft.ifft(spectrum) * point_table.SIZE
@@ -147,6 +157,8 @@ class _Point:
         if in_sums is None:
             return []
         return [
-            Unsteady(table=self.table(weight * gain, orders=_SWAY_HARMONICS), offset=complex(weight @ offset))
+            Unsteady(
+                table=self.table(self.passing[:_SWAY_HARMONICS], weight=weight * gain), offset=complex(weight @ offset)
+            )
             for gain, offset in zip(in_sums.u_gain.T, in_sums.u_offset.T, strict=True)
         ]

@@ -259,7 +259,7 @@ def _light(seen: SeenContrast, numbers: Mapping[str, float], *, view: View) -> d
         "plate": seen.plate,
         "ring": seen.over_ring * summed,
         "swept": seen.ring * summed,
-        "ring_angle_rad": seen.centre_angle_rad,
+        "ring_angle_rad": seen.ring_angle_rad,
         "borrowed": _borrowed(seen.model, view) * summed,
         "borrowed_angle_rad": seen.light_angle_rad,
         "excess": seen.residual * summed,

@@ -6,20 +6,19 @@ are solved for at each step: the contrast of the opening; that of the mask plate
 it need not be as warm as the wheel; and a smooth field over the ring, since the solid wheel reflects the camera unevenly.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
-from numba import njit
 
 from irtiming.estimate import sector_linear
 from irtiming.estimate.contrast_look import Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
 from irtiming.estimate.sector_linear import Linear, Solved
-from irtiming.physics import blurred_sector, sector_points
+from irtiming.physics import blurred_ring, blurred_sector, sector_points
+from irtiming.physics.blurred_ring import AlongRadius, Ring
 from irtiming.physics.sector_points import LightPoints
 from irtiming.physics.smooth_field import SmoothField
 from irtiming.records.arrays import Array, ComplexArray, Mask
@@ -33,9 +32,11 @@ HIGHEST_FIELD = 0.1
 
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
-_FAR = 8.3  # standard deviations: beyond is less than the last digit
 _HEIGHTS = np.geomspace(1e-4 * HIGHEST_FIELD, HIGHEST_FIELD, 97)
+_ORDER = 2  # of the wheel's angle: an image shows next to nothing of others
 _PLAIN = LensTerms()
+
+_AnyArray = TypeVar("_AnyArray", Array, ComplexArray)
 
 
 @final
@@ -120,13 +121,14 @@ class SeenContrast:
     ``light`` is the sector's share in each pixel, ``sharp`` the same without glare, ``ring`` that of the ring that the cutouts
     sweep, ``plate`` the plate's contrast as a share of the opening's, ``field`` the smooth one as it shows, with ``unevenness``
     as its standard deviation, ``residual`` what is left of the measured contrast beyond the model, with standard uncertainty
-    ``u``; ``light_angle_rad`` is the mean polar angle of the sector's light in a pixel, ``centre_angle_rad`` that of even light,
-    both from the bisector. ``fits`` are those of the images.
+    ``u``; ``light_angle_rad`` and ``ring_angle_rad`` are the mean polar angles of the sector's light in a pixel and of the
+    ring's, ``centre_angle_rad`` that of even light, all from the bisector. ``fits`` are those of the images.
     """
 
     light: Array
     sharp: Array
     ring: Array
+    ring_angle_rad: Array
     plate: float
     field: Array
     unevenness: float
@@ -164,28 +166,28 @@ class Sharp:
     """What the sector shows with a contrast of 1 and no glare, as if read at once, and what a point in each pixel's place does.
 
     ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region. ``angle_rad`` is
-    the mean angle of even light as the wheel has it when it is read, ``along_px`` the blur along the radius.
+    the mean angle of even light as the wheel has it when it is read, ``along`` how pixels lie along their radius.
     """
 
     sector: ComplexArray
     read: ComplexArray
     angle_rad: Array
     point: ComplexArray
-    radius: Array
-    along_px: Array
+    along: AlongRadius
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Parts:
     """What the sector (complex) and the whole ring would show with a contrast of 1, turned back by each pixel's own phase.
 
-    ``covered`` is how much of each pixel lies in the ring; ``seen`` is what was measured, turned likewise; ``size`` what a point
-    of light shows, DN over contrast; ``swayed`` what numbers that are not known of the camera's levels do, each by its standard
-    uncertainty.
+    ``odd`` is what a warmer blade adds in odd orders, alike wherever the cutouts pass. ``covered`` is how much of each pixel
+    lies in the ring; ``seen`` is what was measured, turned likewise; ``size`` what a point of light shows, DN over contrast;
+    ``swayed`` what numbers that are not known of the camera's levels do, each by its standard uncertainty.
     """
 
     lit: ComplexArray
     ring: ComplexArray
+    odd: ComplexArray
     covered: Array
     seen: ComplexArray
     size: Array
@@ -228,15 +230,15 @@ def change(
 
 def _linear(parts: _Parts, numbers: Mapping[str, float], view: View, *, u_dn: ComplexArray) -> Linear:
     return Linear(
-        levels=np.array([parts.lit, parts.ring - parts.lit, *parts.swayed]),
-        cover=_unmirrored(np.asarray(parts.ring.real), np.asarray(parts.lit.real), numbers),
+        levels=np.array([parts.lit + parts.odd, parts.ring - parts.lit, *parts.swayed]),
+        cover=_unmirrored(parts.ring, parts.lit, numbers),
         basis=view.field,
         good=view.good,
         u_dn=u_dn,
     )
 
 
-def _unmirrored(ring: Array, lit: Array, numbers: Mapping[str, float]) -> Array:
+def _unmirrored(ring: _AnyArray, lit: _AnyArray, numbers: Mapping[str, float]) -> _AnyArray:
     """How much of the wheel's reflection goes where the wheel is cut out: less of it before a plate that mirrors, too."""
     return ring - numbers["plate_reflection"] * (ring - lit)
 
@@ -247,24 +249,22 @@ class _Places:
     """Where a sector lies in the region, the same in the images of all wheel speeds; shapes (roi rows, roi columns).
 
     ``middle_rad`` is the mean polar angle of even light and ``smear_rad`` its standard deviation; ``inside`` are pixels that the
-    border's blur does not reach; ``radius`` and ``along_px`` as of `Sharp`.
+    border's blur does not reach; ``along`` is how pixels lie along their radius.
     """
 
     middle_rad: Array
     smear_rad: Array
     inside: Mask
-    radius: Array
-    along_px: Array
+    along: AlongRadius
 
 
 def _places(shape: SectorShape, view: View) -> _Places:
-    angle, radius = blurred_sector.pixel_places(shape, roi=view.roi)
+    angle, _ = blurred_sector.pixel_places(shape, roi=view.roi)
     return _Places(
         middle_rad=angle + blurred_sector.even_angle_rad(shape, roi=view.roi),
         smear_rad=blurred_sector.angular_reach(shape, roi=view.roi),
         inside=blurred_sector.well_inside(shape, roi=view.roi),
-        radius=radius,
-        along_px=blurred_sector.blur_across_px(shape, roi=view.roi, along=True),
+        along=blurred_ring.along_radius(shape, roi=view.roi),
     )
 
 
@@ -302,11 +302,7 @@ def _sharp(
         angle = places.middle_rad - turn - row_turn * view.rows
         point = look.point.smeared(angle, width_rad=places.smear_rad)
         sector = np.where(places.inside, point / read, border)
-        found.append(
-            Sharp(
-                sector=sector, read=read, angle_rad=angle, point=point, radius=places.radius, along_px=places.along_px
-            )
-        )  # fmt: skip
+        found.append(Sharp(sector=sector, read=read, angle_rad=angle, point=point, along=places.along))
     return found
 
 
@@ -315,11 +311,12 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     sector = blurred_sector.with_glare(made.sector, shape) * made.read
     size = np.abs(made.point)
     back = made.point.conj() / size
-    ring = _ring(shape, numbers, radius=made.radius, blur_px=made.along_px)
+    ring = blurred_ring.seen(shape, _arcs_px(numbers), places=made.along)
     return _Parts(
         lit=sector * back,
         ring=_shown(look, made, shape, ring=ring, roi=view.roi) * back,
-        covered=ring[0] + ring[1],
+        odd=_odd(look, made, shown=ring.whole, width_rad=blurred_sector.angular_reach(shape, roi=view.roi)) * back,
+        covered=ring.whole,
         seen=look.projection * back,
         size=size,
         swayed=tuple(one * back for one in look.swayed),
@@ -337,48 +334,26 @@ def met(look: Look, numbers: Mapping[str, float], *, view: View) -> dict[str, fl
     return {**begin, look.turn: begin[look.turn] + beside}
 
 
-def _shown(
-    look: Look, made: Sharp, shape: SectorShape, *, ring: tuple[Array, Array], roi: tuple[int, int, int, int]
-) -> ComplexArray:
+def _arcs_px(numbers: Mapping[str, float]) -> tuple[float, float]:
+    """Radii of the arcs between which the cutouts sweep."""
+    return numbers["ring_inner_px"], numbers["ring_outer_px"]
+
+
+def _shown(look: Look, made: Sharp, shape: SectorShape, *, ring: Ring, roi: tuple[int, int, int, int]) -> ComplexArray:
     """What a ring of even light shows, of which what goes astray comes from farther round the axle."""
-    stays, astray = ring
+    stays = (ring.stays - 1j * _ORDER * ring.moment_rad) * made.point
     if shape.glare == 0:
-        return stays * made.point
-    return stays * made.point + astray * look.point.smeared(
+        return stays
+    return stays + ring.astray * look.point.smeared(
         made.angle_rad, width_rad=blurred_sector.astray_reach(shape, roi=roi)
     )
 
 
-def _ring(shape: SectorShape, numbers: Mapping[str, float], *, radius: Array, blur_px: Array) -> tuple[Array, Array]:
-    """Share of the ring that the cutouts sweep in each pixel at these radii, blurred along them, shape (roi rows, columns).
-
-    What stays where it is and what goes astray.
-    """
-
-    def smeared(width_px: float) -> Array:
-        own = width_px**2 + 1 / 12  # and the pixel's
-        arcs = numbers["ring_inner_px"], numbers["ring_outer_px"]
-        return np.asarray(_between_arcs(radius.ravel(), blur_px.ravel(), own, arcs).reshape(radius.shape))
-
-    return (1 - shape.glare) * smeared(0.0), shape.glare * smeared(shape.glare_px)
-
-
-@njit(cache=True, nogil=True)
-def _between_arcs(radius: Array, blur: Array, variance: float, arcs: tuple[float, float]) -> Array:
-    """Share of the light between two radii at each radius (n,), spread by a blur (n,) and a further variance; shape (n,)."""
-    out = np.empty(radius.size)
-    for k in range(radius.size):
-        width = math.sqrt(blur[k] ** 2 + variance)
-        out[k] = _normal_below((radius[k] - arcs[0]) / width) * _normal_below((arcs[1] - radius[k]) / width)
-    return out
-
-
-@njit(cache=True, nogil=True)
-def _normal_below(place: float) -> float:
-    """Part of the standard normal distribution below a place; most places are far from it."""
-    if abs(place) > _FAR:
-        return 1.0 if place > 0 else 0.0
-    return 0.5 * math.erfc(-place / math.sqrt(2.0))
+def _odd(look: Look, made: Sharp, *, shown: Array, width_rad: Array) -> ComplexArray:
+    """What a warmer blade takes, in odd orders, of so much of the ring."""
+    if not look.odd.table.any():
+        return np.zeros(shown.shape, complex)
+    return np.asarray(shown * look.odd.smeared(made.angle_rad, width_rad=width_rad))
 
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
@@ -398,12 +373,13 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         (model.full_dn * np.abs(look.point.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
     share = weights / weights.sum()
-    stays, astray = _ring(shape, numbers, radius=places.radius, blur_px=places.along_px)
+    ring = blurred_ring.seen(shape, _arcs_px(numbers), places=places.along)
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
     return SeenContrast(
         light=np.asarray(light),
         sharp=np.asarray(without.real),
-        ring=stays + astray,
+        ring=ring.whole,
+        ring_angle_rad=places.middle_rad + ring.aside_rad,
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),

@@ -29,12 +29,12 @@ _FREE = 2  # terms, light and plate, of which nothing is known beforehand
 class Linear:
     """Terms of an image, turned back by each pixel's phase, and the weights of its pixels.
 
-    ``levels`` (n_level, row, column), complex; ``cover`` (row, column), how much of the field shows, along the phase alone;
+    ``levels`` (n_level, row, column) and ``cover`` (row, column), how much of the field shows, complex;
     ``basis`` of the field; ``u_dn`` the uncertainty of each ``good`` pixel along its phase, real, and across, imaginary.
     """
 
     levels: ComplexArray
-    cover: Array
+    cover: ComplexArray
     basis: SmoothField
     good: Mask
     u_dn: ComplexArray
@@ -74,7 +74,7 @@ class Linear:
         """Normal matrix of all terms, shape (n_level + n_basis, n_level + n_basis)."""
         mixed = np.array([self._field_sums(level) for level in self.levels])
         of_levels = np.einsum("kij,lij->kl", self._weighted.conj(), self.levels).real
-        weight = self.along * self.cover**2
+        weight = self.along * self.cover.real**2 + self.across * self.cover.imag**2
         plain, total, mean = self.basis.sums(weight), float(weight.sum()), self.mean
         of_field = self.basis.products(weight) - np.outer(mean, plain) - np.outer(plain - total * mean, mean)
         return np.block([[of_levels, mixed], [mixed.T, of_field]])
@@ -88,7 +88,7 @@ class Linear:
         return self.levels.real * self.along + 1j * (self.levels.imag * self.across)
 
     def _field_sums(self, image: ComplexArray) -> Array:
-        weighted = self.along * self.cover * np.asarray(image.real, dtype=float)
+        weighted = self.along * self.cover.real * image.real + self.across * self.cover.imag * image.imag
         return np.asarray(self.basis.sums(weighted) - self.mean * weighted.sum())
 
 

@@ -110,12 +110,21 @@ def _widening(shape: SectorShape, roi: tuple[int, int, int, int]) -> Array:
 def even_angle_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
     r"""By how much the mean polar angle of even light exceeds that of a pixel's centre, rad, shape (roi rows, roi columns).
 
+    Where a blur is `askew_px_rad`, what lies nearer to the axle turns by more: :math:`-c / r^2`.
+    """
+    _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
+    return np.asarray(-askew_px_rad(shape, roi=roi) / np.maximum(away, 1.0))
+
+
+def askew_px_rad(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
+    r"""Covariance of distance from the axle and polar angle of what a pixel sees, px rad, shape (roi rows, roi columns).
+
     A blur that is not round has a covariance of places along and across the radius, :math:`c = (b_y^2 - b_x^2) \sin\phi
-    \cos\phi + b_{xy} (\cos^2\phi - \sin^2\phi)`, and what lies nearer to the axle turns by more: :math:`-c / r^2`.
+    \cos\phi + b_{xy} (\cos^2\phi - \sin^2\phi)`; this is c / r.
     """
     down, right, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
     _, _, both = radial(shape.blur, down=down, right=right)
-    return np.asarray(-shape.sense * both * _widening(shape, roi) ** 2 / np.maximum(away, 1.0) ** 2)
+    return np.asarray(shape.sense * both * _widening(shape, roi) ** 2 / np.maximum(away, 1.0))
 
 
 @lru_cache(maxsize=16)

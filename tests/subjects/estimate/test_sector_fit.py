@@ -406,7 +406,7 @@ def test_burrs_are_counted_by_the_light_of_a_pixel_on_the_border():
     residual = 0.05 * np.exp(-(off**2) / (4 * blur_px**2)) * rng.standard_normal(sharp.shape)
     seen = SimpleNamespace(
         sharp=sharp, light=sharp, residual=residual, u=0.0, model=sharp, plate=0.0, ring=0.0 * sharp, over_ring=0.0 * sharp,
-        centre_angle_rad=0.0 * sharp, light_angle_rad=0.0 * sharp, unevenness=0.0, field_height=0.1,
+        ring_angle_rad=0.0 * sharp, centre_angle_rad=0.0 * sharp, light_angle_rad=0.0 * sharp, unevenness=0.0, field_height=0.1,
     )  # fmt: skip
     good = np.ones(sharp.shape, bool)
     view = SimpleNamespace(good=good, summed=good, stand_ins=[], shape=lambda _: None, roi=(0, 60, 0, 40))
@@ -452,13 +452,14 @@ def test_light_counts_where_pixels_are_summed():
     seen = SimpleNamespace(
         plate=0.1, over_ring=np.array([[0.2, 0.3]]), ring=np.array([[0.7, 0.8]]), model=np.ones((1, 2)),
         residual=np.array([[0.04, 0.05]]), light=np.array([[0.9, 0.2]]), centre_angle_rad=np.array([[1.0, 2.0]]),
-        light_angle_rad=np.array([[3.0, 4.0]]),
+        light_angle_rad=np.array([[3.0, 4.0]]), ring_angle_rad=np.array([[5.0, 6.0]]),
     )  # fmt: skip
     view = SimpleNamespace(summed=np.array([[True, False]]), shape=lambda numbers: numbers, stand_ins=())
     found = sector_fit._light(seen, {}, view=view)
     expected = {"ring": [0.2, 0.0], "swept": [0.7, 0.0], "borrowed": [0.0, 0.0], "excess": [0.04, 0.0]}
     assert {name: found[name][0].tolist() for name in expected} == expected
     assert found["excess_angle_rad"].tolist() == [[3.0, 2.0]]
+    assert found["ring_angle_rad"].tolist() == [[5.0, 6.0]]
 
 
 def test_the_ring_is_looked_for_beside_the_opening_and_no_farther_in_than_the_axle():

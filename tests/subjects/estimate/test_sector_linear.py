@@ -23,7 +23,7 @@ def linear():
     good[3, 4] = good[7, 9] = False
     return Linear(
         levels=levels,
-        cover=0.5 + 0.5 * light,
+        cover=(0.5 + 0.5 * light) * np.exp(0.2j * (column - 7) / 7),
         basis=SmoothField.over(np.arange(ROWS, dtype=float), np.arange(COLUMNS, dtype=float), steps=2),
         good=good,
         u_dn=rng.uniform(0.5, 2.0, (2, ROWS, COLUMNS))[0] + 1j * rng.uniform(0.5, 2.0, (ROWS, COLUMNS)),
@@ -35,7 +35,7 @@ def _written_out(one):
     light = one.levels[0].real
     bases = [np.outer(a, b) for a in one.basis.along_rows for b in one.basis.along_columns]
     fields = [one.cover * (base - np.sum(light * base) / light.sum()) for base in bases]
-    terms = [*one.levels, *(field.astype(complex) for field in fields)]
+    terms = [*one.levels, *fields]
     return np.array([
         np.concatenate([(term.real / one.u_dn.real)[one.good], (term.imag / one.u_dn.imag)[one.good]]) for term in terms
     ]).T  # fmt: skip
