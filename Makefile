@@ -16,7 +16,7 @@ test:
 	$(MAKE) --jobs pytest check
 
 pytest: .venv/ready-for-tests
-	OMP_NUM_THREADS=1 $(BIN)/pytest -n 4 --dist worksteal  # four on two cores: some wait for a rig
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n 3 --dist worksteal  # three on two cores: some wait for a rig
 
 # Beside the tests, of which some measure time: nice.
 check: .venv/ready-for-tests

@@ -100,10 +100,11 @@ def estimate(
     Raises
     ------
     IrTimingError
-        If there is no recording, or they do not determine the timing.
+        If there is no recording, if they do not share one opening, or if they do not determine the timing.
     """
     if not recordings:
         raise EstimationError("no recording given; name at least one recording file")
+    recipes.check_one_opening(recordings)
     choices = choices or Choices()
     ordered = in_order(recordings)
     with doubted(one.findings for one in ordered), computing(", ".join(one.name for one in ordered)):

@@ -127,6 +127,34 @@ def check_goes_with(recording: Recording, before: Sequence[ReducedRecording], *,
         )
 
 
+def check_one_opening(recordings: Sequence[ReducedRecording]) -> None:
+    """Refuse recordings that were reduced each for itself: their sums are of other pixels.
+
+    Parameters
+    ----------
+    recordings
+        One or more, of one analysis.
+
+    Raises
+    ------
+    EstimationError
+        If the opening of one is not that of the others; the message names both.
+    """
+    first = recordings[0]
+    for other in recordings[1:]:
+        if other.opening.roi != first.opening.roi or not np.array_equal(other.opening.mask, first.opening.mask):
+            raise EstimationError(
+                f"{other.name} was reduced with an opening of {other.opening.mask.sum()} pixels in {_place(other)}, {first.name} "
+                f"with one of {first.opening.mask.sum()} in {_place(first)}: all must have the same; give the recordings before "
+                "to measurement.reduce as before=, or let measurement.analyse do it"
+            )
+
+
+def _place(one: ReducedRecording) -> str:
+    row0, row1, column0, column1 = one.opening.roi
+    return f"rows {row0} to {row1 - 1}, columns {column0} to {column1 - 1}"
+
+
 def _refuse_another_camera(recording: Recording, other: ReducedRecording) -> None:
     """Refuse where both say which camera made them, and differ; what a recording does not say is no difference."""
     _refuse_another_setting(recording, other)

@@ -1,8 +1,9 @@
 """Sections of a campaign's page: what was judged, control charts, findings, repeatability, and every line."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from irtiming.report.meanings import words
 from irtiming.report.rounding import time_text, value_text
 from irtiming.report.sections.control_chart import Chart, charts, panel, size
 from irtiming.report.sections.over_settings import LEADING, setting_name, setting_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _MOST_LINES, _MOST_BARS = 400, 15
 
@@ -122,19 +126,26 @@ def pareto(campaign: Campaign) -> Section | None:
     running = np.cumsum([n for _, n in most])
     rows = tuple((code, str(n), with_unit(f"{100 * n / total:.0f}", "%"), with_unit(f"{100 * at / total:.0f}", "%"))
                  for (code, n), at in zip(most, running, strict=True))  # fmt: skip
-    with sheet.style():
-        shown = most[:_MOST_BARS]
-        figure = sheet.figure(height_in=0.9 + 0.24 * len(shown))
-        axes = figure.subplots()
-        axes.barh([code for code, _ in shown][::-1], [n for _, n in shown][::-1], color=sheet.BLUE, height=0.65)
-        axes.set_xlabel(t("results"))
-        drawn = sheet.svg(figure, title=t("Findings by frequency"))
+    drawn = sheet.svg(draw_frequencies(dict(most[:_MOST_BARS])), title=t("Findings by frequency"))
     table = Table(
         title=t("Findings"), columns=heads("code", "results", "share", "sum"), align="lrrr", rows=rows,
         note=t("Each code stands once per result; docs/reference/findings.md says what each means."),
     )  # fmt: skip
     panel = Panel(title=t("Findings by frequency"), caption=t("The most frequent first (Pareto)."), svg=drawn)
     return Section(title=t("Findings"), blocks=(panel, table))
+
+
+def draw_frequencies(shown: Mapping[str, int]) -> "Figure":
+    """Bars as long as there are results with each code, the first on top."""
+    from matplotlib.ticker import MaxNLocator
+
+    with sheet.style():
+        drawn = sheet.figure(height_in=0.9 + 0.24 * len(shown))
+        axes = drawn.add_subplot()
+        axes.barh([*shown][::-1], [*shown.values()][::-1], color=sheet.BLUE, height=0.65)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.set_xlabel(t("results"))
+    return drawn
 
 
 def repeatability(campaign: Campaign) -> Section | None:
