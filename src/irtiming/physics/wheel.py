@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from typing import Any, final
 
 import numpy as np
-from numba import njit, vectorize
+from numba import njit
 
 from irtiming.errors import GeometryError
 from irtiming.records.arrays import Array
@@ -36,6 +36,7 @@ from irtiming.records.rig import Rotation
 from irtiming.records.wheel_geometry import EdgeAngles, WheelModel
 
 TURN = 2 * np.pi
+_PER_RAD = 1 / TURN
 EDGE_SIGNS = (-1.0, 1.0, -1.0, 1.0)
 """What edge 0..3 does to a point that it passes: +1 uncovers it, -1 covers it."""
 
@@ -96,7 +97,7 @@ def _passing(alpha: float, edge: float, sweep: float) -> tuple[float, float, flo
 
     Nothing is a difference of large numbers, which a short sweep would show.
     """
-    first, last = (alpha - edge) / TURN, (alpha + sweep - edge) / TURN
+    first, last = (alpha - edge) * _PER_RAD, (alpha + sweep - edge) * _PER_RAD
     before, after = np.floor(first), np.floor(last)
     passed, swept = before, before * (first + last) / 2 - before * (before + 1) / 2
     ends = before * first + after * last - (before * (before + 1) + after * (after + 1)) / 2
@@ -164,25 +165,25 @@ def fading_fraction(wheel_angle_rad: Array, model: WheelModel, *, fades_rad: flo
         Positive; b, by which the wheel turns in one time constant; short against a turn.
     """
     low, high = _opening_ends(wheel_angle_rad, model)
-    edges = zip(EDGE_SIGNS, model.cutout_edges_rad, strict=True)
-    arcs = (
-        high
-        - low
-        + sum(
-            s * (_passages_fading(high, edge, fades_rad) - _passages_fading(low, edge, fades_rad)) for s, edge in edges
-        )
-    )
-    return np.asarray(arcs / model.opening_angle_rad)
+    edges = np.array(model.cutout_edges_rad)
+    arcs = _fading_arcs(high.ravel(), edges, fades_rad) - _fading_arcs(low.ravel(), edges, fades_rad)
+    return np.asarray((arcs / model.opening_angle_rad).reshape(low.shape))
 
 
-@vectorize(cache=True)  # type: ignore[no-untyped-call]
-def _passages_fading(alpha, edge, fades):  # type: ignore[no-untyped-def]
-    """What `_passing` integrates, averaged with such a weight: at each whole turn ahead it bends by one."""
-    turns = (alpha - edge) / TURN
-    whole = np.floor(turns)
-    ahead = np.exp(-TURN * (whole + 1 - turns) / fades)
-    bends = ahead / (1 - np.exp(-TURN / fades))
-    return TURN * (whole * turns - whole * (whole + 1) / 2) + fades * (whole + bends)
+@njit(cache=True, nogil=True)
+def _fading_arcs(alpha: Array, edges: Array, fades: float) -> Any:
+    """What `_open_arcs` averages, averaged with such a weight: at each whole turn ahead it bends by one; rad, shape (n,)."""
+    out, scale = np.empty(alpha.size), 1 / (1 - np.exp(-TURN / fades))
+    for k in range(alpha.size):
+        arc, sign = alpha[k], -1.0
+        for i in range(4):
+            turns = (alpha[k] - edges[i]) * _PER_RAD
+            whole = np.floor(turns)
+            bends = scale * np.exp(-TURN * (whole + 1 - turns) / fades)
+            arc += sign * (TURN * (whole * turns - whole * (whole + 1) / 2) + fades * (whole + bends))
+            sign = -sign
+        out[k] = arc
+    return out
 
 
 def edge_in_opening(wheel_angle_rad: Array, model: WheelModel, *, sweep_rad: float = 0.0) -> Array:
@@ -266,6 +267,29 @@ def at_point(coordinate_rad: Array, edges: EdgeAngles, *, sweep_rad: float) -> P
     )
 
 
+def summed_points(
+    start_rad: Array, offsets_rad: Array, *, weight: Array, edges: EdgeAngles, sweep_rad: float
+) -> PointAverage:
+    """The same of many points that go round together, summed with weights; shapes (n,), and (4, n) of ``passed``.
+
+    Parameters
+    ----------
+    start_rad
+        Wheel coordinate of the place that they go round with at the start of each window, shape (n,).
+    offsets_rad, weight
+        By how much each point is ahead of it, and its weight, shapes (k,).
+    edges, sweep_rad
+        As of `at_point`.
+    """
+    order = np.argsort(offsets_rad)
+    arc, ends, blade_arc, blade_ends, *passed = _summed_points(
+        np.ascontiguousarray(start_rad), offsets_rad[order], weight[order], np.array(edges), sweep_rad
+    )
+    return PointAverage(
+        arc_rad=arc, ends_rad=ends, blade_arc_rad=blade_arc, blade_ends_rad=blade_ends, passed=np.array(passed)
+    )
+
+
 @njit(cache=True, nogil=True)
 def _at_points(start: Array, edges: Array, sweep: float) -> Any:
     """Open arc, its ends, arc of the second blade, its ends, and passages of the four edges, shape (8, n)."""
@@ -281,6 +305,45 @@ def _at_points(start: Array, edges: Array, sweep: float) -> Any:
             out[4 + i, k] = passed
             sign = -sign
         out[0, k], out[1, k], out[2, k], out[3, k] = arc, ends / 2, blade_arc, blade_ends / 2
+    return out
+
+
+@njit(cache=True, nogil=True)
+def _summed_points(start: Array, offset: Array, weight: Array, edges: Array, sweep: float) -> Any:
+    """The same, summed over points in order (k,) with weights, shape (8, n).
+
+    What an edge does to points that it does not pass during the window is told by the sums of their weights and moments.
+    """
+    n, out = offset.size, np.zeros((8, start.size))
+    total, moment = np.zeros(n + 1), np.zeros(n + 1)  # of the points before each
+    for j in range(n):
+        total[j + 1], moment[j + 1] = total[j] + weight[j], moment[j] + weight[j] * offset[j]
+    for k in range(start.size):
+        out[0, k] = out[1, k] = total[n] * (start[k] + sweep / 2) + moment[n]
+        for i in range(4):
+            turn = np.floor((start[k] + offset[0] - edges[i]) * _PER_RAD)
+            first, last = 0, n  # of those that it may pass
+            if offset[n - 1] - offset[0] + sweep < TURN:
+                ahead = (turn + 1) * TURN - (start[k] - edges[i])
+                first, last = np.searchsorted(offset, ahead - sweep), np.searchsorted(offset, ahead)
+            later, later_moment = total[n] - total[last], moment[n] - moment[last]
+            middle = start[k] + sweep / 2 - edges[i]
+            passed = turn * total[first] + (turn + 1) * later
+            swept = turn * ((middle - TURN * (turn + 1) / 2) * total[first] + moment[first])
+            swept += (turn + 1) * ((middle - TURN * (turn + 2) / 2) * later + later_moment)
+            both = swept
+            for j in range(first, last):
+                one, of_one, of_ends = _passing(start[k] + offset[j], edges[i], sweep)
+                passed += weight[j] * one
+                swept += weight[j] * of_one
+                both += weight[j] * of_ends / 2
+            sign = 1.0 if i % 2 else -1.0
+            out[0, k] += sign * swept
+            out[1, k] += sign * both
+            if i >= 2:
+                out[2, k] -= sign * swept
+                out[3, k] -= sign * both
+            out[4 + i, k] = passed
     return out
 
 

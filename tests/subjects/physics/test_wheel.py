@@ -15,6 +15,7 @@ from irtiming.physics.wheel import (
     exposed_fraction,
     fading_fraction,
     slope_centres_rad,
+    summed_points,
     wheel_model,
 )
 
@@ -192,3 +193,17 @@ def test_a_point_is_as_open_and_as_far_behind_the_second_blade_as_many_instants_
     np.testing.assert_allclose(found.behind_second_blade, is_behind.mean(axis=1), atol=2e-4)
     assert found.openness.min() == pytest.approx(0, abs=1e-12)
     assert found.openness.max() == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("sweep", [1e-4, 5e-3, 0.4, 2.9, 7.0])
+@pytest.mark.parametrize(("n", "span"), [(1, 0.0), (60, 1.4), (60, 6.2), (40, 15.0)])
+def test_points_that_are_summed_are_each_of_them_with_its_weight(sweep, n, span):
+    """Oracle: each point by itself, times its weight; in any order, over more than a turn, and in windows that long too."""
+    rng = np.random.default_rng(n)
+    start, offset, weight = rng.uniform(-7, 14, 500), rng.uniform(-span / 2, span / 2, n), rng.standard_normal(n)
+    found = summed_points(start, offset, weight=weight, edges=UNEQUAL, sweep_rad=sweep)
+    each = at_point(start + offset[:, None], UNEQUAL, sweep_rad=sweep)
+    for name in ("arc_rad", "ends_rad", "blade_arc_rad", "blade_ends_rad", "passed"):
+        np.testing.assert_allclose(
+            getattr(found, name), weight @ getattr(each, name), atol=1e-11 * max(1, np.abs(weight).sum()), err_msg=name
+        )

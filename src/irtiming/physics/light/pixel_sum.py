@@ -180,6 +180,11 @@ class Passing:
         """What the open part loses, were all light astray."""
         return self._seen(self.lost)
 
+    @cached_property
+    def late(self) -> list[Array]:
+        """D of each tail, shapes (n,)."""
+        return _tails(self)
+
     def _seen(self, region: SummedRegion | None) -> SeenRegion | None:
         if region is None:
             return None
@@ -227,7 +232,7 @@ def shapes(passing: Passing) -> Shapes:
     """
     opening = passing.opening.fraction
     fraction = opening + _beyond(passing.of_uneven, opening) - passing.glare * _beyond(passing.of_lost, opening)
-    for (share, _), late in zip(passing.tails, _tails(passing), strict=True):
+    for (share, _), late in zip(passing.tails, passing.late, strict=True):
         fraction = fraction + share * late
     return Shapes(
         fraction=fraction + passing.bow * passing.ends.bow,
@@ -290,7 +295,7 @@ def slopes(
     out[5] *= passing.swept_rad / passing.sweep_rad
     names = ("edge_0", "edge_1", "edge_2", "edge_3", "opening_angle", "swept", "lean_low", "lean_high")
     others = {"corner_variance": corners, "glare": -astray, "bow": passing.ends.bow}
-    return dict(zip(names, out, strict=True)) | others | {f"tail_{k}": late for k, late in enumerate(_tails(passing))}
+    return dict(zip(names, out, strict=True)) | others | {f"tail_{k}": late for k, late in enumerate(passing.late)}
 
 
 def _tails(passing: Passing) -> list[Array]:

@@ -12,15 +12,13 @@ from typing import final
 
 import numpy as np
 
-from irtiming.physics.wheel import EDGE_SIGNS, at_point
+from irtiming.physics.wheel import EDGE_SIGNS, summed_points
 from irtiming.records.arrays import Array
 from irtiming.records.reduced import AxleView, Opening
 from irtiming.records.wheel_geometry import EdgeAngles
 
 USUAL_BORDER_RAD = 0.1
 """By how much summed pixels exceed an opening at either end, where the image does not tell."""
-
-_POINTS_AT_ONCE = 2**18  # eight numbers each: 16 MB
 
 
 @final
@@ -113,7 +111,7 @@ class SeenRegion:
 
 
 def seen(region: SummedRegion, centre_rad: Array, *, edges: EdgeAngles, sweep_rad: float) -> SeenRegion:
-    """Of many frames some are looked at at a time: all ends of all frames would be gigabytes.
+    """What shows of a region while the wheel turns.
 
     Parameters
     ----------
@@ -126,17 +124,10 @@ def seen(region: SummedRegion, centre_rad: Array, *, edges: EdgeAngles, sweep_ra
     sweep_rad
         Angle of the window.
     """
-    n, some = centre_rad.size, max(1, _POINTS_AT_ONCE // region.ends_rad.size)
-    (arc, ends, blade, blade_ends), passed = np.empty((4, n)), np.empty((4, n))
-    for first in range(0, n, some):
-        part = slice(first, first + some)
-        points = at_point(centre_rad[part] + region.ends_rad[:, None], edges, sweep_rad=sweep_rad)
-        arc[part], ends[part] = region.weight @ points.arc_rad, region.weight @ points.ends_rad
-        blade[part], blade_ends[part] = region.weight @ points.blade_arc_rad, region.weight @ points.blade_ends_rad
-        passed[:, part] = region.weight @ points.passed
+    points = summed_points(centre_rad, region.ends_rad, weight=region.weight, edges=edges, sweep_rad=sweep_rad)
     return SeenRegion(
-        exposed=arc, at_ends=ends, covered=blade, covered_at_ends=blade_ends, passed=passed, total=region.total,
-        sweep_rad=sweep_rad,
+        exposed=points.arc_rad, at_ends=points.ends_rad, covered=points.blade_arc_rad, covered_at_ends=points.blade_ends_rad,
+        passed=points.passed, total=region.total, sweep_rad=sweep_rad,
     )  # fmt: skip
 
 

@@ -48,16 +48,6 @@ def test_regions_together_show_what_each_does():
     assert summed_region.together(None, None) is None
 
 
-def test_many_frames_are_looked_at_some_at_a_time(monkeypatch):
-    """Oracle: the same frames all at once."""
-    region = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, -0.3]))
-    whole = _seen(region)
-    monkeypatch.setattr(summed_region, "_POINTS_AT_ONCE", 100)
-    parts = _seen(region)
-    np.testing.assert_allclose(parts.exposed, whole.exposed, atol=1e-12)
-    np.testing.assert_allclose(summed_region.slopes(parts), summed_region.slopes(whole), atol=1e-9)
-
-
 def test_derivatives_are_those_of_differences():
     """Oracle: central differences to each edge and to the sweep; the opening has no part in the region."""
     region, step = SummedRegion(ends_rad=np.array([-0.4, 0.0, 0.6]), share=np.array([0.7, 0.3])), 1e-6
