@@ -36,11 +36,7 @@ def weighed(
             for fit, part in zip(fits, parts.shared, strict=True)
         ]
         errors = shared_numbers.residual_errors(fits, np.mean(shared_rad2, axis=0))
-    found = plain.found.values  # where the lowest minimum is
     return joint.fit(
         [model.inflated(float(f)) for model, f in zip(plain.models, factor, strict=True)],
-        [
-            *(replace(one, start=found[one.name], other_starts=(), may_be_mirrored=False) for one in plain.shared),
-            *errors,
-        ],
+        [*(replace(one, start=plain.found.values[one.name]) for one in plain.shared), *errors],
     )
