@@ -16,6 +16,8 @@ from irtiming.records.arrays import Array, ComplexArray, Mask
 from irtiming.records.reduced import ContrastImage, ReducedRecording
 from irtiming.records.wheel_geometry import WheelModel
 
+IMAGE_ORDER = 2
+"""Of the wheel's angle, twice a turn as the cutouts pass: an image shows next to nothing of others."""
 _SWAY_HARMONICS = 24  # of what a sway does to an image: it need not be known as sharply
 _LIT = 0.97
 """Quantile of what pixels show: an opening is a thirtieth of its region at least, and a plate may be nearly all else."""
@@ -74,15 +76,12 @@ def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: 
         group = [recordings[k] for k in members]
         projection = np.sum([_turned_over(one) for one in group], axis=0)
         size = np.abs(projection)
-        table, odd, unsteady = (
-            np.zeros(point_table.SIZE, complex),
-            np.zeros(point_table.SIZE, complex),
-            list[Unsteady](),
-        )
+        (table, odd), unsteady = np.zeros((2, point_table.SIZE), complex), list[Unsteady]()
         for one in group:  # a recording's waves are many, and go with it
             point = _Point.of(one, wheel, timing)
             table += point.table(point.passing, weight=point.image.model_weight)
-            odd += point.table(point.odd, weight=point.image.model_weight)
+            if point.odd.any():
+                odd += point.table(point.odd, weight=point.image.model_weight)
             unsteady += point.unsteady()
         found.append(
             Look(

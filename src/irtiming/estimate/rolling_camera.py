@@ -19,6 +19,7 @@ from irtiming.estimate import (
     steady_image,
     wheel_geometry,
 )
+from irtiming.estimate.contrast_look import IMAGE_ORDER
 from irtiming.estimate.row_light import RowLight
 from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.one_thread import one_thread
@@ -35,7 +36,6 @@ from irtiming.records.wheel_geometry import WheelGeometry, WheelModel
 
 _FEWEST_ROUNDS, _MOST_ROUNDS = 3, 40  # and one that takes the slopes of the image anew
 _WHOLE_ROUNDS = 12  # after so many each goes but half of its way, lest it go to and fro
-_IMAGE_ORDER = 2  # two cutouts pass in a turn
 _AGREED = 0.05  # standard uncertainties, by the noise of the rows, between two rounds
 _NEAR = 1.0  # of them: an image that is told to less than that may go to and fro
 _STAYED = 1.0  # sum of squares that a search gains of each image from where the round before left it
@@ -238,7 +238,7 @@ def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig
 
 def _blades(fits: Sequence[RowTimingFit], model: WheelModel) -> dict[str, float]:
     """What a warmer second blade takes of the contrasts in an image, which is of the second order of the wheel's angle."""
-    steps = wheel_harmonics.open_harmonics(model, _IMAGE_ORDER)[:, _IMAGE_ORDER]
+    steps = wheel_harmonics.open_harmonics(model, IMAGE_ORDER)[:, IMAGE_ORDER]
     part = float((steps[2:].sum() / steps.sum()).real)
     mean = _mean([completed(fit.timing) for fit in fits])
     return {"blade": part * mean[BLADE], "beside": part * mean[BESIDE]}

@@ -14,11 +14,11 @@ from typing import TypeVar, final
 import numpy as np
 
 from irtiming.estimate import sector_linear
-from irtiming.estimate.contrast_look import Look
+from irtiming.estimate.contrast_look import IMAGE_ORDER, Look
 from irtiming.estimate.row_light import SHAPE_NUMBERS, shape_of
 from irtiming.estimate.sector_linear import Linear, Solved
 from irtiming.physics import blurred_ring, blurred_sector, sector_points
-from irtiming.physics.blurred_ring import AlongRadius, Ring
+from irtiming.physics.blurred_ring import EvenLight, Ring
 from irtiming.physics.sector_points import LightPoints
 from irtiming.physics.smooth_field import SmoothField
 from irtiming.records.arrays import Array, ComplexArray, Mask
@@ -33,7 +33,6 @@ HIGHEST_FIELD = 0.1
 GLARE_PX = 6.0
 """Width of the glare, roughly, of which an image says nothing."""
 _HEIGHTS = np.geomspace(1e-4 * HIGHEST_FIELD, HIGHEST_FIELD, 97)
-_ORDER = 2  # of the wheel's angle: an image shows next to nothing of others
 _PLAIN = LensTerms()
 
 _AnyArray = TypeVar("_AnyArray", Array, ComplexArray)
@@ -166,14 +165,14 @@ class Sharp:
     """What the sector shows with a contrast of 1 and no glare, as if read at once, and what a point in each pixel's place does.
 
     ``read`` (roi rows, 1) is what the row's own time of reading adds; the others have the shape of the region. ``angle_rad`` is
-    the mean angle of even light as the wheel has it when it is read, ``along`` how pixels lie along their radius.
+    the mean angle of even light as the wheel has it when it is read, ``even`` where that light lies.
     """
 
     sector: ComplexArray
     read: ComplexArray
     angle_rad: Array
     point: ComplexArray
-    along: AlongRadius
+    even: EvenLight
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -248,23 +247,16 @@ def _unmirrored(ring: _AnyArray, lit: _AnyArray, numbers: Mapping[str, float]) -
 class _Places:
     """Where a sector lies in the region, the same in the images of all wheel speeds; shapes (roi rows, roi columns).
 
-    ``middle_rad`` is the mean polar angle of even light and ``smear_rad`` its standard deviation; ``inside`` are pixels that the
-    border's blur does not reach; ``along`` is how pixels lie along their radius.
+    ``even`` is where the even light lies that pixels see; ``inside`` are pixels that the border's blur does not reach.
     """
 
-    middle_rad: Array
-    smear_rad: Array
+    even: EvenLight
     inside: Mask
-    along: AlongRadius
 
 
 def _places(shape: SectorShape, view: View) -> _Places:
-    angle, _ = blurred_sector.pixel_places(shape, roi=view.roi)
     return _Places(
-        middle_rad=angle + blurred_sector.even_angle_rad(shape, roi=view.roi),
-        smear_rad=blurred_sector.angular_reach(shape, roi=view.roi),
-        inside=blurred_sector.well_inside(shape, roi=view.roi),
-        along=blurred_ring.along_radius(shape, roi=view.roi),
+        even=blurred_ring.even_light(shape, roi=view.roi), inside=blurred_sector.well_inside(shape, roi=view.roi)
     )
 
 
@@ -282,7 +274,7 @@ def _lit(points: LightPoints, looks: Sequence[Look], numbers: Mapping[str, float
     for look in looks:
         turn, row_turn = _turns(look, numbers)
         value = look.point.at_nodes(points.angle_rad - turn - row_turn * points.row_px, gap_rad=points.gap_rad)
-        values.append(value * np.exp(-2j * row_turn * points.row_px) if row_turn else value)
+        values.append(value * np.exp(-1j * IMAGE_ORDER * row_turn * points.row_px) if row_turn else value)
     return np.array(values)
 
 
@@ -298,11 +290,11 @@ def _sharp(
     found = []
     for look, border in zip(looks, borders, strict=True):
         turn, row_turn = _turns(look, numbers)
-        read = np.exp(2j * row_turn * view.rows)
-        angle = places.middle_rad - turn - row_turn * view.rows
-        point = look.point.smeared(angle, width_rad=places.smear_rad)
+        read = np.exp(1j * IMAGE_ORDER * row_turn * view.rows)
+        angle = places.even.angle_rad - turn - row_turn * view.rows
+        point = look.point.smeared(angle, width_rad=places.even.reach_rad)
         sector = np.where(places.inside, point / read, border)
-        found.append(Sharp(sector=sector, read=read, angle_rad=angle, point=point, along=places.along))
+        found.append(Sharp(sector=sector, read=read, angle_rad=angle, point=point, even=places.even))
     return found
 
 
@@ -311,11 +303,11 @@ def _parts(look: Look, numbers: Mapping[str, float], view: View, *, known: Sharp
     sector = blurred_sector.with_glare(made.sector, shape) * made.read
     size = np.abs(made.point)
     back = made.point.conj() / size
-    ring = blurred_ring.seen(shape, _arcs_px(numbers), places=made.along)
+    ring = blurred_ring.seen(shape, _arcs_px(numbers), even=made.even)
     return _Parts(
         lit=sector * back,
         ring=_shown(look, made, shape, ring=ring, roi=view.roi) * back,
-        odd=_odd(look, made, shown=ring.whole, width_rad=blurred_sector.angular_reach(shape, roi=view.roi)) * back,
+        odd=_odd(look, made, shown=ring.whole) * back,
         covered=ring.whole,
         seen=look.projection * back,
         size=size,
@@ -330,7 +322,7 @@ def met(look: Look, numbers: Mapping[str, float], *, view: View) -> dict[str, fl
     """
     begin = {look.turn: 0.0, **numbers}
     parts = _parts(look, begin, view)
-    beside = float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good]))) / 2
+    beside = float(np.angle(np.vdot(parts.lit[view.good], parts.seen[view.good]))) / IMAGE_ORDER
     return {**begin, look.turn: begin[look.turn] + beside}
 
 
@@ -341,7 +333,7 @@ def _arcs_px(numbers: Mapping[str, float]) -> tuple[float, float]:
 
 def _shown(look: Look, made: Sharp, shape: SectorShape, *, ring: Ring, roi: tuple[int, int, int, int]) -> ComplexArray:
     """What a ring of even light shows, of which what goes astray comes from farther round the axle."""
-    stays = (ring.stays - 1j * _ORDER * ring.moment_rad) * made.point
+    stays = (ring.stays - 1j * IMAGE_ORDER * ring.moment_rad) * made.point
     if shape.glare == 0:
         return stays
     return stays + ring.astray * look.point.smeared(
@@ -349,11 +341,11 @@ def _shown(look: Look, made: Sharp, shape: SectorShape, *, ring: Ring, roi: tupl
     )
 
 
-def _odd(look: Look, made: Sharp, *, shown: Array, width_rad: Array) -> ComplexArray:
+def _odd(look: Look, made: Sharp, *, shown: Array) -> ComplexArray:
     """What a warmer blade takes, in odd orders, of so much of the ring."""
     if not look.odd.table.any():
         return np.zeros(shown.shape, complex)
-    return np.asarray(shown * look.odd.smeared(made.angle_rad, width_rad=width_rad))
+    return np.asarray(shown * look.odd.smeared(made.angle_rad, width_rad=made.even.reach_rad))
 
 
 def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn: list[ComplexArray]) -> SeenContrast:
@@ -373,22 +365,22 @@ def contrast(seen: list[Look], numbers: Mapping[str, float], *, view: View, u_dn
         (model.full_dn * np.abs(look.point.table).mean() / look.u_dn) ** 2 for model, look in zip(models, seen, strict=True)
     ])  # fmt: skip
     share = weights / weights.sum()
-    ring = blurred_ring.seen(shape, _arcs_px(numbers), places=places.along)
+    ring = blurred_ring.seen(shape, _arcs_px(numbers), even=places.even)
     left = sum(w * model.left_dn / model.full_dn for w, model in zip(share, models, strict=True))
     return SeenContrast(
         light=np.asarray(light),
         sharp=np.asarray(without.real),
         ring=ring.whole,
-        ring_angle_rad=places.middle_rad + ring.aside_rad,
+        ring_angle_rad=places.even.angle_rad + ring.aside_rad,
         plate=float(share @ [model.plate for model in models]),
         field=np.sum([w * model.field * model.coverage for w, model in zip(share, models, strict=True)], axis=0),
         unevenness=float(share @ [model.unevenness for model in models]),
         residual=_stood_in(np.asarray(left), view),
         u=float(1 / np.sqrt(weights.sum())),
         light_angle_rad=np.asarray(
-            np.where(light > 1e-3, moment / np.maximum(light, 1e-3), places.middle_rad), dtype=float
+            np.where(light > 1e-3, moment / np.maximum(light, 1e-3), places.even.angle_rad), dtype=float
         ),
-        centre_angle_rad=places.middle_rad,
+        centre_angle_rad=places.even.angle_rad,
         fits=models,
     )
 

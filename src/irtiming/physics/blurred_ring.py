@@ -17,25 +17,33 @@ from irtiming.records.row_timing import SectorShape
 
 _FAR = 8.3  # standard deviations: beyond is less than the last digit
 _LEAST_SHARE = 1e-3  # of the ring: of less light no angle is asked for
-_PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AlongRadius:
-    """Mean distance from the axle of what pixels see, its blur, px, and `askew_px_rad`; shapes (roi rows, roi columns)."""
+class EvenLight:
+    """Where the light lies that pixels see of what is even; shapes (roi rows, roi columns).
 
+    ``angle_rad`` is its mean polar angle from the bisector, ``reach_rad`` the standard deviation of that; ``radius_px`` its mean
+    distance from the axle, ``along_px`` the blur along it; ``askew_px_rad`` as `blurred_sector` has it.
+    """
+
+    angle_rad: Array
+    reach_rad: Array
     radius_px: Array
-    blur_px: Array
+    along_px: Array
     askew_px_rad: Array
 
 
-def along_radius(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> AlongRadius:
-    """Those of a region of interest: what a blur moves across the radius lies farther from the axle."""
-    _, radius = blurred_sector.pixel_places(shape, roi=roi)
-    return AlongRadius(
-        radius_px=radius * (1 + blurred_sector.angular_reach(shape, roi=roi) ** 2 / 2),
-        blur_px=blurred_sector.blur_across_px(shape, roi=roi, along=True),
+def even_light(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> EvenLight:
+    """That of a region of interest: what a blur moves across the radius lies farther from the axle."""
+    angle, radius = blurred_sector.pixel_places(shape, roi=roi)
+    reach = blurred_sector.angular_reach(shape, roi=roi)
+    return EvenLight(
+        angle_rad=angle + blurred_sector.even_angle_rad(shape, roi=roi),
+        reach_rad=reach,
+        radius_px=radius * (1 + reach**2 / 2),
+        along_px=blurred_sector.blur_across_px(shape, roi=roi, along=True),
         askew_px_rad=blurred_sector.askew_px_rad(shape, roi=roi),
     )
 
@@ -64,8 +72,8 @@ class Ring:
         return np.asarray(np.where(whole > _LEAST_SHARE, self.moment_rad / np.maximum(whole, _LEAST_SHARE), 0.0))
 
 
-def seen(shape: SectorShape, arcs_px: tuple[float, float], *, places: AlongRadius) -> Ring:
-    r"""Ring between two arcs as pixels in these places see it.
+def seen(shape: SectorShape, arcs_px: tuple[float, float], *, even: EvenLight) -> Ring:
+    r"""Ring between two arcs as pixels see it.
 
     Of a share s of the ring, smeared by a Gaussian along the radius r, light lies beside its even place by
     :math:`c\, s'(r) / s`, where c is the covariance of distance and angle.
@@ -76,15 +84,15 @@ def seen(shape: SectorShape, arcs_px: tuple[float, float], *, places: AlongRadiu
         Its glare counts.
     arcs_px
         Radii of the inner and of the outer arc.
-    places
+    even
         Of the pixels.
     """
-    stays, slope = _between_arcs(places.radius_px, places.blur_px, _PIXEL_PX2, arcs_px)
-    astray, _ = _between_arcs(places.radius_px, places.blur_px, _PIXEL_PX2 + shape.glare_px**2, arcs_px)
+    stays, slope = _between_arcs(even.radius_px, even.along_px, blurred_sector.PIXEL_PX2, arcs_px)
+    astray, _ = _between_arcs(even.radius_px, even.along_px, blurred_sector.PIXEL_PX2 + shape.glare_px**2, arcs_px)
     return Ring(
         stays=(1 - shape.glare) * stays,
         astray=shape.glare * astray,
-        moment_rad=(1 - shape.glare) * places.askew_px_rad * slope,
+        moment_rad=(1 - shape.glare) * even.askew_px_rad * slope,
     )
 
 

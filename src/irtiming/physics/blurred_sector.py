@@ -48,7 +48,7 @@ from irtiming.records.arrays import Array, ComplexArray, Mask, Ticks
 from irtiming.records.blur import Blur
 from irtiming.records.row_timing import SectorShape
 
-_PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
+PIXEL_PX2 = 1 / 12  # variance of a place within a pixel
 SIDES = ("inner arc", "outer arc", "first radial edge", "second radial edge")
 """Of the sector's border; the wheel's edges come to the first radial edge first."""
 
@@ -76,7 +76,7 @@ def pixel_smear(radius_px: Array, *, blur_px: Array | float, order: int | Ticks)
     order
         m, one number or an array that broadcasts against ``radius_px``.
     """
-    return np.asarray(np.exp(-0.5 * order**2 * (blur_px**2 + _PIXEL_PX2) / np.maximum(radius_px, 1.0) ** 2))
+    return np.asarray(np.exp(-0.5 * order**2 * (blur_px**2 + PIXEL_PX2) / np.maximum(radius_px, 1.0) ** 2))
 
 
 def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
@@ -85,7 +85,7 @@ def angular_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Arra
     Blur and the pixel's width are lengths in the image, seen from the axle at the distance that it has there, 1 px at least.
     """
     _, _, away = _directions((shape.axle_row_px, shape.axle_column_px), roi)
-    return np.asarray(np.sqrt(blur_across_px(shape, roi=roi) ** 2 + _PIXEL_PX2) / np.maximum(away, 1.0))
+    return np.asarray(np.sqrt(blur_across_px(shape, roi=roi) ** 2 + PIXEL_PX2) / np.maximum(away, 1.0))
 
 
 def astray_reach(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Array:
@@ -138,7 +138,7 @@ def _directions(axle_px: tuple[float, float], roi: tuple[int, int, int, int]) ->
 
 def reach_px(blur_px: float) -> float:
     """Standard deviation of the place of the light that a pixel sees along rows and along columns, px: blur and pixel."""
-    return math.sqrt(blur_px**2 + _PIXEL_PX2)
+    return math.sqrt(blur_px**2 + PIXEL_PX2)
 
 
 def well_inside(shape: SectorShape, *, roi: tuple[int, int, int, int]) -> Mask:

@@ -312,7 +312,7 @@ def _at_points(start: Array, edges: Array, sweep: float) -> Any:
 def _summed_points(start: Array, offset: Array, weight: Array, edges: Array, sweep: float) -> Any:
     """The same, summed over points in order (k,) with weights, shape (8, n).
 
-    What an edge does to points that it does not pass during the window is told by the sums of their weights and moments.
+    What an edge does to points that it does not pass during the window follows from the sums of their weights and moments.
     """
     n, out = offset.size, np.zeros((8, start.size))
     total, moment = np.zeros(n + 1), np.zeros(n + 1)  # of the points before each

@@ -313,7 +313,7 @@ def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera
     shape = view.shape(numbers)
     (sharp,) = sector_image.sharp([look], numbers, view=view)
     arcs = numbers["ring_inner_px"], numbers["ring_outer_px"]
-    ring = blurred_ring.seen(shape, arcs, places=sharp.along)
+    ring = blurred_ring.seen(shape, arcs, even=sharp.even)
     shown = sector_image._shown(look, sharp, shape, ring=ring, roi=view.roi)
     fine, beyond = 3, 12.0
     row, column = (
@@ -326,7 +326,7 @@ def test_what_goes_astray_over_the_ring_comes_from_farther_round_the_axle(camera
     astray = gaussian_filter(light, fine * 3.0, mode="constant")
     stays = gaussian_filter(light, fine * np.hypot(shape.blur_px, 12**-0.5), mode="constant")
     at = np.ix_(*(_nodes_at(ends, beyond, fine) for ends in (view.rows[:, 0], view.columns[0])))
-    ringed = (sharp.along.radius_px > arcs[0] + 2) & (sharp.along.radius_px < arcs[1] - 2)
+    ringed = (sharp.even.radius_px > arcs[0] + 2) & (sharp.even.radius_px < arcs[1] - 2)
     exact = 0.92 * stays[at] + 0.08 * astray[at]
     as_if_straight = ring.whole * sharp.point
     off, was = (

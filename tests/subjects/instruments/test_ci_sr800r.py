@@ -120,6 +120,8 @@ def test_it_is_set_and_settles_on_every_line(line):
     for state, (asked_s, came_s) in zip(states, times, strict=True):
         assert not (state.is_stable and came_s < settles_s)
         assert state.is_stable or asked_s < settles_s
+        least_k, most_k = (308.15 - 10 * math.exp(-one / 2) for one in (asked_s, came_s))
+        assert least_k - 1e-3 < state.temperature_k < most_k + 1e-3  # of which it says three digits
     assert all(state.target_k == pytest.approx(308.15) for state in states)
     assert states[-1].temperature_k == pytest.approx(308.15, abs=0.02)
 

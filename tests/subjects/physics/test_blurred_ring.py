@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from irtiming.physics import blurred_ring
-from irtiming.physics.blurred_ring import AlongRadius
+from irtiming.physics.blurred_ring import EvenLight
 from irtiming.records.row_timing import SectorShape
 
 ARCS_PX = (9.0, 30.0)
@@ -51,7 +51,7 @@ def test_light_at_an_arc_comes_from_beside_where_a_blur_is_askew(mirrored, glare
     What goes astray comes from all sides, and turns the mean by so much less as it adds to the light.
     """
     shape = replace(SHAPE, mirrored=mirrored, glare=glare, glare_px=5.0)
-    ring = blurred_ring.seen(shape, ARCS_PX, places=blurred_ring.along_radius(shape, roi=ROI))
+    ring = blurred_ring.seen(shape, ARCS_PX, even=blurred_ring.even_light(shape, roi=ROI))
     turned = []
     for row, column in ((24, 27), (24, 38), (37, 27), (31, 42), (9, 54), (51, 11), (10, 10), (31, 62)):
         radius, beside = _drawn(shape, row, column)
@@ -67,7 +67,7 @@ def test_light_at_an_arc_comes_from_beside_where_a_blur_is_askew(mirrored, glare
 
 def test_light_within_the_ring_and_far_from_it_lies_nowhere_beside():
     """Oracle: the limits; amid the ring light comes from all sides, and from outside there is none."""
-    ring = blurred_ring.seen(SHAPE, ARCS_PX, places=blurred_ring.along_radius(SHAPE, roi=ROI))
+    ring = blurred_ring.seen(SHAPE, ARCS_PX, even=blurred_ring.even_light(SHAPE, roi=ROI))
     amid, outside = (30, 52), (0, 0)
     assert ring.stays[amid] == pytest.approx(1, abs=1e-9)
     assert ring.stays[outside] == pytest.approx(0, abs=1e-9)
@@ -77,8 +77,9 @@ def test_light_within_the_ring_and_far_from_it_lies_nowhere_beside():
 def test_a_pixel_sees_the_ring_with_its_own_width():
     """Oracle: points within a pixel, each behind a blur of 0.7 px; a Gaussian as wide as a pixel stands for it."""
     radius = np.linspace(5, 35, 61)[None, :]
-    places = AlongRadius(radius_px=radius, blur_px=np.full(radius.shape, 0.7), askew_px_rad=np.zeros(radius.shape))
-    found = blurred_ring.seen(SHAPE, (10.0, 30.0), places=places)
+    none = np.zeros(radius.shape)
+    even = EvenLight(angle_rad=none, reach_rad=none, radius_px=radius, along_px=none + 0.7, askew_px_rad=none)
+    found = blurred_ring.seen(SHAPE, (10.0, 30.0), even=even)
     within = radius[..., None] + (np.arange(200) + 0.5) / 200 - 0.5
     exact = (ndtr((within - 10) / 0.7) * ndtr((30 - within) / 0.7)).mean(axis=-1)
     np.testing.assert_allclose(found.stays, exact, atol=2e-3)
