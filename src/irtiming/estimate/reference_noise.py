@@ -9,6 +9,10 @@ with the contrast c_p of each pixel: about u_g over the root of the pixels times
 angle, the same for all edges, in all recordings that were corrected with the same references. The images tell it as well: the
 contrast of each pixel in a recording, less its mean over all, is what its gain errs by, and noise. The two are weighed by their
 variances. Without references the gains are those of the camera, the same in all recordings, and the image alone tells them.
+
+A pixel's contrast is what it shows over what a point of light in its place would show in the frames of that recording
+(`estimate.contrast_look`). Where triggers visit the wheel's angles in slow turns, all orders of the wheel show in an image, and
+what is taken for contrast would turn the light by a milliradian.
 """
 
 from collections.abc import Sequence
@@ -17,13 +21,19 @@ from typing import final
 
 import numpy as np
 
-from irtiming.estimate import steady_image
+from irtiming.estimate import contrast_look, steady_image
+from irtiming.estimate.point_table import PointTable
 from irtiming.estimate.shared_numbers import SharedNumber
+from irtiming.physics.camera import camera
 from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
 from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rotation
+from irtiming.records.wheel_geometry import WheelModel
+
+_PIXEL_SPREAD_PX = 12**-0.5  # standard deviation of the places within a pixel
+_LEAST_RADIUS_PX = 1.0
 
 
 @final
@@ -39,8 +49,17 @@ class LightTurn:
     u_references_rad: float
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Light:
+    """Contrast of each summed pixel, about 1 in the opening, and its noise; shapes (roi rows, roi columns)."""
+
+    contrast: Array
+    u: Array
+
+
 def shared(
-    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, rotation: Rotation
+    recordings: Sequence[ReducedRecording], fits: Sequence[EdgeDelayFit], *, wheel: WheelModel, rotation: Rotation
 ) -> list[SharedNumber]:
     """One number per set of references, in units of its standard uncertainty; none where axle or references are not known.
 
@@ -50,12 +69,15 @@ def shared(
     ----------
     recordings, fits
         In the same order, of a snapshot photon camera.
+    wheel
+        That the fits used.
     rotation
         Of the wheel as the camera sees it.
     """
     if any(one.axle is None or one.contrast is None or "u_gain" not in one.pixel_maps for one in recordings):
         return []
-    turns = light_turns([steady_image.by_sums(one, fit) for one, fit in zip(recordings, fits, strict=True)])
+    steady = [steady_image.by_sums(one, fit) for one, fit in zip(recordings, fits, strict=True)]
+    turns = light_turns(steady, wheel=wheel, rotation=rotation)
     sense = -1.0 if rotation == "clockwise" else 1.0
     found = []
     for number, name in enumerate(dict.fromkeys(one.references for one in recordings)):
@@ -86,51 +108,68 @@ def shared(
     return found
 
 
-def light_turns(recordings: Sequence[ReducedRecording]) -> list[LightTurn]:
+def light_turns(recordings: Sequence[ReducedRecording], *, wheel: WheelModel, rotation: Rotation) -> list[LightTurn]:
     """What image and references tell of each recording's light.
 
     Parameters
     ----------
     recordings
         With axle, contrast image and the pixel map ``u_gain``.
+    wheel, rotation
+        As for `shared`.
     """
-    lights = [_light(one) for one in recordings]
-    u_pixel = [one.contrast_image.u_dn / scale for one, (_, scale) in zip(recordings, lights, strict=True)]
-    weight = np.array([1 / u**2 for u in u_pixel])
-    mean = np.average([light for light, _ in lights], axis=0, weights=weight)
-    angle = _angle_rad(recordings[0])
+    lights = [_light(one, wheel, rotation=rotation) for one in recordings]
+    contrast, u = (np.array([getattr(one, name) for one in lights]) for name in ("contrast", "u"))
+    known = np.where(u > 0, u, np.inf) ** -2.0
+    mean = np.sum(known * contrast, axis=0) / np.maximum(known.sum(axis=0), np.finfo(float).tiny)
+    angle = _places(recordings[0]).angle_rad
     whole = float(mean.sum())
     beside = angle - float(np.sum(mean * angle)) / whole
     return [
         LightTurn(
-            image_rad=float(np.sum(light * beside)) / float(light.sum()),
-            u_image_rad=u * float(np.sqrt(np.sum(beside[mean > 0] ** 2))) / whole,
+            image_rad=float(np.sum(light.contrast * beside)) / float(light.contrast.sum()),
+            u_image_rad=float(np.sqrt(np.sum((light.u * beside) ** 2))) / whole,
             u_references_rad=float(np.sqrt(np.sum((mean * beside * one.pixel_maps["u_gain"]) ** 2))) / whole,
         )
-        for one, (light, _), u in zip(recordings, lights, u_pixel, strict=True)
+        for one, light in zip(recordings, lights, strict=True)
     ]
 
 
-def _light(one: ReducedRecording) -> tuple[Array, float]:
-    """Contrast of each summed pixel, about 1 in the opening, shape (roi rows, roi columns); and what it is over, DN.
-
-    The size of its second harmonic in the direction of the phase that its place on the wheel asks for.
-    """
-    image, box = one.contrast_image, np.s_[slice(*one.opening.roi[:2]), slice(*one.opening.roi[2:])]
-    mask, weight = one.opening.mask[box], one.opening.weight[box]
-    turned = image.projection_dn * np.exp(2j * _angle_rad(one))
-    other = image.projection_dn * np.exp(-2j * _angle_rad(one))
-    turned = max((turned, other), key=lambda picture: abs(np.sum(picture[mask])))
-    along = (turned * np.exp(-1j * np.angle(np.sum(turned[mask])))).real
+def _light(one: ReducedRecording, wheel: WheelModel, *, rotation: Rotation) -> _Light:
+    """What each pixel shows over what a point of light in its place would show, as much of it as is in phase with that."""
+    response = camera(one.camera_type, one.readout_mode).response
+    timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: one.integration_time_s or 0.0}
+    (look,) = contrast_look.looks([one], wheel, timing=timing)
+    box = np.s_[slice(*one.opening.roi[:2]), slice(*one.opening.roi[2:])]
+    mask, weight, places = one.opening.mask[box], one.opening.weight[box], _places(one)
+    on_wheel_rad = places.angle_rad if rotation == "clockwise" else -places.angle_rad
+    table = PointTable(table=look.point.table + look.odd.table)
+    point = table.smeared(on_wheel_rad, width_rad=places.reach_rad)
+    point = point * np.exp(1j * np.angle(np.vdot(point[mask], look.projection[mask])))
+    along = (look.projection * point.conj()).real / np.abs(point) ** 2
     scale = float(np.median(along[mask]))
-    return weight * along / scale, scale
+    return _Light(contrast=weight * along / scale, u=weight * look.u_dn / (scale * np.abs(point)))
 
 
-def _angle_rad(one: ReducedRecording) -> Array:
-    """Polar angle of each pixel about the axle, from the opening's mean direction, shape (roi rows, roi columns)."""
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Places:
+    """Polar angle of each pixel about the axle from the opening's mean direction, and that over which it gathers its light.
+
+    Shapes (roi rows, roi columns).
+    """
+
+    angle_rad: Array
+    reach_rad: Array
+
+
+def _places(one: ReducedRecording) -> _Places:
     axle, roi = one.axle, one.opening.roi
-    if axle is None:
-        return np.zeros((roi[1] - roi[0], roi[3] - roi[2]))
+    assert axle is not None
     down = np.arange(roi[0], roi[1])[:, None] - axle.row_px
     across = np.arange(roi[2], roi[3])[None, :] - axle.column_px
-    return np.asarray(np.angle(np.exp(1j * (np.arctan2(down, across) - axle.bisector_rad))))
+    reach_px = float(np.hypot(axle.blur_px, _PIXEL_SPREAD_PX))
+    return _Places(
+        angle_rad=np.angle(np.exp(1j * (np.arctan2(down, across) - axle.bisector_rad))),
+        reach_rad=reach_px / np.maximum(np.hypot(down, across), _LEAST_RADIUS_PX),
+    )

@@ -128,7 +128,7 @@ def _of_pixel_sums(recordings: Sequence[ReducedRecording], rig: Rig) -> Timing:
     )
     own = [
         *pixel_numbers.opening_and_window(recordings, fits, geometry=geometry),
-        *reference_noise.shared(recordings, fits, rotation=geometry.rotation),
+        *reference_noise.shared(recordings, fits, wheel=geometry.model, rotation=geometry.rotation),
     ]
     combined = of_pixel_fits(fits, geometry, models=models, own=own, stated_s=stated_s, rig=errors)
     found = _of_recordings(combined, recordings, rig, fits=fits)
