@@ -144,9 +144,8 @@ def _in_turns(
         if not is_start and (_stay(views, before, fits) or _are_settled(earlier, before, fits)):
             if is_searched:
                 break
-            found, is_searched = fits, True
-            fits = turns.searched(found, views=views)
-            if _move(found, fits) <= _NEAR:
+            before, fits, is_searched = fits, turns.searched(fits, views=views), True
+            if _move(before, fits) <= _NEAR:
                 break
     if _move(before, fits) <= _NEAR:
         return turns.next(turns.timings(fits), views=views, before=fits, is_last=True)

@@ -152,6 +152,45 @@ def test_rounds_that_go_to_and_fro_by_less_than_the_noise_give_a_result(rows, fo
     assert np.max(np.abs(other.values - usual.values) / usual.standard_uncertainties) < 0.5
 
 
+def _rows_at(place):
+    estimate = SimpleNamespace(names=("row_delay",), u=lambda _: 1.0)
+    return (SimpleNamespace(timing={"row_delay": place}, estimate=estimate),)
+
+
+class _TurnsBetween:
+    """Images that stay, and rows that are found at one place after the other; a search ends at ``searched``."""
+
+    def __init__(self, places, searched):
+        self.places, self.at = iter(places), searched
+
+    def next(self, *_, **__):
+        return [SimpleNamespace(sector=SimpleNamespace(gained=0.0))], _rows_at(next(self.places))
+
+    def searched(self, *_, **__):
+        return _rows_at(self.at)
+
+    def timings(self, _):
+        return []
+
+
+@pytest.mark.parametrize(
+    ("places", "searched", "last"),
+    [
+        ((5.0, 0.9, 0.0, 7.0), -0.7, 7.0),  # a search that ends near, on the far side of where the round before was
+        ((5.0, 0.9, 0.0, -3.1, 7.0), -3.0, 7.0),  # one that ends far, from where the next round does not move
+    ],
+)
+def test_what_a_search_finds_is_held_against_where_it_began(monkeypatch, places, searched, last):
+    """Oracle: places in standard uncertainties, by hand; when rounds have agreed, one more takes the slopes anew."""
+    turns = _TurnsBetween(places, searched)
+    monkeypatch.setattr(rolling_camera, "_Turns", lambda **_: turns)
+    monkeypatch.setattr(rolling_camera, "_first_timing", lambda *_, **__: {})
+    monkeypatch.setattr(rolling_camera.by_blackbody, "of_recordings", lambda _: [[0]])
+    one = SimpleNamespace(camera_type="microbolometer", readout_mode="rolling")
+    _, fits = rolling_camera._in_turns([one], None, rig=None)
+    assert fits[0].timing["row_delay"] == last
+
+
 @pytest.mark.parametrize(
     ("places", "is_settled"),
     [
@@ -164,11 +203,7 @@ def test_rounds_that_go_to_and_fro_by_less_than_the_noise_give_a_result(rows, fo
 )
 def test_rounds_end_when_numbers_stay_or_go_to_and_fro(places, is_settled):
     """Oracle: places in standard uncertainties, by hand: 0.05 is to stay, 1 is near."""
-    rounds = [
-        (SimpleNamespace(timing={"row_delay": at}, estimate=SimpleNamespace(names=("row_delay",), u=lambda _: 1.0)),)
-        for at in places
-    ]
-    assert rolling_camera._are_settled(*rounds) == is_settled
+    assert rolling_camera._are_settled(*(_rows_at(place) for place in places)) == is_settled
 
 
 QUADRATIC, CUBIC = "quadratic_nonlinearity", "cubic_nonlinearity"
