@@ -1,6 +1,6 @@
 """The default method for a camera that lags or is read row by row: contrast image and row sums, in turns, until they agree."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -134,9 +134,14 @@ def _in_turns(
     """Contrast image and rows by turns, until the rows' numbers stay."""
     kind = camera(recordings[0].camera_type, recordings[0].readout_mode)
     groups = by_blackbody.of_recordings(recordings)
-    turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups)
-    timings = [_first_timing([recordings[k] for k in members], model, rig=rig) for members in groups]
-    views, fits = turns.next(timings)
+    begins = [_begin([recordings[k] for k in members], model, rig=rig) for members in groups]
+    filtered = {
+        k: share
+        for members, one in zip(groups, begins, strict=True)
+        for k, share in zip(members, one.filtered, strict=True)
+    }
+    turns = _Turns(recordings=recordings, model=model, rig=rig, groups=groups, filtered=filtered)
+    views, fits = turns.next([one.timing for one in begins])
     before, is_searched = fits, False
     for n_round in range(1, _MOST_ROUNDS):
         (earlier, before), is_start = (before, fits), n_round + 1 < _FEWEST_ROUNDS
@@ -158,12 +163,16 @@ def _in_turns(
 
 @dataclass(kw_only=True, eq=False)
 class _Turns:
-    """Images and rows by turns; ``groups`` holds the numbers of the recordings before each blackbody."""
+    """Images and rows by turns; ``groups`` holds the numbers of the recordings before each blackbody.
+
+    ``filtered`` is the share of a recursive filter that the first image of each recording is rid of.
+    """
 
     recordings: Sequence[ReducedRecording]
     model: WheelModel
     rig: Rig
     groups: list[list[int]]
+    filtered: Mapping[int, float]
     slopes: list[Slopes] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -201,7 +210,11 @@ class _Turns:
         self, members: list[int], timing: Timing, start: SectorFit | None, *, fits: Sequence[RowTimingFit],
         slopes: Slopes, is_last: bool,
     ) -> _View:  # fmt: skip
-        seen = _seen(self.recordings, members, fits=fits)
+        seen = (
+            _seen(self.recordings, members, fits=fits)
+            if fits
+            else [frame_steps.unfiltered(self.recordings[k], self.filtered[k]) for k in members]
+        )
         if is_last and start is not None:
             sector = sector_fit.settled(seen, self.model, rig=self.rig, timing=timing, start=start, slopes=slopes)
         elif start is not None and start.n_rounds >= _WHOLE_ROUNDS:
@@ -218,11 +231,20 @@ class _Turns:
         return _View(members=members, sector=sector, light=light, timing=timing)
 
 
-def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig) -> Timing:
+@final
+@dataclass(frozen=True, kw_only=True)
+class _Begin:
+    """Where the turns of a group begin: timing, and the share of a recursive filter in each of its recordings."""
+
+    timing: Timing
+    filtered: tuple[float, ...]
+
+
+def _begin(members: Sequence[ReducedRecording], model: WheelModel, *, rig: Rig) -> _Begin:
     """What the rows say in a sector that is but guessed; where they say nothing, pixels that answer at once.
 
     The search for the sector depends on it: where the response turns the phases of unlike pixels by unlike amounts, it may end in
-    a sector that there is not.
+    a sector that there is not. So it may where frames of few turns hold much of those before.
     """
     kind = camera(members[0].camera_type, members[0].readout_mode)
     at_once = dict.fromkeys(timing_names(kind), 0.0) | {kind.response.PARAMETER: _FIRST_RESPONSE_S}
@@ -231,8 +253,8 @@ def _first_timing(members: Sequence[ReducedRecording], model: WheelModel, *, rig
         lights = [row_light.row_light(one.row_sums.row_px, sector, n_harmonics=kind.n_harmonics) for one in members]
         fits = [row_fit.fit(one, model, light=light) for one, light in zip(members, lights, strict=True)]
     except EstimationError:
-        return at_once
-    return _mean([fit.timing for fit in fits])
+        return _Begin(timing=at_once, filtered=(0.0,) * len(members))
+    return _Begin(timing=_mean([fit.timing for fit in fits]), filtered=tuple(row_fit.to_undo(fit) for fit in fits))
 
 
 def _blades(fits: Sequence[RowTimingFit], model: WheelModel) -> dict[str, float]:
@@ -274,9 +296,9 @@ def _seen(
     recordings: Sequence[ReducedRecording], members: list[int], *, fits: Sequence[RowTimingFit]
 ) -> list[ReducedRecording]:
     """Recordings before one blackbody, with images that know what the round before found in the rows."""
-    if not fits:
-        return [recordings[k] for k in members]
-    return [steady_image.by_rows(frame_steps.unfiltered(recordings[k], fits[k].undone), fits[k]) for k in members]
+    return [
+        steady_image.by_rows(frame_steps.unfiltered(recordings[k], row_fit.to_undo(fits[k])), fits[k]) for k in members
+    ]
 
 
 def _at_once(

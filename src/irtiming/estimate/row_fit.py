@@ -253,8 +253,14 @@ def likelihood(
     return lambda timing: row_timing.likelihood(task.data, task.model, timing=timing)
 
 
-def _to_undo(start: RowTimingFit | None) -> float:
-    """Share of a recursive filter that an earlier fit has found beyond doubt."""
+def to_undo(start: RowTimingFit | None) -> float:
+    """Share of a recursive filter that an earlier fit has found beyond doubt, or holds; 0 without one.
+
+    Parameters
+    ----------
+    start
+        The earlier fit.
+    """
     name = in_camera_filter.PARAMETER
     if start is None or name not in start.estimate:
         return 0.0 if start is None else start.held.get(name, 0.0)
@@ -268,7 +274,7 @@ def _to_take_out(start: RowTimingFit | None, rows: ReducedRecording, *, light: R
     """
     if start is None:
         return None
-    undone, sway = _to_undo(start), start.sway
+    undone, sway = to_undo(start), start.sway
     if (undone > 0) == (start.undone > 0):
         per_light = rows.opening.n_summed(light.row_px) / light.harmonics[:, 0].real
         pixels = np.interp(start.row_px, light.row_px, per_light)  # lit rows may have changed

@@ -1,5 +1,6 @@
 """Contrast image and row sums in turns, on frames that were summed point by point in the time domain."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from irtiming.errors import EstimationError
 from irtiming.estimate import profiles, rolling_camera, timing
 from irtiming.physics.light_gates import gate_angles
+from irtiming.records.reduced import ContrastPairs
 from irtiming.records.rig import LightGates, MaskOpening, Measured, Rig, Wheel
 
 TURN = 2 * np.pi
@@ -152,6 +154,38 @@ def test_rounds_that_go_to_and_fro_by_less_than_the_noise_give_a_result(rows, fo
     assert np.max(np.abs(other.values - usual.values) / usual.standard_uncertainties) < 0.5
 
 
+class _SeenError(Exception):
+    """The images that a fit was to be made of."""
+
+
+def test_images_are_rid_of_the_filter_that_rows_tell_from_the_first_on(rows, found, monkeypatch):
+    """Oracle: by hand; frames less a quarter of those before, over three quarters, and half of them, over a half.
+
+    In frames of few turns all orders of the wheel show in an image, and a filter turns them apart.
+    """
+    now, before = np.full((4, 5), 3.0 + 1j), np.full((4, 5), 2.0 - 1j)
+    weight = np.ones(rows.trigger_ticks.size, complex)
+    pairs = ContrastPairs(projection_dn=now, before_dn=before, frame_weight=weight)
+    one = replace(rows, contrast=replace(rows.contrast_image, projection_dn=now, pairs=pairs))
+
+    def seen(recordings, *_, **__):
+        raise _SeenError(recordings[0].contrast_image.projection_dn)
+
+    monkeypatch.setattr(rolling_camera.sector_fit, "fit", seen)
+    monkeypatch.setattr(rolling_camera.steady_image, "by_rows", lambda recording, _: recording)
+    turns = rolling_camera._Turns(recordings=[one], model=None, rig=None, groups=[[0]], filtered={0: 0.25})
+    with pytest.raises(_SeenError) as first:
+        turns.next([{}])
+    np.testing.assert_allclose(first.value.args[0], (now - 0.25 * before) / 0.75)
+    (fit,) = found.fits
+    filtered = replace(
+        fit.estimate, values=np.where(np.array(fit.estimate.names) == NAMES[3], 0.5, fit.estimate.values)
+    )
+    with pytest.raises(_SeenError) as second:
+        turns.next([{}], before=(replace(fit, estimate=filtered, undone=0.0),))
+    np.testing.assert_allclose(second.value.args[0], (now - 0.5 * before) / 0.5)
+
+
 def _rows_at(place):
     estimate = SimpleNamespace(names=("row_delay",), u=lambda _: 1.0)
     return (SimpleNamespace(timing={"row_delay": place}, estimate=estimate),)
@@ -184,7 +218,7 @@ def test_what_a_search_finds_is_held_against_where_it_began(monkeypatch, places,
     """Oracle: places in standard uncertainties, by hand; when rounds have agreed, one more takes the slopes anew."""
     turns = _TurnsBetween(places, searched)
     monkeypatch.setattr(rolling_camera, "_Turns", lambda **_: turns)
-    monkeypatch.setattr(rolling_camera, "_first_timing", lambda *_, **__: {})
+    monkeypatch.setattr(rolling_camera, "_begin", lambda *_, **__: SimpleNamespace(timing={}, filtered=(0.0,)))
     monkeypatch.setattr(rolling_camera.by_blackbody, "of_recordings", lambda _: [[0]])
     one = SimpleNamespace(camera_type="microbolometer", readout_mode="rolling")
     _, fits = rolling_camera._in_turns([one], None, rig=None)
