@@ -6,7 +6,7 @@ hold all that the frames say; frames may be missing or uneven as they like. Gain
 within: the offset by taking the mean off, the gain by projection.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -23,7 +23,8 @@ _ROUNDING = 1e-12  # of the sum of squares
 class WhiteData:
     """Sum of squares of a row's residuals from a model F: |root F - target|^2 + rest.
 
-    Shapes: ``root`` (k, p) with k at most p, ``target`` (n_row, k), ``rest`` (n_row,), what no periodic model explains.
+    Shapes: ``root`` (k, p) with k at most p, ``target`` (n_row, k), ``rest`` (n_row,), what no periodic model explains, and the
+    rounding at least.
     """
 
     root: Array
@@ -37,17 +38,21 @@ class HarmonicData:
     """One stretch of frames with offsets of its own.
 
     Shapes: ``gram`` (p, p) is B B^T less its mean, ``moment`` (n_row, p) is B d less its mean, ``power`` (n_row,) the sum of
-    squares about the mean; p = 2 M + 1. ``n_frames`` is their number.
+    squares about the mean; p = 2 M + 1. ``n_frames`` is their number; ``frames`` are they themselves, where they are no more
+    than p.
     """
 
     gram: Array
     moment: Array
     power: Array
     n_frames: int
+    frames: WhiteData | None = None
 
     @cached_property
-    def white(self) -> "WhiteData":
+    def white(self) -> WhiteData:
         """The same, as plain least squares."""
+        if self.frames is not None:
+            return self.frames
         sizes, axes = np.linalg.eigh(self.gram)
         kept = sizes > _RANK * sizes[-1]
         root = np.sqrt(sizes[kept])
@@ -61,13 +66,19 @@ class HarmonicData:
         """The same with fewer harmonics."""
         most = (self.gram.shape[0] - 1) // 2
         keep = np.concatenate([np.arange(n_harmonics + 1), most + 1 + np.arange(n_harmonics)])
+        frames = self.frames and replace(self.frames, root=self.frames.root[:, keep])
         return HarmonicData(
-            gram=self.gram[np.ix_(keep, keep)], moment=self.moment[:, keep], power=self.power, n_frames=self.n_frames
-        )
+            gram=self.gram[np.ix_(keep, keep)], moment=self.moment[:, keep], power=self.power, n_frames=self.n_frames,
+            frames=frames,
+        )  # fmt: skip
 
     def some_rows(self, rows: slice) -> "HarmonicData":
         """The same with fewer rows."""
-        return HarmonicData(gram=self.gram, moment=self.moment[rows], power=self.power[rows], n_frames=self.n_frames)
+        whole = self.frames
+        frames = whole and replace(whole, target=whole.target[rows], rest=whole.rest[rows])
+        return HarmonicData(
+            gram=self.gram, moment=self.moment[rows], power=self.power[rows], n_frames=self.n_frames, frames=frames
+        )
 
 
 def compress(wheel_angle_rad: Array, values: Array, *, n_harmonics: int) -> HarmonicData:
@@ -85,11 +96,14 @@ def compress(wheel_angle_rad: Array, values: Array, *, n_harmonics: int) -> Harm
     waves = basis(wheel_angle_rad, n_harmonics=n_harmonics)
     centred = values - values.mean(axis=0)
     waves_mean = waves.mean(axis=1, keepdims=True)
+    power = np.einsum("nr,nr->r", centred, centred)
+    few = wheel_angle_rad.size <= len(waves)
     return HarmonicData(
         gram=_gram(wheel_angle_rad, n_harmonics) - wheel_angle_rad.size * (waves_mean @ waves_mean.T),
         moment=(waves @ centred).T,
-        power=np.einsum("nr,nr->r", centred, centred),
+        power=power,
         n_frames=wheel_angle_rad.size,
+        frames=WhiteData(root=(waves - waves_mean).T, target=centred.T, rest=_ROUNDING * power) if few else None,
     )
 
 

@@ -68,6 +68,22 @@ def test_sum_of_squares_of_any_model_is_that_of_the_frames(frames):
         assert data.power[row] - along**2 / norm == pytest.approx(left @ left, rel=1e-9)
 
 
+@pytest.mark.parametrize("n_frames", [40, 49, 50, 260])
+@pytest.mark.parametrize("n_harmonics", [24, 9])
+def test_plain_least_squares_are_those_of_the_frames(frames, n_frames, n_harmonics):
+    """Oracle: residuals of a periodic model, frame by frame, means taken off; 49 waves are more than those, or fewer."""
+    theta, values = (one[:n_frames] for one in frames)
+    data = compress(theta, values, n_harmonics=24).lowest(n_harmonics).some_rows(slice(1, 4))
+    rng = np.random.default_rng(8)
+    shape = 300 * (rng.normal(size=n_harmonics + 1) + 1j * rng.normal(size=n_harmonics + 1))
+    model, white = at_angles(shape, theta), data.white
+    off = values[:, 1:4] - values[:, 1:4].mean(axis=0) - (model - model.mean())[:, None]
+    found = white.rest + np.sum((white.root @ packed(shape) - white.target) ** 2, axis=1)
+    np.testing.assert_allclose(found, np.sum(off**2, axis=0), rtol=1e-9)
+    assert white.root.shape[0] <= n_frames
+    assert white.rest.min() > 0
+
+
 def test_fewer_harmonics_are_those_of_the_first(frames):
     """Oracle: the frames compressed with fewer from the start."""
     theta, values = frames

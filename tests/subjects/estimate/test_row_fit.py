@@ -50,7 +50,7 @@ def _six(fit):
 def _light_of(numbers, light, camera):
     """The same rows in the light of another sector."""
     shape = shape_of(dict(zip(SHAPE_NUMBERS, numbers, strict=True)), False, image=(camera.rows, camera.columns))
-    points, over_rows = sector_points.light_points(shape), shape.blur.rows_px
+    points, over_rows = sector_points.light_points(shape, n_harmonics=HARMONICS), shape.blur.rows_px
     harmonics = blurred_sector.row_harmonics(points, light.row_px, blur_px=over_rows, n_harmonics=HARMONICS)
     return replace(light, harmonics=(1 - shape.glare) * harmonics)
 
@@ -404,7 +404,7 @@ def test_a_sway_is_told_from_the_wheel_where_frames_visit_its_angles_slowly(brut
     swayed = gain[:, None] * (clean - clean.mean(axis=0) + level) + clean.mean(axis=0) + offset[:, None] * pixels
     rows = _noisy(replace(rows, rows=replace(rows.rows, row_sum_dn=swayed)), _white(20.0), seed=2)
     first = fit = row_fit.fit(rows, camera.model, light=light)
-    for _ in range(5):
+    for _ in range(12):  # steps of a sway are damped
         fit = row_fit.fit(rows, camera.model, light=light, start=fit)
     blind, errors = (np.abs(_six(one)[:5] - truth) for one in (first, fit))
     u = fit.estimate.standard_uncertainties[:5]

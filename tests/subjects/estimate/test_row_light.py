@@ -40,7 +40,10 @@ def test_rows_of_a_bare_sector_are_those_of_the_blurred_sector(sector, bare):
     """Oracle: `physics.blurred_sector`, itself tested by counting; rows with the light of three pixels."""
     found = bare[False]
     whole = blurred_sector.row_harmonics(
-        sector_points.light_points(sector.shape), ROWS, blur_px=sector.shape.blur_px, n_harmonics=HARMONICS
+        sector_points.light_points(sector.shape, n_harmonics=HARMONICS),
+        ROWS,
+        blur_px=sector.shape.blur_px,
+        n_harmonics=HARMONICS,
     )
     lit = whole[:, 0].real > 3
     assert 20 < lit.sum() < ROWS.size

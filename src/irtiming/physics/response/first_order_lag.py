@@ -15,8 +15,9 @@ from irtiming.records.arrays import Array, ComplexArray
 
 PARAMETER = "time_constant"
 
-HARMONICS = 64
-"""Highest order that rolling rows need: at tau = 3 ms and 3 Hz what is beyond has a hundredth of the power of a row's noise."""
+HARMONICS = 256
+"""Highest order that rolling rows need: in frames at a hundred angles of the wheel, what a model leaves out looks like lower
+orders. With 64, a time constant of 2.4 ms from two and a half turns was 11 standard uncertainties off."""
 
 
 def transfer(angular_frequency_rad_per_s: float, time_constant_s: float | Array, *, n_harmonics: int) -> ComplexArray:

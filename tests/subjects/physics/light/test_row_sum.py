@@ -149,8 +149,8 @@ def test_a_lagging_camera_is_read_row_by_row_while_it_relaxes(mode):
 
 
 @pytest.mark.parametrize(("kind", "mode", "order"), [
-    ("photon", "rolling", 256), ("photon", "snapshot", 512), ("microbolometer", "rolling", 64),
-    ("microbolometer", "snapshot", 128),
+    ("photon", "rolling", 256), ("photon", "snapshot", 512), ("microbolometer", "rolling", 256),
+    ("microbolometer", "snapshot", 512),
 ])  # fmt: skip
 def test_a_snapshot_needs_orders_twice_as_high(kind, mode, order):
     """Oracle: by hand; what is beyond is alike in all rows of a snapshot."""
