@@ -147,7 +147,7 @@ def _fit(
         if task.sway is None
         else row_sway.improved(task.sway, scored.sway_step, covariance=scored.sway_covariance),
         kept=task.kept,
-        rival=found.rival,
+        rival=found.rival and replace(found.rival, higher=found.rival.higher / variance_inflation),
         start=found.began,
         n_steps=found.n_steps,
         shape_effect=np.zeros((len(names), len(SHAPE_NUMBERS))),

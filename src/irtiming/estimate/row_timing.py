@@ -108,6 +108,7 @@ def solve(
     if start is None or is_searched:
         coarse, few = [part.lowest(_COARSE) for part in data], model.lowest(_COARSE)
         near = _near(coarse, few, signs=signs, held=fixed)
+        near += _beside(data, model, start=begins[0][1], held=fixed) if begins else []
         n_coarse = sum(one.n_steps for one in near)
         begins += [(one.start, one.values) for one in near]
     ends = [_end(data, model, began=began, begin=begin, held=fixed) for began, begin in begins]
@@ -148,8 +149,32 @@ def _near(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...]
     if not possible:
         least = min((one.values[memory.PARAMETER] for one in found), key=abs)
         raise EstimationError(_no_share(least, step_rad=model.step_rad))
-    by_depth = {round(one.at.deviance, 3): one for one in reversed(possible)}  # of equal ones that from the least share
-    return list(by_depth.values())
+    return _each_once(possible)
+
+
+def _beside(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Timing) -> list[Minimum]:
+    """The minima of some rows that lie at other shares of the frame before than an earlier fit, found with all harmonics.
+
+    A lag and a filter that are nearly as long make one valley of two minima, which few harmonics do not tell apart.
+    """
+    memory = model.camera.memory
+    if memory.PARAMETER in held:
+        return []
+    few, rows = _some_rows(data, model)
+    at = [{memory.PARAMETER: share} for share in memory.LOOKED_AT]
+    there = [_minimum(few, rows, start={**start, **one}, held={**held, **one})[0].values for one in at]
+    return _each_once([_with_share(few, rows, start=one, held=held)[0] for one in there])
+
+
+def _each_once(found: Sequence[Minimum]) -> list[Minimum]:
+    """Those of other deviances; of equal ones the first."""
+    return list({round(one.at.deviance, 3): one for one in reversed(found)}.values())
+
+
+def _some_rows(data: Sequence[HarmonicData], model: RowSum) -> tuple[list[HarmonicData], RowSum]:
+    """As few rows as a search looks at."""
+    every = slice(None, None, max(1, model.row_px.size // _SEARCHED_ROWS))
+    return [part.some_rows(every) for part in data], model.some_rows(every)
 
 
 def _is_share(value: float) -> bool:
@@ -276,8 +301,7 @@ def _search(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ..
     The wheel looks the same after half a turn, so the middle row is taken to be read at most a fifth of that before the trigger
     and four fifths after it.
     """
-    every = slice(None, None, max(1, model.row_px.size // _SEARCHED_ROWS))
-    model, data = model.some_rows(every), [part.some_rows(every) for part in data]
+    data, model = _some_rows(data, model)
     omega, response = model.angular_frequency_rad_per_s, model.camera.response.PARAMETER
     memory = model.camera.memory.PARAMETER
     part = max(data, key=lambda one: one.n_frames)
