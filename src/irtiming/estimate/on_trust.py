@@ -43,6 +43,9 @@ def of(recordings: Sequence[ReducedRecording], *, rig: Rig, is_length_checked: b
         "clock_frequency, where rotation_speed is wrong by as much": True,
         "trigger_delay_time_set": recordings[0].events is None,
         _OF_EVENT["trigger" if recordings[0].events is None else recordings[0].events.kind]: True,
+        "that the control slots are regular, which fewer than nine turns do not tell": not all(
+            one.track.has_learned_slots for one in recordings
+        ),
         "that the control gate stamps the edge of each slot that is in register with the cutouts": not several,
     }
     return (

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from irtiming.records.arrays import Array, Ticks
 from irtiming.records.finding import Finding
 from irtiming.records.short_repr import short_repr
@@ -60,3 +62,8 @@ class WheelTrack:
     ahead_rad: float = 0.0
     clock_relative_error: float = 0.0
     register_rad_per_s: float | None = None
+
+    @property
+    def has_learned_slots(self) -> bool:
+        """Whether its slots were learned from timestamps; else they are taken as regular."""
+        return bool(np.any(self.u_slot_deviation_rad > 0) or np.any(self.slot_deviation_rad != 0))

@@ -17,8 +17,10 @@ RIG = Rig(
 )  # fmt: skip
 
 
-def _recording(*, wheel_hz=3.0, lost=(), window_s=None):
-    track = SimpleNamespace(clock_frequency_hz=HZ, angular_frequency_rad_per_s=2 * np.pi * wheel_hz)
+def _recording(*, wheel_hz=3.0, lost=(), window_s=None, learned=True):
+    track = SimpleNamespace(
+        clock_frequency_hz=HZ, angular_frequency_rad_per_s=2 * np.pi * wheel_hz, has_learned_slots=learned
+    )
     return SimpleNamespace(
         trigger_ticks=np.delete(7000 + PERIOD_TICKS * np.arange(50), lost), track=track, events=None, camera_type="photon",
         opening=SimpleNamespace(mask=np.zeros((101, 40), bool)), integration_time_s=window_s,
@@ -72,3 +74,11 @@ def test_a_ruler_checks_the_slots():
     """Oracle: one slot more moves the beam by some millimetres, which a ruler tells."""
     ruled = replace(RIG, light_gates=replace(RIG.light_gates, height_m=47e-3))
     assert "whole_slots_between" not in on_trust.of([_recording()], rig=ruled)[0].what
+
+
+def test_slots_that_no_turns_told_are_taken_as_regular_on_trust():
+    """Oracle: by hand; one recording of two has fewer than the nine turns that are needed to learn them."""
+    (learned,) = on_trust.of([_recording(), _recording()], rig=RIG)
+    (one_is_short,) = on_trust.of([_recording(), _recording(learned=False)], rig=RIG)
+    assert "slots are regular" not in learned.what
+    assert "slots are regular" in one_is_short.what

@@ -14,7 +14,6 @@ from irtiming.records.recording import Recording
 from irtiming.records.rig import Rig
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.wheel import wheel_angles
-from irtiming.reduce.wheel.wheel_calibration import has_learned
 
 _EDGES: tuple[ReferenceEdge, ReferenceEdge] = ("first", "second")
 _APART, _TIMES = (
@@ -56,8 +55,8 @@ def named(recording: Recording, others: Sequence[WheelTrack], *, rig: Rig, choic
 def _misfit(track: WheelTrack, others: Sequence[WheelTrack]) -> float:
     """Chi-square of its slots about the mean of as many that others learned; 0 where there is nothing to compare."""
     n_slots = track.slot_deviation_rad.size
-    learned = [one for one in others if has_learned(one) and one.slot_deviation_rad.size == n_slots]
-    if not learned or not has_learned(track):
+    learned = [one for one in others if one.has_learned_slots and one.slot_deviation_rad.size == n_slots]
+    if not learned or not track.has_learned_slots:
         return 0.0
     known, u = (
         np.array([getattr(one, name) for one in learned]) for name in ("slot_deviation_rad", "u_slot_deviation_rad")

@@ -6,7 +6,7 @@ from irtiming.records.wheel_calibration import WheelCalibration
 from irtiming.records.wheel_track import WheelTrack
 from irtiming.reduce.wheel.slot_table import SlotTable
 from irtiming.reduce.wheel.slots_on_track import with_common_zero, with_slots
-from irtiming.reduce.wheel.wheel_calibration import WheelRun, calibrate, has_learned, stands_on
+from irtiming.reduce.wheel.wheel_calibration import WheelRun, calibrate, stands_on
 
 
 def pool(
@@ -35,7 +35,7 @@ def pool(
     ReductionError
         If the earlier calibration is of a wheel with another number of slots.
     """
-    if before is None and not any(has_learned(run.track) for run in runs):
+    if before is None and not any(run.track.has_learned_slots for run in runs):
         return [run.track for run in runs], None
     calibration = calibrate(runs, before=before)
     slots = SlotTable(deviation_rad=calibration.slot_deviation_rad, order_variance_rad2=calibration.order_variance_rad2)

@@ -94,11 +94,6 @@ def from_recordings(
     return calibrate(runs)
 
 
-def has_learned(found: WheelTrack) -> bool:
-    """Whether a track's slots were learned from its timestamps."""
-    return bool(np.any(found.u_slot_deviation_rad > 0) or np.any(found.slot_deviation_rad != 0))
-
-
 def calibrate(runs: Sequence[WheelRun], *, before: WheelCalibration | None = None) -> WheelCalibration:
     """Slots, ripple and register of a wheel, pooled over recordings of any speeds.
 
@@ -117,7 +112,7 @@ def calibrate(runs: Sequence[WheelRun], *, before: WheelCalibration | None = Non
     """
     _refuse_other_rings(runs, before)
     known = before.sha256 if before else ()
-    new = [run for run in runs if has_learned(run.track) and not (run.sha256 and run.sha256 in known)]
+    new = [run for run in runs if run.track.has_learned_slots and not (run.sha256 and run.sha256 in known)]
     own, warnings = _by_speed([_at_speed(run.track) for run in new])
     if before is not None and (doubt := _contradiction(own, before.speeds)):
         alone = calibrate(runs)
@@ -154,7 +149,7 @@ def calibrate(runs: Sequence[WheelRun], *, before: WheelCalibration | None = Non
 def stands_on(found: WheelTrack, speeds: Sequence[SlotsAtSpeed]) -> bool:
     """Whether a track's own slots went into these, or it has none."""
     hz = found.angular_frequency_rad_per_s / TURN
-    return not has_learned(found) or any(_is_same_speed(hz, one.rotation_speed_hz) for one in speeds)
+    return not found.has_learned_slots or any(_is_same_speed(hz, one.rotation_speed_hz) for one in speeds)
 
 
 def _is_same_speed(one_hz: float, other_hz: float) -> bool:
