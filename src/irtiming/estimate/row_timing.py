@@ -153,7 +153,7 @@ def _near(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...]
 
 
 def _beside(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Timing) -> list[Minimum]:
-    """The minima of some rows that lie at other shares of the frame before than an earlier fit, found with all harmonics.
+    """The minima of some rows, with a share below one, that lie at other shares than an earlier fit, found with all harmonics.
 
     A lag and a filter that are nearly as long make one valley of two minima, which few harmonics do not tell apart.
     """
@@ -163,7 +163,8 @@ def _beside(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held:
     few, rows = _some_rows(data, model)
     at = [{memory.PARAMETER: share} for share in memory.LOOKED_AT]
     there = [_minimum(few, rows, start={**start, **one}, held={**held, **one})[0].values for one in at]
-    return _each_once([_with_share(few, rows, start=one, held=held)[0] for one in there])
+    found = [_with_share(few, rows, start=one, held=held)[0] for one in there]
+    return _each_once([one for one in found if abs(one.values[memory.PARAMETER]) < 1])
 
 
 def _each_once(found: Sequence[Minimum]) -> list[Minimum]:

@@ -1,5 +1,7 @@
 """Rows of a camera whose filter and lag look nearly alike: which of two minima is found, and what is said of the other."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from test_row_timing import M, _model
@@ -12,6 +14,7 @@ from irtiming.physics.wheel_harmonics import at_angles
 
 OMEGA, FRAME_S = 2 * np.pi * 1.1, 14e-3
 DELAY_S, LAG_S, SHARE = 3.4e-3, 2.6e-3, 0.3
+MEMORY = "recursive_filter"
 MODEL = _model(camera=camera("microbolometer", "snapshot"), angular_frequency_rad_per_s=OMEGA, step_rad=OMEGA * FRAME_S)
 
 
@@ -72,3 +75,30 @@ def test_a_share_below_zero_adds_its_square_to_the_misfit():
     added = found.misfit - found.minimum.at.deviance
     assert added == pytest.approx((found.timing["recursive_filter"] / u) ** 2, rel=1e-6)
     assert row_timing.solve(_data(4), MODEL, signs=(-1,), held={"recursive_filter": SHARE}).u.keys() == found.u.keys()
+
+
+def test_a_search_beside_an_earlier_fit_ends_at_shares_below_one_each_once(monkeypatch):
+    """Oracle: by hand; a filter of 1.7 leaves each harmonic as strong as one of 1 / 1.7, a frame later, and is no camera's."""
+    ends = {
+        0.0: (0.04, 12.0),
+        0.25: (1.7, 3.0),
+        0.5: (0.04, 12.0),
+    }  # share from which a search begins: where it ends, how deep
+    kind = camera("microbolometer", "rolling")
+    model = SimpleNamespace(camera=kind, row_px=np.arange(3), some_rows=lambda _: None)
+    held_first = []
+
+    def minimum(_, __, *, start, held):
+        held_first.append(held)
+        return SimpleNamespace(values=start), None
+
+    def with_share(_, __, *, start, held):
+        share, deviance = ends[start[MEMORY]]
+        return SimpleNamespace(values={MEMORY: share}, at=SimpleNamespace(deviance=deviance)), held
+
+    monkeypatch.setattr(row_timing, "_minimum", minimum)
+    monkeypatch.setattr(row_timing, "_with_share", with_share)
+    (found,) = row_timing._beside([], model, start={MEMORY: 0.1}, held={})
+    assert found.values == {MEMORY: 0.04}
+    assert held_first == [{MEMORY: share} for share in ends]
+    assert row_timing._beside([], model, start={MEMORY: 0.1}, held={MEMORY: 0.1}) == []

