@@ -64,6 +64,12 @@ class Look:
     swayed: tuple[ComplexArray, ...] = ()
 
 
+def as_stated(recording: ReducedRecording) -> Timing:
+    """Timing of a camera of which nothing is known but the integration time that its recording states: no delay."""
+    response = camera(recording.camera_type, recording.readout_mode).response
+    return dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recording.integration_time_s or 0.0}
+
+
 def looks(recordings: Sequence[ReducedRecording], wheel: WheelModel, *, timing: Timing) -> list[Look]:
     """Contrast images added up by wheel speed.
 

@@ -67,18 +67,13 @@ class HarmonicData:
         most = (self.gram.shape[0] - 1) // 2
         keep = np.concatenate([np.arange(n_harmonics + 1), most + 1 + np.arange(n_harmonics)])
         frames = self.frames and replace(self.frames, root=self.frames.root[:, keep])
-        return HarmonicData(
-            gram=self.gram[np.ix_(keep, keep)], moment=self.moment[:, keep], power=self.power, n_frames=self.n_frames,
-            frames=frames,
-        )  # fmt: skip
+        return replace(self, gram=self.gram[np.ix_(keep, keep)], moment=self.moment[:, keep], frames=frames)
 
     def some_rows(self, rows: slice) -> "HarmonicData":
         """The same with fewer rows."""
         whole = self.frames
         frames = whole and replace(whole, target=whole.target[rows], rest=whole.rest[rows])
-        return HarmonicData(
-            gram=self.gram, moment=self.moment[rows], power=self.power[rows], n_frames=self.n_frames, frames=frames
-        )
+        return replace(self, moment=self.moment[rows], power=self.power[rows], frames=frames)
 
 
 def compress(wheel_angle_rad: Array, values: Array, *, n_harmonics: int) -> HarmonicData:

@@ -24,7 +24,7 @@ import numpy as np
 from irtiming.estimate import contrast_look, steady_image
 from irtiming.estimate.point_table import PointTable
 from irtiming.estimate.shared_numbers import SharedNumber
-from irtiming.physics.camera import camera
+from irtiming.physics import blurred_sector
 from irtiming.records import sources
 from irtiming.records.arrays import Array
 from irtiming.records.estimate import EDGE_DELAYS, EdgeDelayFit
@@ -32,7 +32,6 @@ from irtiming.records.reduced import ReducedRecording
 from irtiming.records.rig import Rotation
 from irtiming.records.wheel_geometry import WheelModel
 
-_PIXEL_SPREAD_PX = 12**-0.5  # standard deviation of the places within a pixel
 _LEAST_RADIUS_PX = 1.0
 
 
@@ -137,9 +136,7 @@ def light_turns(recordings: Sequence[ReducedRecording], *, wheel: WheelModel, ro
 
 def _light(one: ReducedRecording, wheel: WheelModel, *, rotation: Rotation) -> _Light:
     """What each pixel shows over what a point of light in its place would show, as much of it as is in phase with that."""
-    response = camera(one.camera_type, one.readout_mode).response
-    timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: one.integration_time_s or 0.0}
-    (look,) = contrast_look.looks([one], wheel, timing=timing)
+    (look,) = contrast_look.looks([one], wheel, timing=contrast_look.as_stated(one))
     box = np.s_[slice(*one.opening.roi[:2]), slice(*one.opening.roi[2:])]
     mask, weight, places = one.opening.mask[box], one.opening.weight[box], _places(one)
     on_wheel_rad = places.angle_rad if rotation == "clockwise" else -places.angle_rad
@@ -168,8 +165,7 @@ def _places(one: ReducedRecording) -> _Places:
     assert axle is not None
     down = np.arange(roi[0], roi[1])[:, None] - axle.row_px
     across = np.arange(roi[2], roi[3])[None, :] - axle.column_px
-    reach_px = float(np.hypot(axle.blur_px, _PIXEL_SPREAD_PX))
     return _Places(
         angle_rad=np.angle(np.exp(1j * (np.arctan2(down, across) - axle.bisector_rad))),
-        reach_rad=reach_px / np.maximum(np.hypot(down, across), _LEAST_RADIUS_PX),
+        reach_rad=blurred_sector.reach_px(axle.blur_px) / np.maximum(np.hypot(down, across), _LEAST_RADIUS_PX),
     )

@@ -145,11 +145,11 @@ def _near(data: Sequence[HarmonicData], model: RowSum, *, signs: tuple[int, ...]
     shares = [held[memory.PARAMETER]] if memory.PARAMETER in held else memory.LOOKED_AT
     starts = [{**_search(data, model, signs=signs, held={**held, memory.PARAMETER: share}), **held} for share in shares]
     found = [_with_share(data, model, start=start, held=held)[0] for start in starts]
-    possible = [one for one in found if abs(one.values[memory.PARAMETER]) < 1]
+    possible = _possible(found, memory.PARAMETER)
     if not possible:
         least = min((one.values[memory.PARAMETER] for one in found), key=abs)
         raise EstimationError(_no_share(least, step_rad=model.step_rad))
-    return _each_once(possible)
+    return possible
 
 
 def _beside(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held: Timing) -> list[Minimum]:
@@ -163,13 +163,13 @@ def _beside(data: Sequence[HarmonicData], model: RowSum, *, start: Timing, held:
     few, rows = _some_rows(data, model)
     at = [{memory.PARAMETER: share} for share in memory.LOOKED_AT]
     there = [_minimum(few, rows, start={**start, **one}, held={**held, **one})[0].values for one in at]
-    found = [_with_share(few, rows, start=one, held=held)[0] for one in there]
-    return _each_once([one for one in found if abs(one.values[memory.PARAMETER]) < 1])
+    return _possible([_with_share(few, rows, start=one, held=held)[0] for one in there], memory.PARAMETER)
 
 
-def _each_once(found: Sequence[Minimum]) -> list[Minimum]:
-    """Those of other deviances; of equal ones the first."""
-    return list({round(one.at.deviance, 3): one for one in reversed(found)}.values())
+def _possible(found: Sequence[Minimum], share: str) -> list[Minimum]:
+    """Those whose share of the frame before, by its name, is below one; of equal deviances the first."""
+    below = [one for one in found if abs(one.values[share]) < 1]
+    return list({round(one.at.deviance, 3): one for one in reversed(below)}.values())
 
 
 def _some_rows(data: Sequence[HarmonicData], model: RowSum) -> tuple[list[HarmonicData], RowSum]:

@@ -9,13 +9,19 @@ from dataclasses import replace
 import numpy as np
 
 from irtiming.errors import EstimationError
-from irtiming.estimate import by_blackbody, image_doubts, pixel_sums, plate_light, sector_fit, steady_image
+from irtiming.estimate import (
+    by_blackbody,
+    contrast_look,
+    image_doubts,
+    pixel_sums,
+    plate_light,
+    sector_fit,
+    steady_image,
+)
 from irtiming.estimate.row_light import slopes
 from irtiming.estimate.sector_search import Slopes
 from irtiming.inference.one_thread import one_thread
 from irtiming.physics import blurred_sector
-from irtiming.physics.camera import camera
-from irtiming.physics.light.row_sum import EDGE_DELAYS
 from irtiming.records.arrays import Array, Mask
 from irtiming.records.finding import Finding
 from irtiming.records.reduced import AxleView, Opening, ReducedRecording
@@ -102,8 +108,7 @@ def _no_sector(error: EstimationError) -> Finding:
 
 def _sector(recordings: list[ReducedRecording], wheel: WheelModel, *, rig: Rig) -> tuple[SectorFit, SectorFit]:
     """As read at once, and with a row delay."""
-    response = camera(recordings[0].camera_type, recordings[0].readout_mode).response
-    timing = dict.fromkeys(EDGE_DELAYS, 0.0) | {response.PARAMETER: recordings[0].integration_time_s or 0.0}
+    timing = contrast_look.as_stated(recordings[0])
     sector = sector_fit.fit(recordings, wheel, rig=rig, timing=timing)
     kept = Slopes()
     for _ in range(_ROUNDS - 2):

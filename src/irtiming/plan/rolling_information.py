@@ -36,7 +36,6 @@ from irtiming.records.row_timing import SectorShape
 from irtiming.records.sources import EDGES, IMAGE
 from irtiming.records.wheel_geometry import WheelModel
 
-_HARMONICS = 64
 _LEAST_LIGHT_PX2 = 3.0
 _IN_LIGHT = 0.05  # px^2: what a pixel has that counts to the row for sure
 _ROWS = 50  # at least, that are looked at
@@ -94,7 +93,7 @@ class Rows:
     weight: int
 
 
-def rows_of(sector: SectorShape, *, n_harmonics: int = _HARMONICS) -> Rows:
+def rows_of(sector: SectorShape, *, n_harmonics: int) -> Rows:
     """Rows with the light of three pixels or more, and how they change with each number of the sector's shape.
 
     Each pixel keeps its amount of light, which the contrast image shows: only where it lies changes.

@@ -38,7 +38,7 @@ def sector():
 @pytest.fixture(scope="module")
 def run(sector):
     """One run of 1000 frames at 5 Hz."""
-    rows = rolling_information.rows_of(sector)
+    rows = rolling_information.rows_of(sector, n_harmonics=64)
     return RollingRun(camera=CAMERA, rows=rows, angular_frequency_rad_per_s=TURN * 5, n_frames=1000, step_rad=0.622)
 
 
@@ -222,7 +222,7 @@ def test_noise_falls_with_the_root_of_the_runs(run, image):
 def test_rows_that_stand_for_others_tell_what_all_would(sector, run, monkeypatch):
     """Oracle: all rows of the opening, one by one; some of them stand for the rest within a tenth."""
     monkeypatch.setattr(rolling_information, "_ROWS", 8)
-    fewer = replace(run, rows=rolling_information.rows_of(sector))
+    fewer = replace(run, rows=rolling_information.rows_of(sector, n_harmonics=64))
     assert fewer.rows.weight == run.rows.row_px.size // 8
     every, _ = rolling_information.normal_and_effect(run, MODEL)
     some, _ = rolling_information.normal_and_effect(fewer, MODEL)
